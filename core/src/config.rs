@@ -1,0 +1,172 @@
+//! Every number of the method in one place: [`Config`], checked once, by `Tracker::new`.
+
+use crate::similarity::Table;
+use core::fmt;
+
+/// A ratio of two integers, `numerator / denominator`; the denominator is at least 1.
+///
+/// ```
+/// use smr_core::Fraction;
+/// let k = Fraction { numerator: 1, denominator: 4 };
+/// assert_eq!(k.ceil_of(50), 13); // 12.5, rounded up
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Fraction {
+    /// What stands above the line.
+    pub numerator: u16,
+    /// What stands below the line; at least 1.
+    pub denominator: u16,
+}
+
+impl Fraction {
+    /// `numerator / denominator`.
+    #[must_use]
+    pub const fn new(numerator: u16, denominator: u16) -> Self {
+        Self { numerator, denominator }
+    }
+
+    /// The smallest integer that is not less than `value` times the fraction. A denominator of 0 counts as 1.
+    #[must_use]
+    pub fn ceil_of(self, value: u8) -> u32 {
+        // At most 255 * 65535: far from the end of a u32.
+        (u32::from(value) * u32::from(self.numerator)).div_ceil(u32::from(self.denominator).max(1))
+    }
+
+    /// True if `upper / lower` is at least the fraction: exact, without a division.
+    #[must_use]
+    pub fn reached_by(self, upper: u32, lower: u32) -> bool {
+        // Both products are below 2^48.
+        u64::from(upper) * u64::from(self.denominator) >= u64::from(lower) * u64::from(self.numerator)
+    }
+}
+
+/// How far the search window reaches to each side of the last position, in pixels: offsets -x..=x and -y..=y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Radius {
+    /// To the left and to the right.
+    pub x: u16,
+    /// Up and down.
+    pub y: u16,
+}
+
+/// How clearly the peak must stand above the runner-up before a frame is believed.
+///
+/// Each is the least ratio of the two scores; which one holds depends on where the target is and where it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Gate {
+    /// While tracking inside the frame.
+    pub tracking: Fraction,
+    /// When the box at the peak touches the border of the frame.
+    pub border: Fraction,
+    /// Once the box has been at the border.
+    pub leaving: Fraction,
+    /// To be found again when lost.
+    pub lost: Fraction,
+    /// The other way to be found again: peak and runner-up this many fully similar pixels apart.
+    pub lead: u16,
+}
+
+/// The numbers of the method. [`Config::paper`] holds the paper's; each can be changed.
+///
+/// ```
+/// use smr_core::{Config, Fraction, Radius, Tracker};
+/// let mut config = Config::paper();
+/// config.k = Fraction::new(7, 20);
+/// config.window = Radius { x: 16, y: 16 };
+/// config.window_limit = config.window; // does not grow while lost
+/// let tracker = Tracker::<4096, 33>::new(config);
+/// assert!(tracker.is_ok());
+/// ```
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Config {
+    /// The similarity of two pixels by their difference. [`Table::PAPER`] is exp(-d / 255).
+    pub table: &'static Table,
+    /// k in alpha = k * max |G_t - G_t+1| (step 6).
+    pub k: Fraction,
+    /// alpha before the first update, rounded up to whole gray levels: a pixel counts if its difference is below it.
+    pub first_threshold: u8,
+    /// Width of the virtual border of zeroes around the frame, in pixels: how far a box may leave the picture.
+    pub padding: u16,
+    /// The search window around the last position.
+    pub window: Radius,
+    /// How many pixels the window grows on each side, for each frame that the target stays lost.
+    pub growth: u16,
+    /// Where that growth ends.
+    pub window_limit: Radius,
+    /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
+    pub neighbourhood: u16,
+    /// When a frame is believed.
+    pub gate: Gate,
+}
+
+impl Config {
+    /// The values of the paper and its authors' program, for frames of about 320x240.
+    ///
+    /// The window may grow over the whole padded frame: a `Tracker` of `SPAN` = frame width + 2 * 20 - box width + 1 (or
+    /// the same of the height, if that is more) has room for it.
+    #[must_use]
+    pub const fn paper() -> Self {
+        Self {
+            table: &Table::PAPER,
+            k: Fraction::new(1, 4),
+            first_threshold: 13, // 0.05 of full scale is 12.75, and d < 12.75 is d < 13
+            padding: 20,
+            window: Radius { x: 60, y: 50 },
+            growth: 1,
+            window_limit: Radius { x: u16::MAX, y: u16::MAX },
+            neighbourhood: 8,
+            gate: Gate {
+                tracking: Fraction::new(1, 1),
+                border: Fraction::new(102, 100),
+                leaving: Fraction::new(120, 100),
+                lost: Fraction::new(125, 100),
+                lead: 100,
+            },
+        }
+    }
+
+    /// # Errors
+    /// The first thing found wrong.
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        let gate = &self.gate;
+        let fractions = [self.k, gate.tracking, gate.border, gate.leaving, gate.lost];
+        if fractions.iter().any(|fraction| fraction.denominator == 0) {
+            return Err(ConfigError::ZeroDenominator);
+        }
+        if self.k.numerator == 0 || self.first_threshold == 0 {
+            return Err(ConfigError::NothingCounts);
+        }
+        if self.window_limit.x < self.window.x || self.window_limit.y < self.window.y {
+            return Err(ConfigError::LimitBelowWindow);
+        }
+        Ok(())
+    }
+}
+
+/// Why a [`Config`] cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ConfigError {
+    /// `k` or a ratio of the gate has a denominator of 0.
+    ZeroDenominator,
+    /// `k` or `first_threshold` is 0: no pixel would ever count.
+    NothingCounts,
+    /// `window_limit` is smaller than `window`.
+    LimitBelowWindow,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::ZeroDenominator => "a fraction of the configuration has a denominator of 0",
+            Self::NothingCounts => "k and the first threshold must be more than 0, or no pixel ever counts",
+            Self::LimitBelowWindow => "the window's limit is smaller than the window",
+        })
+    }
+}
+
+impl core::error::Error for ConfigError {}

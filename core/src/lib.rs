@@ -1,0 +1,75 @@
+//! Follows one target through 8-bit grayscale frames by the *Similarity Matching Ratio* (SMR).
+//!
+//! The target's last appearance, the **template**, is compared with every **offset** of a **search window** around its
+//! last position. A pixel counts only if it differs by less than the **threshold** (alpha) and then adds its
+//! **similarity** exp(-difference): *how well* the target is matched is asked, *how badly* is not, so a hand passing in
+//! front of it costs only the pixels it hides. The offset with the largest **score** is the **peak**; its patch becomes
+//! the next template. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching
+//! Ratio" (VISAPP 2013).
+//!
+//! The crate is `no_std`, allocates nothing, uses integers only and reads nothing but the window it asks for. Its
+//! scores are exact: the same frames give the same answers, bit for bit, on every platform.
+//!
+//! ```
+//! use smr_core::{Config, Frame, Image, Rect, State, Tracker};
+//!
+//! // A bright 8x8 target with a dark corner, on a 64x48 frame; it stands at (left, top).
+//! fn picture(left: usize, top: usize) -> Vec<u8> {
+//!     let mut pixels = vec![20; 64 * 48];
+//!     for (y, x) in (0..8).flat_map(|y| (0..8).map(move |x| (y, x))) {
+//!         pixels[(top + y) * 64 + left + x] = if x + y < 4 { 90 } else { 200 };
+//!     }
+//!     pixels
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
+//! // Room for a template of 256 pixels and for a search window of 33 offsets on each axis: +-16 pixels.
+//! let mut config = Config::paper();
+//! config.window = smr_core::Radius { x: 12, y: 12 };
+//! config.window_limit = smr_core::Radius { x: 16, y: 16 };
+//! let mut tracker = Tracker::<256, 33>::new(config)?;
+//!
+//! let first = picture(20, 10);
+//! tracker.lock(&Frame::whole(Image::new(&first, 64, 48)?), Rect::new(20, 10, 8, 8))?;
+//!
+//! let second = picture(25, 12);
+//! let answer = tracker.update(&Frame::whole(Image::new(&second, 64, 48)?))?;
+//! assert_eq!(answer.bbox, Rect::new(25, 12, 8, 8));
+//! assert_eq!(answer.state, State::Tracking);
+//! assert_eq!(answer.ratio, 65535); // every pixel matched exactly
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # The way through the crate
+//!
+//! Data flows one way: a [`Frame`] is borrowed, [`search`] decides which offsets are scored, [`similarity`] scores
+//! them, and the [`Tracker`] turns peak and runner-up into an [`Answer`] and, where it may, into the next template.
+//!
+//! # Memory and time
+//!
+//! A [`Tracker<PIXELS, SPAN>`] holds `PIXELS` bytes of template and two vectors of `SPAN` words; there is nothing else of
+//! size, and no heap. An update costs (offsets in the window) x (pixels of the template) comparisons.
+//!
+//! # Features
+//!
+//! - `defmt`: the public types implement `defmt::Format`.
+
+#![no_std]
+#![deny(missing_docs)]
+#![cfg_attr(test, allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss))]
+#![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[cfg(test)]
+extern crate std;
+
+mod config;
+mod image;
+pub mod search;
+pub mod similarity;
+mod template;
+mod tracker;
+
+pub use config::{Config, ConfigError, Fraction, Gate, Radius};
+pub use image::{Frame, FrameError, Image, ImageError, Rect};
+pub use tracker::{Answer, LockError, State, Tracker, UpdateError};

@@ -1,0 +1,54 @@
+//! The runner-up in little memory: one maximum for each row and for each column of the window.
+//!
+//! 1. The neighbourhood of the peak is a square, so what lies outside it is the union of whole rows (above and below
+//!    it) and whole columns (left and right of it).
+//! 2. So the largest score outside is the largest of those rows' and columns' maxima, exactly.
+//! 3. Those maxima can be noted while the peak is still unknown: width + height words instead of width * height.
+
+use super::{Peak, Window};
+use heapless::Vec;
+
+/// The largest score of each row and each column of a window of up to `SPAN` x `SPAN` offsets.
+pub(crate) struct Maxima<const SPAN: usize> {
+    columns: Vec<u32, SPAN>,
+    rows: Vec<u32, SPAN>,
+}
+
+impl<const SPAN: usize> Maxima<SPAN> {
+    pub(crate) const fn new() -> Self {
+        Self { columns: Vec::new(), rows: Vec::new() }
+    }
+
+    /// Forgets everything and makes room for `window`.
+    pub(super) fn reset(&mut self, window: &Window) {
+        let (columns, rows) = window.size();
+        self.columns.clear();
+        self.rows.clear();
+        // Cannot fail: the tracker locks on nothing whose window could need more.
+        let _ = self.columns.resize(columns, 0);
+        let _ = self.rows.resize(rows, 0);
+    }
+
+    pub(super) fn note(&mut self, column: usize, row: usize, score: u32) {
+        raise(&mut self.columns, column, score);
+        raise(&mut self.rows, row, score);
+    }
+
+    /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
+    pub(super) fn outside(&self, window: &Window, peak: &Peak, neighbourhood: u16) -> u32 {
+        let columns = far(&self.columns, *window.xs().start(), peak.x, neighbourhood);
+        let rows = far(&self.rows, *window.ys().start(), peak.y, neighbourhood);
+        columns.max(rows)
+    }
+}
+
+fn raise(maxima: &mut [u32], index: usize, score: u32) {
+    if let Some(maximum) = maxima.get_mut(index) {
+        *maximum = score.max(*maximum);
+    }
+}
+
+fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
+    let far_away = (first..).zip(maxima).filter(|(at, _)| at.abs_diff(peak) > u32::from(neighbourhood));
+    far_away.map(|(_, &maximum)| maximum).max().unwrap_or(0)
+}

@@ -1,0 +1,149 @@
+//! The search window: which positions the box may take in the next frame (step 1 of the method).
+
+use crate::{Radius, Rect};
+use core::ops::RangeInclusive;
+
+/// All positions of the box within a radius of its last one, cut where it would leave the padded frame.
+///
+/// Positions are those of the box's top left corner, one pixel apart. A window is never empty: the last position lies
+/// within the padded frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Window {
+    pub(super) centre_x: i32,
+    pub(super) centre_y: i32,
+    left: i32,
+    right: i32,
+    top: i32,
+    bottom: i32,
+}
+
+impl Window {
+    /// The window of `radius` around `target`, on a frame with the size of `bounds` and `padding` pixels around it.
+    ///
+    /// ```
+    /// use smr_core::{Radius, Rect, search::Window};
+    /// let frame = Rect::new(0, 0, 320, 240);
+    /// let window = Window::new(Rect::new(5, 100, 50, 50), Radius { x: 60, y: 50 }, frame, 20);
+    /// assert_eq!(window.xs(), -20..=65); // cut at the left edge of the padding
+    /// assert_eq!(window.ys(), 50..=150);
+    /// ```
+    #[must_use]
+    pub fn new(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> Self {
+        let (left, right) = span(target.x, radius.x, padding, bounds.width, target.width);
+        let (top, bottom) = span(target.y, radius.y, padding, bounds.height, target.height);
+        Self { centre_x: target.x, centre_y: target.y, left, right, top, bottom }
+    }
+
+    /// The left edges that the box may take.
+    #[must_use]
+    pub const fn xs(&self) -> RangeInclusive<i32> {
+        self.left..=self.right
+    }
+
+    /// The top edges that the box may take.
+    #[must_use]
+    pub const fn ys(&self) -> RangeInclusive<i32> {
+        self.top..=self.bottom
+    }
+
+    /// Positions on the x axis and on the y axis.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (count(self.left, self.right), count(self.top, self.bottom))
+    }
+
+    /// The most positions on each axis that a window of `radius` can have for a box of this size, wherever it is.
+    pub(crate) fn largest_size(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> (usize, usize) {
+        let most = |radius: u16, frame: u16, size: u16| {
+            let all = (usize::from(frame) + 2 * usize::from(padding)).saturating_sub(usize::from(size)) + 1;
+            all.min(2 * usize::from(radius) + 1)
+        };
+        (most(radius.x, bounds.width, target.width), most(radius.y, bounds.height, target.height))
+    }
+
+    /// Every pixel of the frame that a box of `width` x `height` covers at one position or another.
+    pub(crate) fn pixels(&self, width: u16, height: u16, bounds: Rect) -> Rect {
+        // Corners first, sizes by difference: a window's extent need not fit the u16 of a Rect before it is cut.
+        let left = self.left.max(0);
+        let top = self.top.max(0);
+        let right = self.right.saturating_add(i32::from(width)).min(bounds.right());
+        let bottom = self.bottom.saturating_add(i32::from(height)).min(bounds.bottom());
+        match (u16::try_from(right.saturating_sub(left)), u16::try_from(bottom.saturating_sub(top))) {
+            (Ok(width), Ok(height)) if width > 0 && height > 0 => Rect::new(left, top, width, height),
+            _ => Rect::default(),
+        }
+    }
+}
+
+/// First and last position on one axis. `at` may be anything; the result is never empty and never beyond the padding.
+fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
+    let first = -i32::from(padding);
+    let last = (i32::from(frame) + i32::from(padding) - i32::from(size)).max(first);
+    let reach = i32::from(radius);
+    (at.saturating_sub(reach).clamp(first, last), at.saturating_add(reach).clamp(first, last))
+}
+
+fn count(first: i32, last: i32) -> usize {
+    usize::try_from(last.saturating_sub(first)).unwrap_or(0) + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Frames, boxes that reach into the padding by any part of it, radii: all the way to their ends.
+        #[test]
+        fn a_window_stays_in_the_padded_frame_and_around_its_centre(
+            (frame_width, frame_height) in (1u16.., 1u16..),
+            (width, height) in (1u16.., 1u16..),
+            (along_x, along_y) in (0.0..=1.0f64, 0.0..=1.0f64),
+            (radius_x, radius_y, padding) in any::<(u16, u16, u16)>(),
+        ) {
+            let (width, height) = (width.min(frame_width), height.min(frame_height));
+            let place = |along: f64, frame: u16, size: u16| {
+                let (first, last) = (-i32::from(padding), i32::from(frame) + i32::from(padding) - i32::from(size));
+                first + (f64::from(last - first) * along) as i32
+            };
+            let x = place(along_x, frame_width, width);
+            let y = place(along_y, frame_height, height);
+            let target = Rect::new(x, y, width, height);
+            let bounds = Rect::new(0, 0, frame_width, frame_height);
+            let radius = Radius { x: radius_x, y: radius_y };
+            let window = Window::new(target, radius, bounds, padding);
+
+            prop_assert!(window.xs().contains(&x) && window.ys().contains(&y));
+            prop_assert_eq!(*window.xs().start(), (x - i32::from(radius_x)).max(-i32::from(padding)));
+            let last = i32::from(frame_height) + i32::from(padding) - i32::from(height);
+            prop_assert_eq!(*window.ys().end(), (y + i32::from(radius_y)).min(last));
+            let (columns, rows) = window.size();
+            prop_assert_eq!(columns, window.xs().count());
+            prop_assert_eq!(rows, window.ys().count());
+            let (most_columns, most_rows) = Window::largest_size(target, radius, bounds, padding);
+            prop_assert!(columns <= most_columns && rows <= most_rows);
+        }
+
+        #[test]
+        fn the_pixels_are_those_that_some_box_covers(
+            (frame_width, frame_height) in (1u16..20, 1u16..20),
+            (width, height) in (1u16..20, 1u16..20),
+            (x, y) in (-9i32..28, -9i32..28),
+            (radius_x, radius_y, padding) in (0u16..12, 0u16..12, 0u16..9),
+        ) {
+            let target = Rect::new(x, y, width.min(frame_width), height.min(frame_height));
+            let bounds = Rect::new(0, 0, frame_width, frame_height);
+            let window = Window::new(target, Radius { x: radius_x, y: radius_y }, bounds, padding);
+            let pixels = window.pixels(target.width, target.height, bounds);
+            let covered = |px: i32, py: i32| {
+                window.ys().any(|y| window.xs().any(|x| Rect { x, y, ..target }.contains(Rect::new(px, py, 1, 1))))
+            };
+            for py in 0..i32::from(frame_height) {
+                for px in 0..i32::from(frame_width) {
+                    prop_assert_eq!(pixels.contains(Rect::new(px, py, 1, 1)), covered(px, py), "({}, {})", px, py);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The plain loop: the specification of a score (steps 2 to 4 of the method). Every faster way gives the same integer.
+
+use super::Table;
+use crate::image::Image;
+
+/// The sum of the similarities of all pairs of pixels that differ by less than `threshold` (0..=256).
+///
+/// `patch` and `template` are of the same size; of two sizes, the common top left part is compared. The sum is exact for
+/// up to [`Table::MAX_PIXELS`] pixels. Cost: one comparison a pixel.
+///
+/// ```
+/// use smr_core::{Image, similarity::{Table, scalar}};
+/// let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
+/// let score = scalar::score(Image::new(&patch, 4, 1)?, Image::new(&template, 4, 1)?, &Table::PAPER, 13);
+/// let p = |d| u32::from(Table::PAPER.similarity(d));
+/// assert_eq!(score, p(0) + p(1) + p(12)); // a difference of 13 is not below the threshold
+/// # Ok::<(), smr_core::ImageError>(())
+/// ```
+#[must_use]
+pub fn score(patch: Image<'_>, template: Image<'_>, table: &Table, threshold: u16) -> u32 {
+    patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table, threshold)).sum()
+}
+
+fn row_score(patch: &[u8], template: &[u8], table: &Table, threshold: u16) -> u32 {
+    patch.iter().zip(template).map(|(&f, &g)| pixel(f, g, table, threshold)).sum()
+}
+
+/// The similarity of two pixels, 0 where they do not count.
+#[inline]
+fn pixel(f: u8, g: u8, table: &Table, threshold: u16) -> u32 {
+    let difference = f.abs_diff(g);
+    if u16::from(difference) < threshold { u32::from(table.similarity(difference)) } else { 0 }
+}
+
+/// The score of the part of `template` outside `seen` against the padding, which is all zeroes.
+///
+/// `seen` is in the template's own coordinates; empty if the whole template lies on the padding.
+#[must_use]
+pub fn score_on_padding(template: Image<'_>, seen: crate::Rect, table: &Table, threshold: u16) -> u32 {
+    let on_padding = |row: &[u8]| -> u32 { row.iter().map(|&g| pixel(0, g, table, threshold)).sum() };
+    let part = |row: &'_ [u8], from: i32, to: i32| -> u32 {
+        let from = usize::try_from(from).unwrap_or(0);
+        let to = usize::try_from(to).unwrap_or(0);
+        row.get(from..to).map_or(0, on_padding)
+    };
+    let mut sum = 0;
+    for (y, row) in (0..).zip(template.rows()) {
+        sum += if (seen.y..seen.bottom()).contains(&y) {
+            part(row, 0, seen.x) + part(row, seen.right(), i32::from(template.width()))
+        } else {
+            on_padding(row)
+        };
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Rect;
+    use proptest::prelude::*;
+    use std::{vec, vec::Vec};
+
+    #[test]
+    fn the_largest_template_has_the_largest_sum() {
+        // 65537 = Table::MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
+        let pixels = vec![7; 256 * 256];
+        let image = Image::new(&pixels, 256, 256).unwrap();
+        assert_eq!(score(image, image, &Table::PAPER, 1), 65536 * 65535);
+        assert_eq!(score(image, image, &Table::PAPER, 256), 65536 * 65535);
+    }
+
+    #[test]
+    fn a_threshold_of_zero_lets_nothing_count() {
+        let pixels = [0; 9];
+        let image = Image::new(&pixels, 3, 3).unwrap();
+        assert_eq!(score(image, image, &Table::PAPER, 0), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn padding_is_a_patch_of_zeroes(
+            (width, height) in (1u16..9, 1u16..9),
+            pixels in prop::collection::vec(any::<u8>(), 64),
+            (x, y, w, h) in (0i32..9, 0i32..9, 0u16..9, 0u16..9),
+            threshold in 0u16..=256,
+        ) {
+            let template = Image::new(&pixels, width, height).unwrap();
+            let seen = Rect::new(0, 0, width, height).intersection(Rect::new(x, y, w, h));
+            // Where the template is seen, a patch that matches nothing: only the padding is left to count.
+            let mut expected = 0u32;
+            for (j, row) in (0..).zip(template.rows()) {
+                for (i, &g) in (0..).zip(row) {
+                    let on_padding = seen.is_empty() || !seen.contains(Rect::new(i, j, 1, 1));
+                    if on_padding && u16::from(g) < threshold {
+                        expected += u32::from(Table::PAPER.similarity(g));
+                    }
+                }
+            }
+            prop_assert_eq!(score_on_padding(template, seen, &Table::PAPER, threshold), expected);
+        }
+
+        #[test]
+        fn the_stride_does_not_matter(pixels in prop::collection::vec(any::<u8>(), 60), threshold in 0u16..=256) {
+            let strided = Image::with_stride(&pixels, 7, 6, 10).unwrap();
+            let packed: Vec<u8> = strided.rows().flatten().copied().collect();
+            let template: Vec<u8> = pixels.iter().rev().take(42).copied().collect();
+            let template = Image::new(&template, 7, 6).unwrap();
+            let packed = Image::new(&packed, 7, 6).unwrap();
+            prop_assert_eq!(
+                score(strided, template, &Table::PAPER, threshold),
+                score(packed, template, &Table::PAPER, threshold)
+            );
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The exp table: the specification of p, the similarity of two pixels (step 3 of the method).
+//!
+//! It is computed in integers by a `const fn`, so it stands in flash before the program runs and is the same on every
+//! platform. Every entry is the correctly rounded one; the tests say how that is known.
+
+use core::fmt;
+
+/// p by difference: entry d is 65535 * exp(-d / scale), rounded to the nearest integer. 512 bytes.
+///
+/// The unit is 1/65535 ([`Table::ONE`]), so that 1.0 is exact and an entry fits 16 bits. A score is the sum of at most
+/// [`Table::MAX_PIXELS`] = 65537 entries, and 65537 * 65535 = 2^32 - 1: it never overflows a `u32`.
+///
+/// ```
+/// use smr_core::similarity::Table;
+/// static STEEP: Table = match Table::new(40) {
+///     Ok(table) => table,
+///     Err(_) => panic!("40 is in range"), // at compile time
+/// };
+/// assert_eq!(STEEP.similarity(0), Table::ONE);
+/// assert_eq!(STEEP.similarity(40), 24109); // 65535 / e
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    entries: [u16; 256],
+}
+
+impl Table {
+    /// The similarity of equal pixels: 1.0.
+    pub const ONE: u16 = u16::MAX;
+
+    /// The most pixels whose similarities a score can sum: 65537.
+    pub const MAX_PIXELS: usize = u32::MAX as usize / Self::ONE as usize;
+
+    /// The steepest and the flattest scale of [`Table::new`].
+    pub const SCALES: core::ops::RangeInclusive<u16> = 1..=4096;
+
+    /// The paper's table: intensities run from 0 to 1, so a difference of d gray levels has the similarity exp(-d / 255).
+    pub const PAPER: Self = Self::exponential(255);
+
+    /// The table of exp(-d / scale), for a scale of 1 (almost only equal pixels are similar) to 4096 (almost all are).
+    ///
+    /// # Errors
+    /// [`TableError::ScaleOutOfRange`] outside [`Table::SCALES`].
+    pub const fn new(scale: u16) -> Result<Self, TableError> {
+        if scale < *Self::SCALES.start() || scale > *Self::SCALES.end() {
+            return Err(TableError::ScaleOutOfRange);
+        }
+        Ok(Self::exponential(scale))
+    }
+
+    /// p of a difference of `difference` gray levels, in units of 1/65535.
+    #[must_use]
+    #[inline]
+    #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries
+    pub const fn similarity(&self, difference: u8) -> u16 {
+        self.entries[difference as usize]
+    }
+
+    /// All 256 entries, by difference.
+    #[must_use]
+    pub const fn entries(&self) -> &[u16; 256] {
+        &self.entries
+    }
+
+    /// With r = exp(-1 / scale) in 64 fractional bits, entry d is r^d, one multiplication after the other.
+    ///
+    /// Every multiplication loses less than 2^-64 and passes on what was lost before, so r^255 is short by less than
+    /// 2^-55, and 65535 * r^255 by less than 2^-39. No exact value for any scale in range lies that close to the middle
+    /// between two integers (tested for all of them), so the rounding is the correct one.
+    #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
+    const fn exponential(scale: u16) -> Self {
+        const HALF: u128 = 1 << 63;
+        let r = exp_of_minus_one_over(scale);
+        let mut entries = [Self::ONE; 256];
+        let mut power = r;
+        let mut d = 1;
+        while d < 256 {
+            entries[d] = ((power * Self::ONE as u128 + HALF) >> 64) as u16;
+            power = (power * r) >> 64;
+            d += 1;
+        }
+        Self { entries }
+    }
+}
+
+/// exp(-1 / scale) in 64 fractional bits, by the alternating series 1 - x + x^2/2! - x^3/3! + ... with x = 1 / scale,
+/// summed in 120 fractional bits until the terms vanish (34 terms for the steepest scale).
+const fn exp_of_minus_one_over(scale: u16) -> u128 {
+    let mut term: u128 = 1 << 120;
+    let mut sum: u128 = 0;
+    let mut n = 0;
+    while term > 0 {
+        if n % 2 == 0 {
+            sum += term;
+        } else {
+            sum -= term;
+        }
+        n += 1;
+        term /= scale as u128 * n;
+    }
+    sum >> 56
+}
+
+/// Why there is no such table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TableError {
+    /// The scale is not in [`Table::SCALES`].
+    ScaleOutOfRange,
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the scale of the table must be 1 to 4096")
+    }
+}
+
+impl core::error::Error for TableError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dashu_float::{FBig, round::mode::HalfEven};
+    use std::vec::Vec;
+
+    type Big = FBig<HalfEven, 2>;
+
+    /// 65535 * exp(-d / scale) in 160 bits.
+    fn exact(d: u16, scale: u16) -> Big {
+        let big = |value: u16| Big::from(value).with_precision(160).value();
+        if d == 0 {
+            return big(65535);
+        }
+        big(65535) * (-(big(d) / big(scale))).exp()
+    }
+
+    fn rounded(value: &Big) -> u16 {
+        let floor = value.floor();
+        let up = (value - &floor) * Big::from(2) > Big::from(1);
+        u16::try_from(floor.to_int().value()).unwrap() + u16::from(up)
+    }
+
+    /// The scales that are compared entry by entry: the paper's, the ends of the range and a spread between.
+    fn many_scales() -> impl Iterator<Item = u16> {
+        [1, 2, 3, 64, 128, 255, 256, 4095, 4096].into_iter().chain((5..4096).step_by(131))
+    }
+
+    #[test]
+    fn every_entry_is_the_correctly_rounded_exponential() {
+        for scale in many_scales() {
+            let table = Table::new(scale).unwrap();
+            for d in 0..=255u8 {
+                let expected = rounded(&exact(d.into(), scale));
+                assert_eq!(table.similarity(d), expected, "scale {scale}, difference {d}");
+            }
+        }
+    }
+
+    /// All scales. An f64 is off by less than 2^-33 here, so it settles an entry unless the exact value is that close to
+    /// the middle of two integers; those few are looked at in 160 bits, and none may be within the 2^-39 that
+    /// `exponential` can be off by.
+    #[test]
+    fn no_scale_has_an_entry_too_close_to_the_middle() {
+        let mut close = Vec::new();
+        for scale in Table::SCALES {
+            let table = Table::new(scale).unwrap();
+            for d in 0..=255u8 {
+                let value = 65535.0 * (-f64::from(d) / f64::from(scale)).exp();
+                if (value.fract() - 0.5).abs() < f64::powi(2.0, -28) {
+                    close.push((d, scale));
+                } else {
+                    assert_eq!(f64::from(table.similarity(d)), value.round(), "scale {scale}, difference {d}");
+                }
+            }
+        }
+        for (d, scale) in close {
+            let value = exact(d.into(), scale);
+            let fraction = (&value - value.floor()).to_f64().value();
+            assert!((fraction - 0.5).abs() > f64::powi(2.0, -38), "scale {scale}, difference {d}: {fraction}");
+            assert_eq!(Table::new(scale).unwrap().similarity(d), rounded(&value), "scale {scale}, difference {d}");
+        }
+    }
+
+    #[test]
+    fn the_largest_score_fits_a_u32() {
+        assert_eq!(Table::MAX_PIXELS as u64 * u64::from(Table::ONE), u64::from(u32::MAX));
+    }
+
+    #[test]
+    fn scales_outside_the_range_are_refused() {
+        assert_eq!(Table::new(0), Err(TableError::ScaleOutOfRange));
+        assert_eq!(Table::new(4097), Err(TableError::ScaleOutOfRange));
+    }
+}

@@ -1,0 +1,559 @@
+//! States and decisions: lock, update, lost, reacquire.
+
+use crate::config::{Config, ConfigError, Fraction};
+use crate::image::{Frame, Image, Rect};
+use crate::search::{self, Found, Maxima, Window};
+use crate::similarity::{self, Table};
+use crate::template::Template;
+use core::fmt;
+
+/// What the tracker holds of its target after a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum State {
+    /// The target was found, wholly inside the frame; its patch is the new template.
+    Tracking,
+    /// The target was found, partly outside the frame; the template is kept.
+    Leaving,
+    /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha
+    /// are kept, and the window grows with every further frame.
+    Lost,
+}
+
+/// The answer of [`Tracker::update`]. All integers; ratios in units of 1/65535, so 65535 is 1.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Answer {
+    /// The target's box; when lost, the last one that was believed.
+    pub bbox: Rect,
+    /// Whether the box is to be believed.
+    pub state: State,
+    /// The similarity matching ratio: the peak's score over the number of pixels, rounded down.
+    pub ratio: u16,
+    /// The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood.
+    pub runner_up_ratio: u16,
+    /// The threshold that this frame was scored with: alpha, rounded up to whole gray levels. A pixel counted if it
+    /// differed by less.
+    pub alpha: u16,
+    /// The peak itself: where it was and its score, believed or not, and the runner-up's score.
+    pub found: Found,
+}
+
+/// Follows one target. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an
+/// axis; both are memory (`PIXELS` bytes, `8 * SPAN` bytes) and nothing else is.
+///
+/// Several targets are several trackers on the same frame. See the [crate's example](crate).
+pub struct Tracker<const PIXELS: usize, const SPAN: usize> {
+    config: Config,
+    template: Template<PIXELS>,
+    maxima: Maxima<SPAN>,
+    track: Option<Track>,
+}
+
+/// What is remembered of a target beside its template.
+#[derive(Clone, Copy)]
+struct Track {
+    target: Rect,
+    bounds: Rect,
+    state: State,
+    /// The box has touched the border and has not been believed clear of it since.
+    at_border: bool,
+    /// Frames since the target was last believed.
+    lost_for: u16,
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
+    /// A tracker without a target.
+    ///
+    /// # Errors
+    /// [`ConfigError`], if a number of the configuration cannot be used.
+    pub fn new(config: Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self { config, template: Template::new(), maxima: Maxima::new(), track: None })
+    }
+
+    /// Starts on the target in `target`, at any time; whatever was followed before is forgotten. Only the pixels of
+    /// the box are read.
+    ///
+    /// # Errors
+    /// [`LockError`]; the tracker then goes on with what it had.
+    pub fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), LockError> {
+        let bounds = frame.bounds();
+        if target.is_empty() {
+            return Err(LockError::BoxEmpty);
+        }
+        if !bounds.contains(target) {
+            return Err(LockError::BoxOutsideFrame);
+        }
+        if !Template::<PIXELS>::holds(target) {
+            return Err(LockError::BoxTooLarge);
+        }
+        let (columns, rows) = Window::largest_size(target, self.config.window_limit, bounds, self.config.padding);
+        if columns.max(rows) > SPAN {
+            return Err(LockError::WindowTooLarge);
+        }
+        let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
+        self.template.start(patch, &self.config);
+        self.track = Some(Track { target, bounds, state: State::Tracking, at_border: false, lost_for: 0 });
+        Ok(())
+    }
+
+    /// Looks for the target in the next frame.
+    ///
+    /// Of the frame only the pixels in [`Tracker::window`] are read; the rest need not be in memory.
+    /// Cost: (offsets in the window) x (pixels of the template) comparisons.
+    ///
+    /// # Errors
+    /// [`UpdateError`]; the tracker is then as it was before.
+    pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
+        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        let template = self.template.image().ok_or(UpdateError::NotLocked)?;
+        if track.bounds != frame.bounds() {
+            return Err(UpdateError::FrameSizeChanged);
+        }
+        let window = self.search_window(&track);
+        let threshold = self.template.threshold();
+        let found = search::exhaustive(&window, self.config.neighbourhood, &mut self.maxima, |x, y| {
+            similarity::score_at(frame, template, x, y, self.config.table, threshold)
+        });
+        let found = found.ok_or(UpdateError::WindowNotInMemory)?;
+
+        let pixels = track.target.area();
+        let track = track.after(&found, &self.config);
+        if track.state == State::Tracking
+            && let Some(patch) = frame.patch(track.target)
+        {
+            self.template.update(patch, &self.config);
+        }
+        self.track = Some(track);
+        Ok(Answer {
+            bbox: track.target,
+            state: track.state,
+            ratio: ratio(found.peak.score, pixels),
+            runner_up_ratio: ratio(found.runner_up, pixels),
+            alpha: threshold,
+            found,
+        })
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
+    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock.
+    ///
+    /// Firmware may deliver just these, as a [`Frame::part`].
+    #[must_use]
+    pub fn window(&self) -> Option<Rect> {
+        let track = self.track.as_ref()?;
+        Some(self.search_window(track).pixels(track.target.width, track.target.height, track.bounds))
+    }
+
+    /// The offsets that the next [`Tracker::update`] scores; `None` before the first lock.
+    #[must_use]
+    pub fn offsets(&self) -> Option<Window> {
+        self.track.as_ref().map(|track| self.search_window(track))
+    }
+
+    /// The score that the next [`Tracker::update`] would give to the box at (`x`, `y`): for maps of scores, and for
+    /// checking. `None` before the first lock, or if a needed pixel is not in memory.
+    ///
+    /// Cost: one comparison for each pixel of the template.
+    #[must_use]
+    pub fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
+        similarity::score_at(frame, self.template.image()?, x, y, self.config.table, self.template.threshold())
+    }
+
+    /// The template; `None` before the first lock.
+    #[must_use]
+    pub fn template(&self) -> Option<Image<'_>> {
+        self.template.image()
+    }
+
+    /// alpha of the next [`Tracker::update`], rounded up to whole gray levels; 0 before the first lock.
+    #[must_use]
+    pub fn alpha(&self) -> u16 {
+        self.template.threshold()
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    fn search_window(&self, track: &Track) -> Window {
+        let grown = |radius: u16, limit: u16| {
+            radius.saturating_add(self.config.growth.saturating_mul(track.lost_for)).min(limit)
+        };
+        let (radius, limit) = (self.config.window, self.config.window_limit);
+        let radius = crate::Radius { x: grown(radius.x, limit.x), y: grown(radius.y, limit.y) };
+        Window::new(track.target, radius, track.bounds, self.config.padding)
+    }
+}
+
+impl Track {
+    /// What is known after a frame in which `found` was found.
+    fn after(self, found: &Found, config: &Config) -> Self {
+        let target = Rect { x: found.peak.x, y: found.peak.y, ..self.target };
+        let touches = self.touches_border(target);
+        if !self.believes(found, touches, config) {
+            let at_border = self.at_border || touches;
+            return Self { state: State::Lost, at_border, lost_for: self.lost_for.saturating_add(1), ..self };
+        }
+        let state = if self.bounds.contains(target) { State::Tracking } else { State::Leaving };
+        Self { target, state, at_border: touches, lost_for: 0, ..self }
+    }
+
+    /// The gate: does the peak stand out clearly enough?
+    fn believes(&self, found: &Found, touches: bool, config: &Config) -> bool {
+        let gate = &config.gate;
+        let (peak, runner_up) = (found.peak.score, found.runner_up);
+        let stands_out = |needed: Fraction| peak > 0 && needed.reached_by(peak, runner_up);
+        match self.state {
+            State::Lost => {
+                let lead = u32::from(gate.lead) * u32::from(Table::ONE);
+                stands_out(gate.lost) || peak.saturating_sub(runner_up) >= lead
+            }
+            _ if self.at_border => stands_out(gate.leaving),
+            _ if touches => stands_out(gate.border),
+            _ => stands_out(gate.tracking),
+        }
+    }
+
+    /// True if no pixel lies between the box and the border of the frame on one side at least.
+    fn touches_border(&self, target: Rect) -> bool {
+        let bounds = self.bounds;
+        target.x <= bounds.x
+            || target.y <= bounds.y
+            || target.right() >= bounds.right()
+            || target.bottom() >= bounds.bottom()
+    }
+}
+
+/// `score` / `pixels` in units of 1/65535, rounded down.
+fn ratio(score: u32, pixels: u32) -> u16 {
+    u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE)
+}
+
+/// Why a tracker does not start on a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum LockError {
+    /// The box has no pixels.
+    BoxEmpty,
+    /// A part of the box lies outside the frame.
+    BoxOutsideFrame,
+    /// The box has more than `PIXELS` pixels.
+    BoxTooLarge,
+    /// A part of the box lies within the frame, but not in the part of it that is in memory.
+    BoxNotInMemory,
+    /// The window could grow to more than `SPAN` offsets on an axis: make the window's limit smaller or `SPAN` larger.
+    WindowTooLarge,
+}
+
+impl fmt::Display for LockError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::BoxEmpty => "the box has no pixels: width and height must be at least 1",
+            Self::BoxOutsideFrame => "the box is not wholly inside the frame",
+            Self::BoxTooLarge => "the box has more pixels than this tracker's template has room for",
+            Self::BoxNotInMemory => "the part of the frame in memory does not cover the box",
+            Self::WindowTooLarge => "the window could grow to more offsets on an axis than this tracker has room for",
+        })
+    }
+}
+
+impl core::error::Error for LockError {}
+
+/// Why a frame was not searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum UpdateError {
+    /// There is no target yet: call [`Tracker::lock`] first.
+    NotLocked,
+    /// The frame is not of the size of the frame that was locked on.
+    FrameSizeChanged,
+    /// The part of the frame in memory does not cover [`Tracker::window`].
+    WindowNotInMemory,
+}
+
+impl fmt::Display for UpdateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotLocked => "there is no target yet: lock first",
+            Self::FrameSizeChanged => "the frame is not of the size of the one that was locked on",
+            Self::WindowNotInMemory => "the part of the frame in memory does not cover the search window",
+        })
+    }
+}
+
+impl core::error::Error for UpdateError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ImageError, Radius};
+    use std::{println, vec, vec::Vec};
+
+    type Small = Tracker<256, 41>;
+
+    fn small_config() -> Config {
+        let mut config = Config::paper();
+        config.window = Radius { x: 10, y: 10 };
+        config.window_limit = Radius { x: 20, y: 20 };
+        config
+    }
+
+    /// A frame of noise that never repeats, with a textured target at (`x`, `y`), wherever that is.
+    struct Scene {
+        width: u16,
+        height: u16,
+        pixels: Vec<u8>,
+    }
+
+    impl Scene {
+        fn noise(width: u16, height: u16, seed: u32) -> Self {
+            let mut state = seed | 1;
+            let mut pixels = Vec::new();
+            for _ in 0..u32::from(width) * u32::from(height) {
+                state ^= state << 13;
+                state ^= state >> 17;
+                state ^= state << 5;
+                pixels.push((state >> 24) as u8);
+            }
+            Self { width, height, pixels }
+        }
+
+        fn with_target(mut self, x: i32, y: i32) -> Self {
+            let target = Self::noise(12, 12, 99);
+            for (j, row) in (0..).zip(target.pixels.chunks(12)) {
+                for (i, &pixel) in (0..).zip(row) {
+                    let (x, y) = (x + i, y + j);
+                    if (0..i32::from(self.width)).contains(&x) && (0..i32::from(self.height)).contains(&y) {
+                        self.pixels[(y * i32::from(self.width) + x) as usize] = pixel;
+                    }
+                }
+            }
+            self
+        }
+
+        fn image(&self) -> Image<'_> {
+            Image::new(&self.pixels, self.width, self.height).unwrap()
+        }
+
+        fn frame(&self) -> Frame<'_> {
+            Frame::whole(self.image())
+        }
+    }
+
+    fn scene(seed: u32, x: i32, y: i32) -> Scene {
+        Scene::noise(64, 48, seed).with_target(x, y)
+    }
+
+    fn locked_at(x: i32, y: i32) -> Small {
+        let mut tracker = Small::new(small_config()).unwrap();
+        tracker.lock(&scene(1, x, y).frame(), Rect::new(x, y, 12, 12)).unwrap();
+        tracker
+    }
+
+    #[test]
+    fn memory_is_the_template_and_two_words_an_offset() {
+        fn bounded<const PIXELS: usize, const SPAN: usize>(name: &str) {
+            let size = size_of::<Tracker<PIXELS, SPAN>>();
+            println!("Tracker<{PIXELS}, {SPAN}>: {size} bytes ({name})");
+            assert!(size <= PIXELS + 8 * SPAN + 256, "{name}: {size} bytes");
+        }
+        bounded::<1024, 33>("32x32 pixels, +-16");
+        bounded::<4096, 33>("64x64 pixels, +-16");
+        bounded::<4096, 121>("64x64 pixels, the paper's +-60x50, not growing");
+        bounded::<4096, 360>("64x64 pixels, the whole of 320x240");
+        bounded::<65536, 680>("256x256 pixels, the whole of 640x480");
+    }
+
+    #[test]
+    fn a_target_is_followed_exactly() {
+        let mut tracker = locked_at(20, 20);
+        for (seed, (x, y)) in (2..).zip([(22, 21), (30, 15), (30, 15), (21, 24)]) {
+            let answer = tracker.update(&scene(seed, x, y).frame()).unwrap();
+            assert_eq!((answer.bbox, answer.state), (Rect::new(x, y, 12, 12), State::Tracking));
+            assert_eq!(answer.ratio, 65535);
+            assert!(answer.runner_up_ratio < 20000);
+            assert_eq!(answer.alpha, 13, "the template never changed, so alpha stays");
+        }
+    }
+
+    #[test]
+    fn a_leaving_target_keeps_its_template() {
+        let mut tracker = locked_at(2, 20);
+        let before: Vec<u8> = tracker.template().unwrap().rows().flatten().copied().collect();
+        let answer = tracker.update(&scene(2, -3, 20).frame()).unwrap();
+        assert_eq!((answer.bbox, answer.state), (Rect::new(-3, 20, 12, 12), State::Leaving));
+        let after: Vec<u8> = tracker.template().unwrap().rows().flatten().copied().collect();
+        assert_eq!(before, after);
+        let answer = tracker.update(&scene(3, 3, 20).frame()).unwrap();
+        assert_eq!((answer.bbox, answer.state), (Rect::new(3, 20, 12, 12), State::Tracking));
+    }
+
+    #[test]
+    fn a_lost_target_is_found_again_by_a_growing_window() {
+        let mut tracker = locked_at(20, 20);
+        tracker.config.gate.tracking = Fraction::new(2, 1);
+        for frames in 1..=4u16 {
+            let answer = tracker.update(&Scene::noise(64, 48, u32::from(frames) + 40).frame()).unwrap();
+            assert_eq!((answer.state, answer.bbox), (State::Lost, Rect::new(20, 20, 12, 12)));
+            let reach = 10 + i32::from(frames);
+            assert_eq!(tracker.offsets().unwrap().xs(), 20 - reach..=20 + reach);
+        }
+        let answer = tracker.update(&scene(2, 33, 8).frame()).unwrap();
+        assert_eq!((answer.state, answer.bbox), (State::Tracking, Rect::new(33, 8, 12, 12)));
+        assert_eq!(tracker.offsets().unwrap().xs(), 23..=43, "the window has shrunk again");
+    }
+
+    #[test]
+    fn the_window_grows_to_its_limit_and_never_overflows() {
+        let mut tracker = locked_at(20, 20);
+        let nothing = vec![255; 64 * 48];
+        let nothing = Frame::whole(Image::new(&nothing, 64, 48).unwrap());
+        if let Some(track) = &mut tracker.track {
+            track.lost_for = u16::MAX - 1;
+            track.state = State::Lost;
+        }
+        for _ in 0..3 {
+            assert_eq!(tracker.update(&nothing).unwrap().state, State::Lost);
+            assert_eq!(tracker.offsets().unwrap().xs(), 0..=40);
+        }
+    }
+
+    #[test]
+    fn the_part_of_the_frame_in_the_window_is_enough() {
+        for (x, y) in [(20, 20), (0, 0), (52, 36)] {
+            let mut whole = locked_at(x, y);
+            let mut part = locked_at(x, y);
+            let (mut at_x, mut at_y) = (x, y);
+            for seed in 2..8 {
+                (at_x, at_y) = ((at_x + 3).min(60), (at_y - 4).max(-7));
+                let scene = scene(seed, at_x, at_y);
+                let window = part.window().unwrap();
+                let cut = scene.image().crop(window).unwrap();
+                let frame = Frame::part(cut, window.x as u16, window.y as u16, 64, 48).unwrap();
+                assert_eq!(part.update(&frame), whole.update(&scene.frame()));
+            }
+        }
+    }
+
+    #[test]
+    fn one_pixel_less_than_the_window_is_refused_and_changes_nothing() {
+        let mut tracker = locked_at(20, 20);
+        let scene = scene(2, 22, 22);
+        let window = tracker.window().unwrap();
+        assert_eq!(window, Rect::new(10, 10, 32, 32));
+        for less in [
+            Rect { width: 31, ..window },
+            Rect { height: 31, ..window },
+            Rect { x: 11, width: 31, ..window },
+            Rect { y: 11, height: 31, ..window },
+        ] {
+            let cut = scene.image().crop(less).unwrap();
+            let frame = Frame::part(cut, less.x as u16, less.y as u16, 64, 48).unwrap();
+            assert_eq!(tracker.update(&frame), Err(UpdateError::WindowNotInMemory));
+        }
+        assert_eq!(tracker.update(&scene.frame()), locked_at(20, 20).update(&scene.frame()));
+    }
+
+    #[test]
+    fn misuse_is_an_error_and_changes_nothing() {
+        let mut tracker = Small::new(small_config()).unwrap();
+        let scene = scene(1, 20, 20);
+        let frame = scene.frame();
+        assert_eq!(tracker.update(&frame), Err(UpdateError::NotLocked));
+        assert_eq!((tracker.window(), tracker.alpha()), (None, 0));
+        assert!(tracker.offsets().is_none() && tracker.template().is_none());
+        assert_eq!(tracker.score_at(&frame, 0, 0), None);
+
+        let mut lock = |x, y, width, height| tracker.lock(&frame, Rect::new(x, y, width, height));
+        assert_eq!(lock(5, 5, 0, 7), Err(LockError::BoxEmpty));
+        assert_eq!(lock(5, 5, 7, 0), Err(LockError::BoxEmpty));
+        assert_eq!(lock(-1, 5, 7, 7), Err(LockError::BoxOutsideFrame));
+        assert_eq!(lock(58, 5, 7, 7), Err(LockError::BoxOutsideFrame));
+        assert_eq!(lock(i32::MAX, i32::MIN, u16::MAX, u16::MAX), Err(LockError::BoxOutsideFrame));
+        assert_eq!(lock(5, 5, 17, 16), Err(LockError::BoxTooLarge));
+        assert_eq!(lock(5, 5, 16, 16), Ok(()));
+
+        let other = Scene::noise(48, 64, 1);
+        assert_eq!(tracker.update(&other.frame()), Err(UpdateError::FrameSizeChanged));
+        assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 60, 3)), Err(LockError::BoxOutsideFrame));
+        assert!(tracker.update(&frame).is_ok(), "a refused lock leaves the former target");
+        assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 6, 3)), Ok(()));
+        assert!(tracker.update(&other.frame()).is_ok(), "locking again may change the frame's size");
+    }
+
+    #[test]
+    fn locking_reads_only_the_box() {
+        let scene = scene(1, 20, 20);
+        let target = Rect::new(20, 20, 12, 12);
+        let frame = Frame::part(scene.image().crop(target).unwrap(), 20, 20, 64, 48).unwrap();
+        let mut tracker = Small::new(small_config()).unwrap();
+        assert_eq!(tracker.lock(&frame, target), Ok(()));
+        assert_eq!(tracker.lock(&frame, Rect::new(19, 20, 12, 12)), Err(LockError::BoxNotInMemory));
+    }
+
+    #[test]
+    fn a_configuration_is_checked_when_the_tracker_is_built() {
+        let refused = |change: fn(&mut Config)| {
+            let mut config = Config::paper();
+            change(&mut config);
+            Small::new(config).err()
+        };
+        assert_eq!(refused(|_| ()), None);
+        assert_eq!(refused(|config| config.k.denominator = 0), Some(ConfigError::ZeroDenominator));
+        assert_eq!(refused(|config| config.gate.lost.denominator = 0), Some(ConfigError::ZeroDenominator));
+        assert_eq!(refused(|config| config.k.numerator = 0), Some(ConfigError::NothingCounts));
+        assert_eq!(refused(|config| config.first_threshold = 0), Some(ConfigError::NothingCounts));
+        assert_eq!(refused(|config| config.window_limit.x = 59), Some(ConfigError::LimitBelowWindow));
+    }
+
+    #[test]
+    fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
+        let scene = scene(1, 20, 20);
+        let lock = |limit| {
+            let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
+            Small::new(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
+        };
+        assert_eq!(lock(20), Ok(()));
+        assert_eq!(lock(21), Err(LockError::WindowTooLarge));
+    }
+
+    #[test]
+    fn the_smallest_and_the_largest_frames_work() {
+        let mut config = small_config();
+        config.padding = 0;
+        let mut tracker = Small::new(config).unwrap();
+        let one = Image::new(&[7], 1, 1).unwrap();
+        tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
+        let answer = tracker.update(&one.into()).unwrap();
+        assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, 0));
+
+        config.padding = u16::MAX;
+        config.neighbourhood = u16::MAX;
+        config.growth = u16::MAX;
+        let pixels: Vec<u8> = (0..65535u32).map(|i| ((i * i) >> 7) as u8).collect();
+        for (width, height) in [(65535, 1), (1, 65535)] {
+            let line = Image::new(&pixels, width, height).unwrap();
+            let end = Rect::new(i32::from(width) - 1, i32::from(height) - 1, 1, 1);
+            let mut tracker = Small::new(config).unwrap();
+            tracker.lock(&line.into(), end).unwrap();
+            assert_eq!(tracker.update(&line.into()).unwrap().bbox, end);
+        }
+    }
+
+    #[test]
+    fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
+        let pixels = vec![200; 256 * 256];
+        let frame = Frame::whole(Image::new(&pixels, 256, 256)?);
+        let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::paper() };
+        let mut tracker = std::boxed::Box::new(Tracker::<65536, 3>::new(config).unwrap());
+        tracker.lock(&frame, frame.bounds()).unwrap();
+        let answer = tracker.update(&frame).unwrap();
+        assert_eq!((answer.ratio, answer.found.peak.score), (65535, 65536 * 65535));
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! `host-sim eval`: methods, and the published results of others, measured against ground truth.
+
+use super::Outcome;
+use super::tracker_options::{Pair, TrackerOptions};
+use crate::evaluate::{self, Evaluation, MethodKind, Results};
+use crate::sequence::{self, OpenOptions};
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use smr_core::Config;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub struct Eval {
+    /// Recordings with ground truth beside them, or folders of such recordings
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<PathBuf>,
+    /// What is measured; several are separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "smr")]
+    method: Vec<MethodKind>,
+    /// Also score other trackers' results, trackers/*.txt beside a recording
+    ///
+    /// One x1,y1,x2,y2 a frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
+    /// last frame are not looked at.
+    #[arg(long)]
+    compare: bool,
+    /// Print an array of objects, one for each tracker and recording, instead of tables
+    #[arg(long)]
+    json: bool,
+    /// The size of the frames of raw dumps
+    #[arg(long, value_name = "WxH")]
+    size: Option<Pair>,
+    #[command(flatten)]
+    tracker: TrackerOptions,
+}
+
+impl Eval {
+    pub fn run(mut self) -> Result<Outcome> {
+        let config = self.tracker.config()?;
+        for kind in &self.method {
+            // A configuration that cannot be used is no fault of a recording: it is said once, here.
+            kind.build(&config)?;
+        }
+        drop_repeated(&mut self.method);
+        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
+        let paths = found?.concat();
+
+        let evaluations = self.evaluate(&paths, &config);
+        let failed = say_what_failed(&evaluations);
+        let mut evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
+        evaluations.retain(|evaluation| !evaluation.scores.is_empty());
+        say_what_to_know(&evaluations);
+        self.print(&Results::new(&evaluations))?;
+        if failed > 0 {
+            bail!("{failed} of what was asked for could not be measured (see above); results are of the rest");
+        }
+        Ok(Outcome::Holds)
+    }
+
+    /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
+    fn evaluate(&self, paths: &[PathBuf], config: &Config) -> Vec<Result<Evaluation>> {
+        let bar = progress_bar();
+        let evaluations = paths.par_iter().map(|path| self.evaluate_one(path, config, &bar)).collect();
+        bar.finish_and_clear();
+        evaluations
+    }
+
+    fn evaluate_one(&self, path: &Path, config: &Config, bar: &ProgressBar) -> Result<Evaluation> {
+        let options = OpenOptions { size: self.size.map(|Pair(width, height)| (width, height)), init: None };
+        let sequence = sequence::open(path, &options)?;
+        bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
+        let files = if self.compare { evaluate::result_files(path)? } else { Vec::new() };
+        evaluate::evaluate(sequence, &self.method, config, &files, || bar.inc(1))
+    }
+
+    fn print(&self, results: &Results) -> Result<()> {
+        let text = match self.json {
+            true => serde_json::to_string_pretty(&results.rows().collect::<Vec<_>>())? + "\n",
+            false if results.is_empty() => String::new(),
+            false => format!("{}\n{}", results.details(), results.correct_frames()),
+        };
+        Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+    }
+}
+
+/// `path` if it is a recording, else the recordings in it, in natural order.
+fn recordings(path: &Path) -> Result<Vec<PathBuf>> {
+    if sequence::is_sequence(path) {
+        return Ok(vec![path.to_owned()]);
+    }
+    let entries = std::fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+    let mut found: Vec<PathBuf> =
+        entries.with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
+    found.retain(|entry| entry.is_dir() && sequence::is_sequence(entry));
+    if found.is_empty() {
+        bail!("{}: no recording in it: expected one, or a folder whose subfolders are recordings", path.display());
+    }
+    found.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(found)
+}
+
+/// The first of each stays where it is.
+fn drop_repeated(methods: &mut Vec<MethodKind>) {
+    let all = methods.clone();
+    let mut index = 0..;
+    methods.retain(|kind| index.next().is_some_and(|index| !all[..index].contains(kind)));
+}
+
+/// One line on standard error for everything that could not be measured; how many there are.
+fn say_what_failed(evaluations: &[Result<Evaluation>]) -> usize {
+    let mut failed = 0;
+    for evaluation in evaluations {
+        let errors = match evaluation {
+            Ok(evaluation) => evaluation.failures.as_slice(),
+            Err(error) => std::slice::from_ref(error),
+        };
+        for error in errors {
+            eprintln!("error: {error:#}");
+        }
+        failed += errors.len();
+    }
+    failed
+}
+
+fn say_what_to_know(evaluations: &[Evaluation]) {
+    for note in evaluations.iter().flat_map(|evaluation| &evaluation.notes) {
+        eprintln!("note: {note}");
+    }
+}
+
+/// Frames done, on standard error; nothing is drawn if that is no terminal.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_folder_of_recordings_is_taken_in_natural_order() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["s10", "s2"] {
+            fs::create_dir(folder.path().join(name)).unwrap();
+            fs::write(folder.path().join(name).join("frames.y4m"), "").unwrap();
+        }
+        fs::create_dir(folder.path().join("empty")).unwrap();
+        fs::write(folder.path().join("README.md"), "").unwrap();
+        let expected = ["s2", "s10"].map(|name| folder.path().join(name));
+        assert_eq!(recordings(folder.path()).unwrap(), expected);
+        assert_eq!(recordings(&expected[0]).unwrap(), expected[..1]);
+    }
+
+    #[test]
+    fn a_path_without_a_recording_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = recordings(folder.path()).unwrap_err().to_string();
+        assert!(error.starts_with(&folder.path().display().to_string()), "{error}");
+        assert!(error.contains("no recording in it"), "{error}");
+        let missing = folder.path().join("missing");
+        assert!(
+            format!("{:#}", recordings(&missing).unwrap_err()).contains("missing: neither a recording nor a folder")
+        );
+    }
+
+    #[test]
+    fn a_method_is_measured_once() {
+        let mut methods = [MethodKind::Sad, MethodKind::Smr, MethodKind::Sad].to_vec();
+        drop_repeated(&mut methods);
+        assert_eq!(methods, [MethodKind::Sad, MethodKind::Smr]);
+    }
+}

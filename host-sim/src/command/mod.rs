@@ -1,0 +1,73 @@
+//! The command line, one file a command. Each file holds the command's arguments and what it does with them.
+
+mod check;
+mod eval;
+mod synth;
+mod track;
+mod tracker_options;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Replays recordings through smr-core: tracks, checks, measures.
+///
+/// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
+/// --size), or `synthetic`, the built-in recording.
+///
+/// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 120)]
+pub struct HostSim {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Print the target's box in every frame
+    Track(track::Track),
+    /// Compare smr-core with the float reference, score by score
+    Check(check::Check),
+    /// Measure against ground truth, by the protocol of the recordings
+    Eval(eval::Eval),
+    /// Write the built-in recording out as files
+    Synth(synth::Synth),
+}
+
+/// What a command has to say at its end, if nothing went wrong on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    Holds,
+    CheckFailed,
+}
+
+impl HostSim {
+    /// Runs the command. Errors are one line on standard error: what, where, what was expected.
+    pub fn run(self) -> ExitCode {
+        match self.dispatch() {
+            Ok(Outcome::Holds) => ExitCode::SUCCESS,
+            Ok(Outcome::CheckFailed) => ExitCode::from(1),
+            Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error:#}");
+                ExitCode::from(2)
+            }
+        }
+    }
+
+    fn dispatch(self) -> Result<Outcome> {
+        match self.command {
+            Command::Track(track) => track.run(),
+            Command::Check(check) => check.run(),
+            Command::Eval(eval) => eval.run(),
+            Command::Synth(synth) => synth.run(),
+        }
+    }
+}
+
+/// `host-sim track ... | head` is not an error.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let io = error.chain().find_map(|cause| cause.downcast_ref::<std::io::Error>());
+    io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,137 @@
+//! `host-sim track`: the target's box in every frame, as it is found.
+
+use super::Outcome;
+use super::tracker_options::{Pair, TrackerOptions};
+use crate::evaluate::{MethodKind, Report, Run, start};
+use crate::sequence::{self, BoundingBox, OpenOptions, boxes};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use smr_core::State;
+use std::fs::File;
+use std::io::{LineWriter, Write};
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Track {
+    /// The recording
+    #[arg(value_name = "SEQ")]
+    sequence: PathBuf,
+    /// How the target is followed
+    #[arg(long, value_enum, default_value = "smr")]
+    method: MethodKind,
+    /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
+    #[arg(long, value_name = "X,Y,W,H")]
+    init: Option<BoundingBox>,
+    /// The size of the frames of a raw dump
+    #[arg(long, value_name = "WxH")]
+    size: Option<Pair>,
+    /// Print one JSON object a frame instead of x1,y1,x2,y2
+    #[arg(long)]
+    json: bool,
+    /// Write to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    tracker: TrackerOptions,
+}
+
+/// One frame as JSON. `bbox` is null when the target is lost; what the method does not know is null, too.
+#[derive(Serialize)]
+struct JsonLine {
+    /// The first is 1.
+    frame: usize,
+    state: &'static str,
+    bbox: Option<BoundingBox>,
+    ratio: Option<f64>,
+    runner_up_ratio: Option<f64>,
+    alpha: Option<u16>,
+}
+
+impl Track {
+    pub fn run(self) -> Result<Outcome> {
+        let method = self.method.build(&self.tracker.config()?)?;
+        let options = OpenOptions { size: self.size.map(|Pair(width, height)| (width, height)), init: self.init };
+        let sequence = sequence::open(&self.sequence, &options)?;
+        let init = sequence.init.with_context(|| {
+            format!("{}: no box to start from: give --init X,Y,W,H or init.txt beside the recording", sequence.name)
+        })?;
+        let mut run = Run::new(method, start(&init)?);
+        let mut out = self.output()?;
+        // Each line is out before the next frame is read: if that one is bad, nothing is lost.
+        for (number, frame) in (1..).zip(sequence.frames) {
+            let report = run.step(&frame?).with_context(|| sequence.name.clone())?;
+            writeln!(out, "{}", self.line(number, &report)?)?;
+        }
+        Ok(Outcome::Holds)
+    }
+
+    fn output(&self) -> Result<Box<dyn Write>> {
+        Ok(match &self.out {
+            Some(path) => Box::new(LineWriter::new(File::create(path).with_context(|| path.display().to_string())?)),
+            None => Box::new(std::io::stdout().lock()),
+        })
+    }
+
+    fn line(&self, frame: usize, report: &Report) -> Result<String> {
+        let bbox = report.target.map(BoundingBox::from);
+        if !self.json {
+            return Ok(boxes::tld_line(bbox.as_ref()));
+        }
+        let state = match report.state {
+            State::Tracking => "tracking",
+            State::Leaving => "leaving",
+            State::Lost => "lost",
+        };
+        let evidence = report.evidence.as_ref();
+        Ok(serde_json::to_string(&JsonLine {
+            frame,
+            state,
+            bbox,
+            ratio: evidence.map(|evidence| rounded(evidence.ratio)),
+            runner_up_ratio: evidence.map(|evidence| rounded(evidence.runner_up_ratio)),
+            alpha: evidence.map(|evidence| evidence.alpha),
+        })?)
+    }
+}
+
+/// To six digits: more than the 1/65535 that a ratio is made of needs.
+fn rounded(ratio: f64) -> f64 {
+    (ratio * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evidence;
+    use clap::Parser;
+    use smr_core::Rect;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        track: Track,
+    }
+
+    fn line(arguments: &[&str], report: &Report) -> String {
+        let line = Line::parse_from([&["track", "SEQ"], arguments].concat());
+        line.track.line(7, report).unwrap()
+    }
+
+    #[test]
+    fn a_found_target() {
+        let report = Report { target: Some(Rect::new(-2, 5, 10, 20)), state: State::Leaving, evidence: None };
+        assert_eq!(line(&[], &report), "-2,5,8,25");
+        let expected = r#"{"frame":7,"state":"leaving","bbox":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
+        let nothing = r#""ratio":null,"runner_up_ratio":null,"alpha":null}"#;
+        assert_eq!(line(&["--json"], &report), format!("{expected}{nothing}"));
+    }
+
+    #[test]
+    fn a_lost_target() {
+        let evidence = Some(Evidence { ratio: 2.0 / 3.0, runner_up_ratio: 0.5, alpha: 13 });
+        let report = Report { target: None, state: State::Lost, evidence };
+        assert_eq!(line(&[], &report), "NaN,NaN,NaN,NaN");
+        let expected = r#"{"frame":7,"state":"lost","bbox":null,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13}"#;
+        assert_eq!(line(&["--json"], &report), expected);
+    }
+}

@@ -1,0 +1,104 @@
+//! The numbers of the method on the command line, the same for every command that runs the tracker.
+
+use crate::reference::Numbers;
+use anyhow::{Context, Result, anyhow};
+use clap::Args;
+use smr_core::{Config, Fraction, Radius, similarity::Table};
+use std::str::FromStr;
+
+/// Where the paper's value is not wanted.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Tracker")]
+pub struct TrackerOptions {
+    /// Search window to each side, in pixels [default: 60x50]
+    #[arg(long, value_name = "XxY")]
+    window: Option<Pair>,
+    /// Where the window of a lost target stops to grow [default: the padded frame]
+    #[arg(long, value_name = "XxY")]
+    window_limit: Option<Pair>,
+    /// alpha = k * the largest change of a template pixel [default: 1/4]
+    #[arg(long, value_name = "N/M")]
+    k: Option<Ratio>,
+    /// p = exp(-d / scale) of a difference of d gray levels, 1 to 4096 [default: 255]
+    #[arg(long)]
+    scale: Option<u16>,
+    /// Zeroes around the frame, in pixels [default: 20]
+    #[arg(long)]
+    padding: Option<u16>,
+    /// The runner-up is more than this many pixels away from the peak [default: 8]
+    #[arg(long)]
+    neighbourhood: Option<u16>,
+}
+
+impl TrackerOptions {
+    /// The paper's configuration with the options put in.
+    pub fn config(&self) -> Result<Config> {
+        let mut config = Config::paper();
+        if let Some(Pair(x, y)) = self.window {
+            config.window = Radius { x, y };
+        }
+        if let Some(Pair(x, y)) = self.window_limit {
+            config.window_limit = Radius { x, y };
+        }
+        if let Some(Ratio(k)) = self.k {
+            config.k = k;
+        }
+        if let Some(scale) = self.scale {
+            let table = Table::new(scale).with_context(|| format!("--scale {scale}"))?;
+            // The configuration wants a table for the life of the program; this is the one place that makes one.
+            config.table = Box::leak(Box::new(table));
+        }
+        config.padding = self.padding.unwrap_or(config.padding);
+        config.neighbourhood = self.neighbourhood.unwrap_or(config.neighbourhood);
+        Ok(config)
+    }
+
+    /// The same for the reference, which keeps its own copy of the paper's numbers.
+    pub fn reference_numbers(&self) -> Numbers {
+        let mut numbers = Numbers::paper();
+        if let Some(Pair(x, y)) = self.window {
+            numbers.window = (x.into(), y.into());
+        }
+        if let Some(Pair(x, y)) = self.window_limit {
+            numbers.window_limit = (x.into(), y.into());
+        }
+        if let Some(Ratio(k)) = self.k {
+            numbers.k = (k.numerator.into(), k.denominator.into());
+        }
+        numbers.scale = self.scale.map_or(numbers.scale, f64::from);
+        numbers.padding = self.padding.map_or(numbers.padding, i64::from);
+        numbers.neighbourhood = self.neighbourhood.map_or(numbers.neighbourhood, i64::from);
+        numbers
+    }
+}
+
+/// `60x50`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair(pub u16, pub u16);
+
+impl FromStr for Pair {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (x, y) = two(text, 'x').ok_or_else(|| anyhow!("expected two whole numbers like 60x50"))?;
+        Ok(Self(x, y))
+    }
+}
+
+/// `1/4`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Ratio(Fraction);
+
+impl FromStr for Ratio {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (numerator, denominator) = two(text, '/').ok_or_else(|| anyhow!("expected a fraction like 1/4"))?;
+        Ok(Self(Fraction::new(numerator, denominator)))
+    }
+}
+
+fn two(text: &str, separator: char) -> Option<(u16, u16)> {
+    let (first, second) = text.split_once(separator)?;
+    Some((first.parse().ok()?, second.parse().ok()?))
+}

@@ -1,0 +1,420 @@
+//! The trackers of the paper's comparison: SMR's window, padding, tie rule and template update, another cost.
+//!
+//! They always answer: they have no gate, so they are never lost and their window never grows.
+
+use super::method::{Method, Report};
+use anyhow::Result;
+use smr_core::search::Window;
+use smr_core::{Config, Frame, LockError, Radius, Rect, State, UpdateError};
+use std::ops::Range;
+
+/// How a baseline compares a patch with the template.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Measure {
+    /// SAD: the sum of |F - G|, the least wins.
+    Absolute,
+    /// SSD: the sum of (F - G)^2, the least wins.
+    Squared,
+    /// NCC: the correlation coefficient of F and G, the largest wins; 0 where either is constant.
+    Correlation,
+}
+
+/// The most pixels of a box, as SMR's tracker has it here: sums of squares of so many bytes fit a `u32`.
+const MAX_PIXELS: u32 = 65536;
+
+pub(super) struct Baseline {
+    measure: Measure,
+    radius: Radius,
+    padding: u16,
+    target: Rect,
+    /// Of the frame that was locked on; empty before the first lock.
+    bounds: Rect,
+    template: Vec<u8>,
+}
+
+impl Baseline {
+    pub(super) fn new(measure: Measure, config: &Config) -> Self {
+        let nothing = Rect::default();
+        let (radius, padding) = (config.window, config.padding);
+        Self { measure, radius, padding, target: nothing, bounds: nothing, template: Vec::new() }
+    }
+
+    fn best(&self, window: &Window, canvas: &Canvas) -> (i32, i32) {
+        let template = Patch { pixels: &self.template, width: self.target.width.into() };
+        match self.measure {
+            Measure::Absolute => search(window, self.target, |x, y, best| {
+                difference(canvas.rows_at(x, y), template, best, |f, g| u32::from(f.abs_diff(g)))
+            }),
+            Measure::Squared => search(window, self.target, |x, y, best| {
+                difference(canvas.rows_at(x, y), template, best, |f, g| u32::from(f.abs_diff(g)).pow(2))
+            }),
+            Measure::Correlation => {
+                let correlation = Correlation::new(canvas, template);
+                search(window, self.target, |x, y, _| -correlation.at(x, y))
+            }
+        }
+    }
+}
+
+impl Method for Baseline {
+    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
+        if target.is_empty() {
+            return Err(LockError::BoxEmpty.into());
+        }
+        if !frame.bounds().contains(target) {
+            return Err(LockError::BoxOutsideFrame.into());
+        }
+        if target.area() > MAX_PIXELS {
+            return Err(LockError::BoxTooLarge.into());
+        }
+        let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
+        self.template = patch.rows().flatten().copied().collect();
+        (self.target, self.bounds) = (target, frame.bounds());
+        Ok(())
+    }
+
+    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+        if self.template.is_empty() {
+            return Err(UpdateError::NotLocked.into());
+        }
+        if frame.bounds() != self.bounds {
+            return Err(UpdateError::FrameSizeChanged.into());
+        }
+        let window = Window::new(self.target, self.radius, self.bounds, self.padding);
+        let (width, height) = (i32::from(self.target.width), i32::from(self.target.height));
+        let xs = *window.xs().start()..*window.xs().end() + width;
+        let ys = *window.ys().start()..*window.ys().end() + height;
+        let canvas = Canvas::new(frame, xs, ys).ok_or(UpdateError::WindowNotInMemory)?;
+
+        let (x, y) = self.best(&window, &canvas);
+        self.target = Rect { x, y, ..self.target };
+        let Some(patch) = frame.patch(self.target) else {
+            return Ok(Report { target: Some(self.target), state: State::Leaving, evidence: None });
+        };
+        self.template.clear();
+        self.template.extend(patch.rows().flatten());
+        Ok(Report { target: Some(self.target), state: State::Tracking, evidence: None })
+    }
+}
+
+/// The position of least cost, of equal ones the closest to `last`, then the upper, then the left one.
+///
+/// `cost` is told the least cost so far, and may stop and give anything larger once it is past that.
+fn search(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64) -> (i32, i32) {
+    let distance = |x: i32, y: i32| {
+        let (dx, dy) = (u64::from(x.abs_diff(last.x)), u64::from(y.abs_diff(last.y)));
+        dx * dx + dy * dy
+    };
+    // The last position comes first: it is in the window, and mostly gives a bound that stops the others early.
+    let (mut best, mut least) = ((last.x, last.y), cost(last.x, last.y, f64::INFINITY));
+    // Rows from the top, columns from the left: of equally close ones the first to come is the one that wins. The last
+    // position loses to none of them, for it alone is at distance 0.
+    for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
+        let here = cost(x, y, least);
+        if here < least || (here == least && distance(x, y) < distance(best.0, best.1)) {
+            (best, least) = ((x, y), here);
+        }
+    }
+    best
+}
+
+/// Rows of pixels without a gap.
+#[derive(Clone, Copy)]
+struct Patch<'a> {
+    pixels: &'a [u8],
+    width: usize,
+}
+
+/// The sum of `pixel` over all pairs, row by row until it is more than `enough`.
+#[inline]
+fn difference<'a>(
+    rows: impl Iterator<Item = &'a [u8]>,
+    template: Patch<'_>,
+    enough: f64,
+    pixel: impl Fn(u8, u8) -> u32,
+) -> f64 {
+    let mut sum = 0.0;
+    for (f, g) in rows.zip(template.pixels.chunks_exact(template.width)) {
+        // Sums of u32 below 2^53: exact in f64.
+        sum += f64::from(f.iter().zip(g).map(|(&f, &g)| pixel(f, g)).sum::<u32>());
+        if sum > enough {
+            break;
+        }
+    }
+    sum
+}
+
+/// All pixels that the boxes of one window cover, with the padding's zeroes written out: speed, not memory, counts here.
+struct Canvas {
+    pixels: Vec<u8>,
+    stride: usize,
+    left: i32,
+    top: i32,
+}
+
+impl Canvas {
+    /// `None` if the frame is not wholly in memory.
+    fn new(frame: &Frame<'_>, xs: Range<i32>, ys: Range<i32>) -> Option<Self> {
+        let image = frame.patch(frame.bounds())?;
+        let (stride, width) = (xs.len(), i32::from(image.width()));
+        let mut pixels = vec![0; stride * ys.len()];
+        let seen = xs.start.max(0)..xs.end.min(width);
+        if !seen.is_empty() {
+            let (from, to) = (index(seen.start), index(seen.end));
+            let at = index(seen.start - xs.start);
+            for (y, line) in ys.clone().zip(pixels.chunks_exact_mut(stride)) {
+                let row = u16::try_from(y).map_or(&[][..], |y| image.row(y));
+                if let Some(row) = row.get(from..to) {
+                    line[at..at + row.len()].copy_from_slice(row);
+                }
+            }
+        }
+        Some(Self { pixels, stride, left: xs.start, top: ys.start })
+    }
+
+    /// Column and row of a position of the frame.
+    fn locate(&self, x: i32, y: i32) -> (usize, usize) {
+        (index(x - self.left), index(y - self.top))
+    }
+
+    /// From the pixel at (`x`, `y`) of the frame to the end of its row, then the same of the rows below.
+    fn rows_at(&self, x: i32, y: i32) -> impl Iterator<Item = &[u8]> {
+        let (column, row) = self.locate(x, y);
+        self.pixels[row * self.stride..].chunks_exact(self.stride).map(move |row| &row[column..])
+    }
+}
+
+/// What is known not to be negative as an index.
+fn index(value: i32) -> usize {
+    usize::try_from(value).expect("the canvas begins where the window does")
+}
+
+/// The correlation coefficient at every position of a canvas: exact sums, divided in f64.
+struct Correlation<'a> {
+    canvas: &'a Canvas,
+    template: Patch<'a>,
+    /// Over all pixels above and to the left: how many times is the sum of a box read, once is it computed.
+    sums: Vec<[u64; 2]>,
+    template_sum: i64,
+    template_spread: i64,
+}
+
+impl<'a> Correlation<'a> {
+    fn new(canvas: &'a Canvas, template: Patch<'a>) -> Self {
+        let sum = template.pixels.iter().map(|&g| u64::from(g)).sum();
+        let squares = template.pixels.iter().map(|&g| u64::from(g).pow(2)).sum();
+        let pixels = template.pixels.len() as u64;
+        let (template_sum, template_spread) = (signed(sum), spread(pixels, sum, squares));
+        Self { canvas, template, sums: Self::sums(canvas), template_sum, template_spread }
+    }
+
+    /// The sums of pixels and of their squares, one row and one column more than the canvas has.
+    fn sums(canvas: &Canvas) -> Vec<[u64; 2]> {
+        let mut sums = vec![[0; 2]; canvas.stride + 1];
+        for row in canvas.pixels.chunks_exact(canvas.stride) {
+            let above = sums.len() - canvas.stride;
+            let mut so_far = [0; 2];
+            sums.push(so_far);
+            for (column, &f) in row.iter().enumerate() {
+                so_far = [so_far[0] + u64::from(f), so_far[1] + u64::from(f).pow(2)];
+                let [sum, squares] = sums[above + column];
+                sums.push([sum + so_far[0], squares + so_far[1]]);
+            }
+        }
+        sums
+    }
+
+    fn at(&self, x: i32, y: i32) -> f64 {
+        let [sum, squares] = self.patch_sums(x, y);
+        let products: u32 = (self.canvas.rows_at(x, y).zip(self.template.pixels.chunks_exact(self.template.width)))
+            .map(|(f, g)| dot(f, g))
+            .sum();
+        // All below 65536 * 65536 * 255 * 255 < 2^48: exact as i64, and as f64 too.
+        let pixels = self.template.pixels.len() as u64;
+        let common = signed(pixels * u64::from(products)) - signed(sum) * self.template_sum;
+        let spreads = (spread(pixels, sum, squares) as f64) * (self.template_spread as f64);
+        if spreads == 0.0 { 0.0 } else { common as f64 / spreads.sqrt() }
+    }
+
+    fn patch_sums(&self, x: i32, y: i32) -> [u64; 2] {
+        let (column, row) = self.canvas.locate(x, y);
+        let (width, height) = (self.template.width, self.template.pixels.len() / self.template.width);
+        let stride = self.canvas.stride + 1;
+        let at = |column: usize, row: usize| self.sums[row * stride + column];
+        let (a, b) = (at(column, row), at(column + width, row));
+        let (c, d) = (at(column, row + height), at(column + width, row + height));
+        [0, 1].map(|i| (d[i] + a[i]) - (b[i] + c[i]))
+    }
+}
+
+/// The sum of the products of all pairs; of rows of two lengths the common part.
+fn dot(f: &[u8], g: &[u8]) -> u32 {
+    f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum()
+}
+
+/// `pixels`^2 times the variance.
+fn spread(pixels: u64, sum: u64, squares: u64) -> i64 {
+    signed(pixels * squares - sum * sum)
+}
+
+fn signed(value: u64) -> i64 {
+    i64::try_from(value).expect("sums over at most 65536 pixels are far below 2^63")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequence::GrayFrame;
+    use proptest::prelude::*;
+
+    const ALL: [Measure; 3] = [Measure::Absolute, Measure::Squared, Measure::Correlation];
+
+    /// A plain picture with a 6x5 target, no two rows or columns of which are alike, at (`left`, `top`).
+    fn picture(left: i32, top: i32) -> GrayFrame {
+        let pixel = |x: i32, y: i32| {
+            let (i, j) = (x - left, y - top);
+            if (0..6).contains(&i) && (0..5).contains(&j) { 60 + (i * i * 7 + j * 13) % 120 } else { 20 }
+        };
+        let pixels = (0..30).flat_map(|y| (0..40).map(move |x| pixel(x, y).try_into().unwrap())).collect();
+        GrayFrame { width: 40, height: 30, pixels }
+    }
+
+    fn config(radius: u16, padding: u16) -> Config {
+        let mut config = Config::paper();
+        config.window = Radius { x: radius, y: radius };
+        config.padding = padding;
+        config
+    }
+
+    fn locked(measure: Measure, config: &Config, frame: &GrayFrame, target: Rect) -> Baseline {
+        let mut baseline = Baseline::new(measure, config);
+        baseline.lock(&frame.frame(), target).unwrap();
+        baseline
+    }
+
+    #[test]
+    fn a_target_is_followed_out_of_the_picture_and_its_template_is_kept() {
+        for measure in ALL {
+            let mut baseline = locked(measure, &config(6, 20), &picture(5, 10), Rect::new(5, 10, 6, 5));
+            let inside = baseline.update(&picture(1, 12).frame()).unwrap();
+            assert_eq!(
+                inside,
+                Report { target: Some(Rect::new(1, 12, 6, 5)), state: State::Tracking, evidence: None },
+                "{measure:?}"
+            );
+            let template = baseline.template.clone();
+            let leaving = baseline.update(&picture(-2, 13).frame()).unwrap();
+            assert_eq!(leaving.state, State::Leaving, "{measure:?}");
+            assert_eq!(baseline.template, template, "{measure:?}");
+        }
+    }
+
+    #[test]
+    fn without_texture_the_box_stays_where_it_was() {
+        let plain = GrayFrame { width: 20, height: 20, pixels: vec![90; 400] };
+        let target = Rect::new(7, 6, 4, 3);
+        for measure in ALL {
+            let mut baseline = locked(measure, &config(3, 0), &plain, target);
+            assert_eq!(baseline.update(&plain.frame()).unwrap().target, Some(target), "{measure:?}");
+        }
+    }
+
+    #[test]
+    fn correlation_does_not_see_brightness_and_contrast() {
+        let mut darker = picture(12, 9);
+        darker.pixels.iter_mut().for_each(|pixel| *pixel = *pixel / 3 + 1);
+        let mut baseline = locked(Measure::Correlation, &config(6, 0), &picture(10, 10), Rect::new(10, 10, 6, 5));
+        assert_eq!(baseline.update(&darker.frame()).unwrap().target, Some(Rect::new(12, 9, 6, 5)));
+    }
+
+    #[test]
+    fn what_cannot_be_followed_is_an_error() {
+        let frame = picture(5, 5);
+        let mut baseline = Baseline::new(Measure::Absolute, &config(3, 0));
+        assert_eq!(baseline.update(&frame.frame()).unwrap_err().downcast_ref(), Some(&UpdateError::NotLocked));
+        let mut refused = |target| baseline.lock(&frame.frame(), target).unwrap_err().downcast::<LockError>().unwrap();
+        assert_eq!(refused(Rect::default()), LockError::BoxEmpty);
+        assert_eq!(refused(Rect::new(36, 0, 6, 5)), LockError::BoxOutsideFrame);
+        let large = GrayFrame { width: 300, height: 300, pixels: vec![0; 90_000] };
+        let too_large = baseline.lock(&large.frame(), Rect::new(0, 0, 257, 256)).unwrap_err();
+        assert_eq!(too_large.downcast_ref(), Some(&LockError::BoxTooLarge));
+        baseline.lock(&large.frame(), Rect::new(0, 0, 256, 256)).unwrap();
+        assert_eq!(baseline.update(&frame.frame()).unwrap_err().downcast_ref(), Some(&UpdateError::FrameSizeChanged));
+    }
+
+    #[test]
+    fn the_largest_sums_are_exact() {
+        let frame = |pixel: u8| GrayFrame { width: 256, height: 256, pixels: vec![pixel; 65536] };
+        let target = Rect::new(0, 0, 256, 256);
+        let canvas = Canvas::new(&frame(255).frame(), 0..256, 0..256).unwrap();
+        let black = frame(0);
+        let template = Patch { pixels: &black.pixels, width: 256 };
+        let squares = difference(canvas.rows_at(0, 0), template, f64::INFINITY, |f, g| u32::from(f.abs_diff(g)).pow(2));
+        assert_eq!(squares, 65536.0 * 255.0 * 255.0);
+        for measure in ALL {
+            let mut baseline = locked(measure, &config(0, 0), &frame(255), target);
+            assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target));
+        }
+    }
+
+    /// Everything anew, pixel by pixel: what a box at (`x`, `y`) costs.
+    fn plain_cost(measure: Measure, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
+        let pixel = |x: i32, y: i32| {
+            let inside = (0..i32::from(frame.width)).contains(&x) && (0..i32::from(frame.height)).contains(&y);
+            if inside { f64::from(frame.pixels[index(y * i32::from(frame.width) + x)]) } else { 0.0 }
+        };
+        let places = (target.y..target.bottom()).flat_map(|y| (target.x..target.right()).map(move |x| (x, y)));
+        let pairs: Vec<(f64, f64)> = places.map(|(x, y)| pixel(x, y)).zip(template.iter().map(|&g| g.into())).collect();
+        let sum = |of: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|&(f, g)| of(f, g)).sum::<f64>();
+        match measure {
+            Measure::Absolute => sum(&|f, g| (f - g).abs()),
+            Measure::Squared => sum(&|f, g| (f - g).powi(2)),
+            Measure::Correlation => {
+                let (f_mean, g_mean) = (sum(&|f, _| f) / pairs.len() as f64, sum(&|_, g| g) / pairs.len() as f64);
+                let common = sum(&|f, g| (f - f_mean) * (g - g_mean));
+                let spreads = sum(&|f, _| (f - f_mean).powi(2)) * sum(&|_, g| (g - g_mean).powi(2));
+                if spreads < 1e-9 { 0.0 } else { -common / spreads.sqrt() }
+            }
+        }
+    }
+
+    /// Few gray levels, so that ties are frequent.
+    fn frames() -> impl Strategy<Value = Vec<GrayFrame>> {
+        let frame = proptest::collection::vec(prop_oneof![Just(0_u8), Just(1), Just(2), Just(255)], 11 * 9)
+            .prop_map(|pixels| GrayFrame { width: 11, height: 9, pixels });
+        proptest::collection::vec(frame, 2..5)
+    }
+
+    proptest! {
+        #[test]
+        fn the_best_is_what_a_plain_search_finds(
+            frames in frames(),
+            (width, height, x, y) in (1..5_u16, 1..5_u16, 0..7_i32, 0..5_i32),
+            (radius, padding) in (0..6_u16, 0..8_u16),
+            measure in prop::sample::select(&ALL[..]),
+        ) {
+            let mut target = Rect::new(x, y, width, height);
+            let config = config(radius, padding);
+            let mut baseline = locked(measure, &config, &frames[0], target);
+            for frame in &frames[1..] {
+                let window = Window::new(target, config.window, frame.frame().bounds(), padding);
+                let cost = |x, y| plain_cost(measure, frame, &baseline.template, Rect { x, y, ..target });
+                // As core states it: the least cost, then the closest, then the upper, then the left one.
+                let rank = |(x, y): (i32, i32)| (x.abs_diff(target.x).pow(2) + y.abs_diff(target.y).pow(2), y, x);
+                let all: Vec<_> = window.ys().flat_map(|y| window.xs().map(move |x| (x, y))).collect();
+                let least = all.iter().map(|&(x, y)| cost(x, y)).fold(f64::INFINITY, f64::min);
+                // A plain correlation is not exact: what is equal but for its last digits may be the best.
+                let slack = if measure == Measure::Correlation { 1e-9 } else { 0.0 };
+                let best: Vec<_> = all.into_iter().filter(|&(x, y)| cost(x, y) <= least + slack).collect();
+
+                let found = baseline.update(&frame.frame()).unwrap().target.unwrap();
+                if measure == Measure::Correlation {
+                    prop_assert!(best.contains(&(found.x, found.y)));
+                } else {
+                    prop_assert_eq!(Some((found.x, found.y)), best.into_iter().min_by_key(|&at| rank(at)));
+                }
+                target = found;
+            }
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! How well a tracker does: methods run over sequences, and what they and others answered, scored by one protocol.
+
+mod baseline;
+mod method;
+mod protocol;
+mod results;
+mod table;
+
+pub use method::{Evidence, Method, MethodKind, Report, Run};
+pub use protocol::{Score, Trajectory};
+pub use results::Results;
+
+use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
+use anyhow::{Context, Error, Result, ensure};
+use smr_core::{Config, Rect};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// Who answered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Contestant {
+    /// A method that was run here.
+    Method(MethodKind),
+    /// The result file of another tracker, by its name.
+    File(String),
+}
+
+impl Contestant {
+    /// As it stands in tables and in JSON.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Method(kind) => kind.name(),
+            Self::File(name) => name,
+        }
+    }
+}
+
+/// One sequence, and how well everyone did on it.
+pub struct Evaluation {
+    pub sequence: String,
+    /// Frames in which the target is visible.
+    pub visible: usize,
+    pub scores: Vec<(Contestant, Score)>,
+    /// Why some have no score.
+    pub failures: Vec<Error>,
+    /// What a reader of the scores should know.
+    pub notes: Vec<String>,
+}
+
+/// Runs `methods` over the sequence, and scores `files`, other trackers' results on it, too.
+///
+/// One thread; each frame is decoded once and dropped when all methods have seen it. `progress` is called after each.
+///
+/// # Errors
+/// No ground truth or one of another length, no box to start from, or a frame that cannot be read. What fails for one
+/// contestant only is one of [`Evaluation::failures`].
+pub fn evaluate(
+    sequence: Sequence,
+    methods: &[MethodKind],
+    config: &Config,
+    files: &[PathBuf],
+    progress: impl Fn(),
+) -> Result<Evaluation> {
+    let Sequence { name, frames, init, truth, .. } = sequence;
+    let truth = truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt or groundtruth_rect.txt"))?;
+    let init = init.with_context(|| format!("{name}: no box to start from beside it: expected init.txt"))?;
+    let start = start(&init).with_context(|| name.clone())?;
+    let runs: Result<Vec<_>> = methods.iter().map(|kind| Ok(Run::new(kind.build(config)?, start))).collect();
+    let mut count = 0;
+    let answers = follow(frames.inspect(|_| count += 1), runs?, progress)?;
+    let boxes = truth.len();
+    ensure!(count == boxes, "{name}: there are {count} frames, but the ground truth has {boxes} boxes");
+
+    let visible = truth.iter().flatten().count();
+    let mut evaluation =
+        Evaluation { sequence: name.clone(), visible, scores: vec![], failures: vec![], notes: vec![] };
+    for (&kind, answers) in methods.iter().zip(answers) {
+        let score = answers.and_then(|answers| Score::new(&answers, &truth));
+        evaluation.add(Contestant::Method(kind), score.with_context(|| format!("{name}: {}", kind.name())));
+    }
+    for path in files {
+        let score = evaluation.score_file(path, &truth);
+        evaluation.add(Contestant::File(stem(path)), score);
+    }
+    Ok(evaluation)
+}
+
+impl Evaluation {
+    fn add(&mut self, contestant: Contestant, score: Result<Score>) {
+        match score {
+            Ok(score) => self.scores.push((contestant, score)),
+            Err(error) => self.failures.push(error),
+        }
+    }
+
+    /// The score of a result file. If it ends early there was no answer from there on; what it says of frames that do
+    /// not exist is not looked at. Published files are of both kinds; either is noted.
+    fn score_file(&mut self, path: &Path, truth: &Trajectory) -> Result<Score> {
+        let mut answers = boxes::read_tld(path)?;
+        if answers.len() != truth.len() {
+            self.notes.push(format!("{} boxes for {} frames: {}", answers.len(), truth.len(), path.display()));
+        }
+        answers.resize(truth.len(), None);
+        Score::new(&answers, truth)
+    }
+}
+
+/// The box to start from in whole pixels, as every method takes it.
+///
+/// # Errors
+/// It has less than a pixel.
+pub fn start(init: &BoundingBox) -> Result<Rect> {
+    init.to_rect().with_context(|| format!("the box to start from has no pixels: {init} (x,y,width,height)"))
+}
+
+/// The [`Trajectory`] of a run.
+type Answers = Vec<Option<BoundingBox>>;
+
+/// What each run answered in each frame. A run that fails is not asked again; the others go on.
+fn follow(
+    frames: impl Iterator<Item = Result<GrayFrame>>,
+    runs: Vec<Run>,
+    progress: impl Fn(),
+) -> Result<Vec<Result<Answers>>> {
+    let mut runs: Vec<_> = runs.into_iter().map(|run| (run, Ok(Vec::new()))).collect();
+    for frame in frames {
+        let frame = frame?;
+        for (run, answers) in &mut runs {
+            let Ok(so_far) = answers else { continue };
+            match run.step(&frame) {
+                Ok(report) => so_far.push(report.target.map(BoundingBox::from)),
+                Err(error) => *answers = Err(error),
+            }
+        }
+        progress();
+    }
+    Ok(runs.into_iter().map(|(_, answers)| answers).collect())
+}
+
+/// Other trackers' results on the sequence at `path`: `trackers/*.txt` in its folder, in natural order; often none.
+///
+/// # Errors
+/// There is such a folder, but it cannot be read.
+pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
+    let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
+    let folder = folder.join("trackers");
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let entries: std::io::Result<Vec<PathBuf>> =
+        std::fs::read_dir(&folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+    let mut files = entries.with_context(|| folder.display().to_string())?;
+    files.retain(|file| file.extension() == Some(OsStr::new("txt")));
+    files.sort_by(|a, b| natord::compare(&stem(a), &stem(b)));
+    Ok(files)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::bail;
+    use std::cell::Cell;
+    use std::fs;
+
+    const METHODS: [MethodKind; 2] = [MethodKind::Sad, MethodKind::Smr];
+
+    /// Four frames of a target that moves by two pixels a frame, and nothing beside them.
+    fn sequence() -> Sequence {
+        let frame = |left: usize| {
+            let texture = |x: usize, y: usize| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();
+            let inside = |x: usize, y: usize| (left..left + 5).contains(&x) && (6..10).contains(&y);
+            let pixel = |x: usize, y: usize| if inside(x, y) { texture(x - left, y) } else { 10 };
+            let pixels = (0..20).flat_map(|y| (0..24).map(move |x| pixel(x, y))).collect();
+            GrayFrame { width: 24, height: 20, pixels }
+        };
+        let frames = [4, 6, 8, 10].map(|left| Ok(frame(left)));
+        let at = |x: f64| BoundingBox { x, y: 6.0, width: 5.0, height: 4.0 };
+        Sequence {
+            name: "moving".to_owned(),
+            frames: Box::new(frames.into_iter()),
+            length: Some(4),
+            init: Some(at(4.0)),
+            truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
+        }
+    }
+
+    fn evaluated(sequence: Sequence, files: &[PathBuf]) -> Result<Evaluation> {
+        evaluate(sequence, &METHODS, &Config::paper(), files, || ())
+    }
+
+    #[test]
+    fn all_methods_see_all_frames() {
+        let frames = Cell::new(0);
+        let progress = || frames.set(frames.get() + 1);
+        let evaluation = evaluate(sequence(), &METHODS, &Config::paper(), &[], progress).unwrap();
+        assert_eq!(frames.get(), 4);
+        assert_eq!(evaluation.visible, 4);
+        assert!(evaluation.failures.is_empty());
+        let correct = |(who, score): &(Contestant, Score)| (who.clone(), score.correct, score.correct_50);
+        let methods = METHODS.map(|kind| (Contestant::Method(kind), 4, 4));
+        assert_eq!(evaluation.scores.iter().map(correct).collect::<Vec<_>>(), methods);
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let error = |sequence| format!("{:#}", evaluated(sequence, &[]).err().unwrap());
+        assert!(error(Sequence { truth: None, ..sequence() }).contains("moving: no ground truth"));
+        let short = sequence().truth.map(|truth| truth[..3].to_vec());
+        let lengths = "moving: there are 4 frames, but the ground truth has 3 boxes";
+        assert_eq!(error(Sequence { truth: short, ..sequence() }), lengths);
+        assert!(error(Sequence { init: None, ..sequence() }).contains("no box to start from"));
+        let tiny = BoundingBox { x: 1.0, y: 1.0, width: 0.3, height: 5.0 };
+        assert!(error(Sequence { init: Some(tiny), ..sequence() }).contains("no pixels: 1,1,0.3,5"));
+        let frames = sequence().frames.take(2).chain(std::iter::once_with(|| bail!("frame 3 is bad")));
+        assert_eq!(error(Sequence { frames: Box::new(frames), ..sequence() }), "frame 3 is bad");
+    }
+
+    #[test]
+    fn one_contestant_fails_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("bad.txt");
+        fs::write(&file, "1,2,three,4\n").unwrap();
+        let evaluation = evaluated(sequence(), &[file]).unwrap();
+        assert_eq!(evaluation.scores.len(), METHODS.len());
+        assert_eq!(evaluation.failures.len(), 1);
+        assert!(format!("{:#}", evaluation.failures[0]).contains("bad.txt: line 1"));
+
+        let mut frames: Vec<_> = sequence().frames.collect();
+        frames[2] = Ok(GrayFrame { width: 24, height: 19, pixels: vec![0; 24 * 19] });
+        let evaluation = evaluated(Sequence { frames: Box::new(frames.into_iter()), ..sequence() }, &[]).unwrap();
+        let failures: Vec<String> = evaluation.failures.iter().map(|error| format!("{error:#}")).collect();
+        let reason = smr_core::UpdateError::FrameSizeChanged;
+        assert_eq!(failures, ["sad", "smr"].map(|name| format!("moving: {name}: frame 3: {reason}")));
+    }
+
+    #[test]
+    fn result_files_of_others() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(result_files(folder.path()).unwrap(), Vec::<PathBuf>::new());
+        let trackers = folder.path().join("trackers");
+        fs::create_dir(&trackers).unwrap();
+        let (early, late) = (trackers.join("t2.txt"), trackers.join("t10.txt"));
+        fs::write(&early, "4,6,9,10\nNaN,NaN,NaN,NaN\n8,6,13,10\n").unwrap();
+        fs::write(&late, "4,6,9,10\n6,6,11,10\n8,6,13,10\n0,0,5,4\n0,0,5,4\n").unwrap();
+        fs::write(trackers.join("notes.md"), "no result").unwrap();
+
+        let files = result_files(folder.path()).unwrap();
+        assert_eq!(files, [early, late]);
+        assert_eq!(result_files(&folder.path().join("frames.y4m")).unwrap(), files);
+        let evaluation = evaluate(sequence(), &[], &Config::paper(), &files, || ()).unwrap();
+        let figures = |(who, score): &(Contestant, Score)| (who.name().to_owned(), score.answered, score.correct);
+        let expected = [("t2".to_owned(), 2, 2), ("t10".to_owned(), 4, 3)];
+        assert_eq!(evaluation.scores.iter().map(figures).collect::<Vec<_>>(), expected);
+        assert_eq!(evaluation.notes.len(), 2);
+        assert!(evaluation.notes[1].starts_with("5 boxes for 4 frames"));
+    }
+}

@@ -1,0 +1,80 @@
+//! What was measured, as one matrix: contestants down, sequences across. Everything that is printed comes from here.
+
+use super::{Contestant, Evaluation, Score};
+use serde::Serialize;
+
+/// The scores of every contestant on every sequence.
+pub struct Results {
+    pub(super) sequences: Vec<Column>,
+    pub(super) lines: Vec<Line>,
+}
+
+/// A sequence.
+pub(super) struct Column {
+    pub name: String,
+    pub visible: usize,
+}
+
+/// A contestant and its scores, one for each sequence; `None` where it has none.
+pub(super) struct Line {
+    pub contestant: Contestant,
+    pub scores: Vec<Option<Score>>,
+}
+
+/// One score as JSON.
+#[derive(Serialize)]
+pub struct Row<'a> {
+    tracker: &'a str,
+    sequence: &'a str,
+    #[serde(flatten)]
+    score: &'a Score,
+}
+
+impl Results {
+    /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
+    #[must_use]
+    pub fn new(evaluations: &[Evaluation]) -> Self {
+        let column = |e: &Evaluation| Column { name: e.sequence.clone(), visible: e.visible };
+        let line = |contestant: Contestant| {
+            let of = |e: &Evaluation| e.scores.iter().find(|(who, _)| *who == contestant).map(|&(_, score)| score);
+            Line { scores: evaluations.iter().map(of).collect(), contestant }
+        };
+        Self {
+            sequences: evaluations.iter().map(column).collect(),
+            lines: contestants(evaluations).into_iter().map(line).collect(),
+        }
+    }
+
+    /// True if nobody has a score.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+
+    /// All scores, contestant by contestant.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.lines.iter().flat_map(|line| {
+            let scores = self.sequences.iter().zip(&line.scores);
+            scores.filter_map(|(sequence, score)| {
+                let (tracker, sequence) = (line.contestant.name(), sequence.name.as_str());
+                score.as_ref().map(|score| Row { tracker, sequence, score })
+            })
+        })
+    }
+}
+
+/// Everyone who has a score on one sequence at least.
+fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
+    let mut all: Vec<Contestant> = Vec::new();
+    for (contestant, _) in evaluations.iter().flat_map(|e| &e.scores) {
+        if !all.contains(contestant) {
+            all.push(contestant.clone());
+        }
+    }
+    // The sort is stable: methods, being equal here, keep their order.
+    all.sort_by(|a, b| match (a, b) {
+        (Contestant::File(a), Contestant::File(b)) => natord::compare(a, b),
+        (a, b) => matches!(a, Contestant::File(_)).cmp(&matches!(b, Contestant::File(_))),
+    });
+    all
+}

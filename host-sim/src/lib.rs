@@ -1,0 +1,17 @@
+//! Replays recorded sequences through `smr-core`, the very code that is linked into a camera.
+//!
+//! - [`sequence`]: where frames and boxes come from.
+//! - [`reference`]: the method in f64, written from the paper.
+//! - [`check`]: core against the reference, score by score.
+//! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
+//! - [`command`]: what the command line offers; `main` only hands over.
+
+pub mod check;
+pub mod command;
+pub mod evaluate;
+pub mod reference;
+pub mod sequence;
+
+/// The tracker as this program builds it: room for the largest template there can be (256x256 pixels), and for a window
+/// of 4096 offsets on each axis, so the whole of a frame of up to about 4000x4000 pixels.
+pub type Tracker = smr_core::Tracker<65536, 4096>;

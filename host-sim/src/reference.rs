@@ -1,0 +1,353 @@
+//! The method in f64, written from the paper's steps and meant to be checked against them by eye.
+//!
+//! It takes no number, no table and no arithmetic from `smr-core`; it is slow, keeps every score, and pads the frame by
+//! real zeroes. Intensities stay on the bytes' scale, 0 to 255: they are exact there, and so are their differences; the
+//! division by the scale happens inside exp, where the paper's 0 to 1 is needed.
+//!
+//! Every score is summed twice. The *exact* sum adds p as f64 has it. The *rounded* sum adds p rounded to whole units of
+//! 1/65535, the grid on which smr-core works; both are in that unit. Decisions follow the rounded sums, so that the two
+//! trackers walk through a recording side by side; what the exact sums would have decided stands in [`Step::exact_peak`].
+
+use rayon::prelude::*;
+
+/// One unit of a score: 1.0 is this many.
+const UNITS: f64 = 65535.0;
+
+/// The numbers of the method.
+#[derive(Clone, Debug)]
+pub struct Numbers {
+    /// p = exp(-d / scale), d in gray levels.
+    pub scale: f64,
+    /// k = .0 / .1
+    pub k: (f64, f64),
+    /// alpha before the first update, in gray levels.
+    pub first_alpha: f64,
+    /// Zeroes on each side of the frame, in pixels.
+    pub padding: i64,
+    /// The search window, x and y.
+    pub window: (i64, i64),
+    /// Pixels by which the window grows on each side, for each frame that the target is lost.
+    pub growth: i64,
+    /// Where it stops to grow, x and y.
+    pub window_limit: (i64, i64),
+    /// The runner-up is more than this far from the peak.
+    pub neighbourhood: i64,
+    /// Ratios of peak to runner-up that a frame needs, each .0 / .1
+    pub gate: GateNumbers,
+}
+
+/// Each ratio is .0 / .1, compared crosswise: products of whole numbers are exact in f64, 1.02 is not.
+#[derive(Clone, Debug)]
+pub struct GateNumbers {
+    pub tracking: (f64, f64),
+    pub border: (f64, f64),
+    pub leaving: (f64, f64),
+    pub lost: (f64, f64),
+    /// In pixels' worth of 1.0.
+    pub lead: f64,
+}
+
+impl Numbers {
+    /// The paper's, and its authors' program's.
+    pub fn paper() -> Self {
+        Self {
+            scale: 255.0,
+            k: (1.0, 4.0),
+            first_alpha: 0.05 * 255.0,
+            padding: 20,
+            window: (60, 50),
+            growth: 1,
+            window_limit: (i64::from(u16::MAX), i64::from(u16::MAX)),
+            neighbourhood: 8,
+            gate: GateNumbers {
+                tracking: (1.0, 1.0),
+                border: (102.0, 100.0),
+                leaving: (120.0, 100.0),
+                lost: (125.0, 100.0),
+                lead: 100.0,
+            },
+        }
+    }
+}
+
+/// What the reference believes after a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Belief {
+    Tracking,
+    Leaving,
+    Lost,
+}
+
+/// Both sums of one candidate, in units of 1/65535.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sums {
+    pub rounded: f64,
+    pub exact: f64,
+}
+
+/// All candidates of a frame, row by row; the first one is at (`left`, `top`).
+pub struct Scores {
+    pub left: i64,
+    pub top: i64,
+    pub columns: i64,
+    pub rows: i64,
+    pub sums: Vec<Sums>,
+}
+
+impl Scores {
+    /// Every candidate's position and sums, row by row.
+    pub fn iter(&self) -> impl Iterator<Item = ((i64, i64), Sums)> {
+        let positions =
+            (self.top..self.top + self.rows).flat_map(|y| (self.left..self.left + self.columns).map(move |x| (x, y)));
+        positions.zip(self.sums.iter().copied())
+    }
+}
+
+/// All that happened in one frame.
+pub struct Step {
+    /// Every candidate of the search window.
+    pub scores: Scores,
+    /// The candidate with the largest rounded sum, and that sum.
+    pub peak: ((i64, i64), f64),
+    /// The candidate with the largest exact sum, and that sum.
+    pub exact_peak: ((i64, i64), f64),
+    /// The largest rounded sum outside the peak's neighbourhood; 0 if there is no candidate there.
+    pub runner_up: f64,
+    /// The alpha that this frame was scored with.
+    pub alpha: f64,
+    /// What is believed after it.
+    pub belief: Belief,
+    /// Where the target is believed to be after it: left and top.
+    pub position: (i64, i64),
+}
+
+/// A frame, or a target's patch: intensities 0 to 255.
+struct Picture {
+    width: i64,
+    height: i64,
+    pixels: Vec<f64>,
+}
+
+impl Picture {
+    /// A copy of 8-bit pixels.
+    fn new(pixels: &[u8], width: i64, height: i64) -> Self {
+        Self { width, height, pixels: pixels.iter().map(|&pixel| f64::from(pixel)).collect() }
+    }
+
+    /// The same with `padding` rows and columns of zeroes on every side.
+    fn padded(&self, padding: i64) -> Self {
+        let (width, height) = (self.width + 2 * padding, self.height + 2 * padding);
+        let mut pixels = vec![0.0; index(width * height)];
+        for y in 0..self.height {
+            let to = index((y + padding) * width + padding);
+            pixels[to..to + index(self.width)].copy_from_slice(self.row(0, y, self.width));
+        }
+        Self { width, height, pixels }
+    }
+
+    /// `count` pixels from (`x`, `y`) to the right.
+    fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
+        let from = index(y * self.width + x);
+        &self.pixels[from..from + index(count)]
+    }
+
+    fn cut(&self, x: i64, y: i64, width: i64, height: i64) -> Self {
+        let pixels = (y..y + height).flat_map(|row| self.row(x, row, width).iter().copied()).collect();
+        Self { width, height, pixels }
+    }
+}
+
+/// The tracker in f64.
+pub struct Reference {
+    numbers: Numbers,
+    /// p by difference, evaluated once for each of the 256 differences that bytes can have.
+    p: Vec<Sums>,
+    frame_size: (i64, i64),
+    template: Picture,
+    position: (i64, i64),
+    alpha: f64,
+    belief: Belief,
+    at_border: bool,
+    lost_for: i64,
+}
+
+impl Reference {
+    /// Starts on the `width` x `height` box at (`x`, `y`) of a frame; the box lies inside the frame.
+    pub fn lock(numbers: Numbers, frame: &[u8], frame_size: (i64, i64), target: (i64, i64, i64, i64)) -> Self {
+        let (x, y, width, height) = target;
+        let p = (0..=255).map(|d| similarity(f64::from(d), numbers.scale)).collect();
+        let alpha = numbers.first_alpha;
+        let template = Picture::new(frame, frame_size.0, frame_size.1).cut(x, y, width, height);
+        let (belief, position) = (Belief::Tracking, (x, y));
+        Self { numbers, p, frame_size, template, position, alpha, belief, at_border: false, lost_for: 0 }
+    }
+
+    /// The template's intensities, row by row.
+    pub fn template(&self) -> &[f64] {
+        &self.template.pixels
+    }
+
+    /// One frame: steps 1 to 6.
+    pub fn update(&mut self, frame: &[u8]) -> Step {
+        let frame = Picture::new(frame, self.frame_size.0, self.frame_size.1);
+        let scores = self.score_window(&frame.padded(self.numbers.padding));
+        let peak = self.arg_max(&scores, |sums| sums.rounded);
+        let exact_peak = self.arg_max(&scores, |sums| sums.exact);
+        let runner_up = self.best_outside_neighbourhood(&scores, peak.0);
+        let alpha = self.alpha;
+
+        let touches = self.touches_border(peak.0);
+        if self.is_believed(peak.1, runner_up, touches) {
+            self.position = peak.0;
+            self.at_border = touches;
+            self.lost_for = 0;
+            self.belief = if self.is_inside(peak.0) { Belief::Tracking } else { Belief::Leaving };
+            if self.belief == Belief::Tracking {
+                self.replace_template(&frame);
+            }
+        } else {
+            self.belief = Belief::Lost;
+            self.at_border |= touches;
+            self.lost_for += 1;
+        }
+        Step { scores, peak, exact_peak, runner_up, alpha, belief: self.belief, position: self.position }
+    }
+
+    /// Step 1: all positions within the window, one pixel apart, that keep the box within the padded frame.
+    fn score_window(&self, padded: &Picture) -> Scores {
+        let Numbers { padding, window, window_limit, growth, .. } = self.numbers;
+        let reach_x = (window.0 + growth * self.lost_for).min(window_limit.0);
+        let reach_y = (window.1 + growth * self.lost_for).min(window_limit.1);
+        let left = (self.position.0 - reach_x).max(-padding);
+        let top = (self.position.1 - reach_y).max(-padding);
+        let right = (self.position.0 + reach_x).min(self.frame_size.0 + padding - self.template.width);
+        let bottom = (self.position.1 + reach_y).min(self.frame_size.1 + padding - self.template.height);
+        let (columns, rows) = (right - left + 1, bottom - top + 1);
+        let sums = (top..=bottom)
+            .into_par_iter()
+            .flat_map_iter(|y| (left..=right).map(move |x| self.score(padded, x + padding, y + padding)))
+            .collect();
+        Scores { left, top, columns, rows, sums }
+    }
+
+    /// Steps 2 and 3: the sum of p over the pixels whose difference is within alpha.
+    fn score(&self, padded: &Picture, x: i64, y: i64) -> Sums {
+        let mut sums = Sums { rounded: 0.0, exact: 0.0 };
+        for row in 0..self.template.height {
+            let f = padded.row(x, y + row, self.template.width);
+            let g = self.template.row(0, row, self.template.width);
+            for (f, g) in f.iter().zip(g) {
+                let difference = (f - g).abs();
+                if difference < self.alpha {
+                    let p = self.p[whole(difference)];
+                    sums.rounded += p.rounded;
+                    sums.exact += p.exact;
+                }
+            }
+        }
+        sums
+    }
+
+    /// Step 4. Of equal sums the closest to the last position wins; of equally close ones the upper, then the left.
+    fn arg_max(&self, scores: &Scores, sum: impl Fn(Sums) -> f64) -> ((i64, i64), f64) {
+        let distance = |(x, y): (i64, i64)| (x - self.position.0).pow(2) + (y - self.position.1).pow(2);
+        let mut best: Option<((i64, i64), f64)> = None;
+        // Row by row from the top, so that among equals in sum and distance the first one met is the one to keep.
+        for (at, sums) in scores.iter() {
+            let better = best.is_none_or(|(best_at, best_sum)| {
+                sum(sums) > best_sum || (sum(sums) == best_sum && distance(at) < distance(best_at))
+            });
+            if better {
+                best = Some((at, sum(sums)));
+            }
+        }
+        best.expect("a window holds the last position at least")
+    }
+
+    fn best_outside_neighbourhood(&self, scores: &Scores, (peak_x, peak_y): (i64, i64)) -> f64 {
+        let near = self.numbers.neighbourhood;
+        let outside = scores.iter().filter(|((x, y), _)| (x - peak_x).abs() > near || (y - peak_y).abs() > near);
+        outside.map(|(_, sums)| sums.rounded).fold(0.0, f64::max)
+    }
+
+    /// Steps 5 and 6: the winning patch is the next template; alpha = max |G_t - G_t+1| * k, unless they are equal.
+    fn replace_template(&mut self, frame: &Picture) {
+        let next = frame.cut(self.position.0, self.position.1, self.template.width, self.template.height);
+        let changes = self.template.pixels.iter().zip(&next.pixels).map(|(old, new)| (old - new).abs());
+        let largest = changes.fold(0.0, f64::max);
+        if largest > 0.0 {
+            self.alpha = largest * self.numbers.k.0 / self.numbers.k.1;
+        }
+        self.template = next;
+    }
+
+    /// The authors' program's test for a target that is lost.
+    fn is_believed(&self, peak: f64, runner_up: f64, touches: bool) -> bool {
+        let gate = &self.numbers.gate;
+        let stands_out = |needed: (f64, f64)| peak > 0.0 && peak * needed.1 >= runner_up * needed.0;
+        if self.belief == Belief::Lost {
+            return stands_out(gate.lost) || peak - runner_up >= gate.lead * UNITS;
+        }
+        if self.at_border {
+            return stands_out(gate.leaving);
+        }
+        stands_out(if touches { gate.border } else { gate.tracking })
+    }
+
+    fn touches_border(&self, (x, y): (i64, i64)) -> bool {
+        x <= 0
+            || y <= 0
+            || x + self.template.width >= self.frame_size.0
+            || y + self.template.height >= self.frame_size.1
+    }
+
+    fn is_inside(&self, (x, y): (i64, i64)) -> bool {
+        x >= 0
+            && y >= 0
+            && x + self.template.width <= self.frame_size.0
+            && y + self.template.height <= self.frame_size.1
+    }
+}
+
+/// Step 3: p of one pixel, in units of 1/65535.
+fn similarity(difference: f64, scale: f64) -> Sums {
+    let exact = UNITS * (-difference / scale).exp();
+    Sums { rounded: exact.round(), exact }
+}
+
+/// A difference of two bytes as an index.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 255, and whole
+fn whole(difference: f64) -> usize {
+    difference as usize
+}
+
+/// A position that is known not to be negative as an index.
+fn index(position: i64) -> usize {
+    usize::try_from(position).expect("positions within a picture are not negative")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_counts_only_below_alpha_and_adds_exp_of_its_difference() {
+        let frame: Vec<u8> = vec![100, 112, 113, 87, 88, 100];
+        let reference = Reference::lock(Numbers::paper(), &[100; 6], (6, 1), (0, 0, 6, 1));
+        let sums = reference.score(&Picture::new(&frame, 6, 1), 0, 0);
+        let p12 = 65535.0 * (-12.0_f64 / 255.0).exp();
+        assert!((sums.exact - (2.0 * 65535.0 + 2.0 * p12)).abs() < 1e-6);
+        assert_eq!(sums.rounded, 2.0 * 65535.0 + 2.0 * p12.round());
+    }
+
+    #[test]
+    fn alpha_is_a_quarter_of_the_largest_change_and_stays_where_nothing_changed() {
+        let mut reference = Reference::lock(Numbers::paper(), &[100; 9], (3, 3), (0, 0, 3, 3));
+        reference.update(&[100; 9]);
+        assert_eq!(reference.alpha, 12.75);
+        let mut changed = [100; 9];
+        changed[4] = 130;
+        let step = reference.update(&changed);
+        assert_eq!((step.alpha, reference.alpha), (12.75, 7.5));
+    }
+}

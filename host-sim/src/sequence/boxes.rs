@@ -1,0 +1,318 @@
+//! Boxes as people annotate them: the box itself, and the text files that lie beside recordings.
+//!
+//! | file | form | a line |
+//! |---|---|---|
+//! | `init.txt` | TLD | the box to start from |
+//! | `gt.txt` | TLD | `x1,y1,x2,y2`, one line a frame; NaN where the target is not visible |
+//! | `groundtruth_rect.txt` | OTB | `x,y,width,height`, one line a frame, the first pixel being 1; NaN or no area where it is not visible |
+//!
+//! Numbers are separated by commas, tabs or spaces. Other trackers' results have the TLD form, too.
+
+use anyhow::{Context, Result, anyhow, ensure};
+use smr_core::Rect;
+use std::fmt;
+use std::fs;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A box as people annotate it: left, top, width, height, possibly fractional.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct BoundingBox {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl BoundingBox {
+    /// The box in whole pixels: each of the four numbers rounded to the nearest integer. `None` where that leaves no
+    /// pixel, or a [`Rect`] cannot hold it.
+    pub fn to_rect(&self) -> Option<Rect> {
+        let rect = Rect::new(whole(self.x)?, whole(self.y)?, size(self.width)?, size(self.height)?);
+        (!rect.is_empty()).then_some(rect)
+    }
+
+    /// Intersection over union, 0 to 1; 0 if neither has an area.
+    pub fn iou(&self, other: &Self) -> f64 {
+        let shared =
+            overlap(self.x, self.width, other.x, other.width) * overlap(self.y, self.height, other.y, other.height);
+        let union = self.area() + other.area() - shared;
+        if union > 0.0 { shared / union } else { 0.0 }
+    }
+
+    fn area(&self) -> f64 {
+        self.width.max(0.0) * self.height.max(0.0)
+    }
+
+    fn from_corners([x1, y1, x2, y2]: [f64; 4]) -> Self {
+        Self { x: x1, y: y1, width: x2 - x1, height: y2 - y1 }
+    }
+
+    /// True if there is something to start from.
+    fn has_area(&self) -> bool {
+        self.width > 0.0 && self.height > 0.0
+    }
+}
+
+impl From<Rect> for BoundingBox {
+    fn from(rect: Rect) -> Self {
+        let (width, height) = (f64::from(rect.width), f64::from(rect.height));
+        Self { x: f64::from(rect.x), y: f64::from(rect.y), width, height }
+    }
+}
+
+/// `x,y,width,height`, as [`BoundingBox::from_str`] reads it. For files, see [`tld_line`].
+impl fmt::Display for BoundingBox {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
+    }
+}
+
+/// `x,y,width,height`, the box to start from as it is typed.
+impl FromStr for BoundingBox {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let expected = "expected x,y,width,height: four numbers, width and height above 0";
+        let [x, y, width, height] = four_numbers(text).context(expected)?;
+        let typed = Self { x, y, width, height };
+        ensure!(typed.has_area() && !x.is_nan() && !y.is_nan(), expected);
+        Ok(typed)
+    }
+}
+
+fn overlap(a: f64, a_size: f64, b: f64, b_size: f64) -> f64 {
+    ((a + a_size).min(b + b_size) - a.max(b)).max(0.0)
+}
+
+#[allow(clippy::cast_possible_truncation)] // the range is checked
+fn whole(value: f64) -> Option<i32> {
+    let rounded = value.round();
+    (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&rounded).then_some(rounded as i32)
+}
+
+fn size(value: f64) -> Option<u16> {
+    whole(value)?.try_into().ok()
+}
+
+/// The line of a file in TLD form that holds this box: `x1,y1,x2,y2`, or `NaN,NaN,NaN,NaN`.
+pub fn tld_line(entry: Option<&BoundingBox>) -> String {
+    match entry {
+        Some(&BoundingBox { x, y, width, height }) => format!("{x},{y},{},{}", x + width, y + height),
+        None => "NaN,NaN,NaN,NaN".to_owned(),
+    }
+}
+
+/// Reads a file in TLD form: one box a line, `None` for NaN.
+pub fn read_tld(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
+    read(path, tld_entry)
+}
+
+/// Reads a file in OTB form: one box a line, `None` for NaN and for a box without area.
+pub fn read_otb(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
+    read(path, otb_entry)
+}
+
+/// The ground truth in `folder`, if there is any.
+pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
+    let (tld, otb) = (folder.join("gt.txt"), folder.join("groundtruth_rect.txt"));
+    if tld.is_file() {
+        return read_tld(&tld).map(Some);
+    }
+    if otb.is_file() { read_otb(&otb).map(Some) } else { Ok(None) }
+}
+
+/// The box of `init.txt` in `folder`, if there is such a file.
+pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
+    let file = folder.join("init.txt");
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let first = read_tld(&file)?.into_iter().next().flatten();
+    let init = first.filter(BoundingBox::has_area);
+    init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
+}
+
+fn read(path: &Path, entry: fn(&str) -> Result<Option<BoundingBox>>) -> Result<Vec<Option<BoundingBox>>> {
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    parse(&text, entry).with_context(|| path.display().to_string())
+}
+
+fn parse(text: &str, entry: fn(&str) -> Result<Option<BoundingBox>>) -> Result<Vec<Option<BoundingBox>>> {
+    // Some editors begin a file with a byte order mark, and many end it with empty lines.
+    let lines = text.trim_start_matches('\u{feff}').trim_end().lines();
+    lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
+}
+
+fn tld_entry(line: &str) -> Result<Option<BoundingBox>> {
+    let expected = || anyhow!("expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found {}", shown(line));
+    let corners = four_numbers(line).ok_or_else(expected)?;
+    if corners.iter().any(|number| number.is_nan()) {
+        return Ok(None);
+    }
+    let found = BoundingBox::from_corners(corners);
+    ensure!(found.width >= 0.0 && found.height >= 0.0, "expected x1 <= x2 and y1 <= y2, found {}", shown(line));
+    Ok(Some(found))
+}
+
+fn otb_entry(line: &str) -> Result<Option<BoundingBox>> {
+    let expected = || anyhow!("expected x,y,width,height, found {}", shown(line));
+    let numbers @ [x, y, width, height] = four_numbers(line).ok_or_else(expected)?;
+    if numbers.iter().any(|number| number.is_nan()) {
+        return Ok(None);
+    }
+    let found = BoundingBox { x: x - 1.0, y: y - 1.0, width, height };
+    Ok(found.has_area().then_some(found))
+}
+
+/// Four numbers, each of which may be NaN but not infinite.
+fn four_numbers(line: &str) -> Option<[f64; 4]> {
+    let mut numbers = [0.0; 4];
+    let mut fields = line.split([',', '\t', ' ']).map(str::trim).filter(|field| !field.is_empty());
+    for number in &mut numbers {
+        *number = fields.next()?.parse().ok().filter(|value: &f64| !value.is_infinite())?;
+    }
+    fields.next().is_none().then_some(numbers)
+}
+
+/// A line as an error message can hold it: in one line, and not all of a binary file.
+fn shown(line: &str) -> String {
+    let start: String = line.chars().take(60).collect();
+    format!("{start:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn boxed(x: f64, y: f64, width: f64, height: f64) -> BoundingBox {
+        BoundingBox { x, y, width, height }
+    }
+
+    fn message(error: anyhow::Error) -> String {
+        format!("{error:#}")
+    }
+
+    #[test]
+    fn tld_form() {
+        let text = "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\nNaN,NaN,NaN,NaN\r\nnan nan nan nan\r\n\r\n";
+        let expected = [Some(boxed(165.0, 93.0, 51.0, 54.0)), Some(boxed(164.5, 93.25, 51.0, 54.0)), None, None];
+        assert_eq!(parse(text, tld_entry).unwrap(), expected);
+    }
+
+    #[test]
+    fn otb_form_with_every_separator() {
+        let text = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
+        let one = Some(boxed(128.0, 79.0, 64.0, 78.0));
+        assert_eq!(parse(text, otb_entry).unwrap(), [one, one, one, one, None, None]);
+    }
+
+    #[test]
+    fn errors_name_line_and_expectation() {
+        let error = message(parse("1,2,3,4\n1,2,3\n", tld_entry).unwrap_err());
+        assert_eq!(error, "line 2: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3\"");
+        let error = message(parse("1,2,3,4\n\n1,2,3,4", otb_entry).unwrap_err());
+        assert_eq!(error, "line 2: expected x,y,width,height, found \"\"");
+        let error = message(parse("10,2,3,4", tld_entry).unwrap_err());
+        assert_eq!(error, "line 1: expected x1 <= x2 and y1 <= y2, found \"10,2,3,4\"");
+        assert!(parse("1,2,3,inf", tld_entry).is_err());
+        assert!(parse("1,2,3,4,5", tld_entry).is_err());
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("gt.txt");
+        fs::write(&file, "1,2,3,x").unwrap();
+        let error = message(find_truth(folder.path()).unwrap_err());
+        assert_eq!(
+            error,
+            format!("{}: line 1: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3,x\"", file.display())
+        );
+    }
+
+    #[test]
+    fn a_start_needs_an_area() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(find_init(folder.path()).unwrap(), None);
+        for text in ["", "NaN,NaN,NaN,NaN", "4,4,4,8"] {
+            fs::write(folder.path().join("init.txt"), text).unwrap();
+            assert!(message(find_init(folder.path()).unwrap_err()).ends_with("a box with an area"), "{text}");
+        }
+        fs::write(folder.path().join("init.txt"), "4,4,5,8").unwrap();
+        assert_eq!(find_init(folder.path()).unwrap(), Some(boxed(4.0, 4.0, 1.0, 4.0)));
+    }
+
+    #[test]
+    fn typed_boxes() {
+        assert_eq!("1,2.5,3,4".parse::<BoundingBox>().unwrap(), boxed(1.0, 2.5, 3.0, 4.0));
+        for text in ["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,NaN", "NaN,2,3,4", "1,2,3,4,5", "a,b,c,d"] {
+            let error = message(text.parse::<BoundingBox>().unwrap_err());
+            assert_eq!(error, "expected x,y,width,height: four numbers, width and height above 0", "{text}");
+        }
+    }
+
+    #[test]
+    fn whole_pixels() {
+        assert_eq!(boxed(-3.4, 1.5, 9.6, 2.4).to_rect(), Some(Rect::new(-3, 2, 10, 2)));
+        assert_eq!(boxed(0.0, 0.0, 0.4, 5.0).to_rect(), None);
+        assert_eq!(boxed(0.0, 0.0, 65536.0, 5.0).to_rect(), None);
+        assert_eq!(boxed(0.0, 0.0, -1.0, 5.0).to_rect(), None);
+        assert_eq!(boxed(1e12, 0.0, 1.0, 5.0).to_rect(), None);
+        assert_eq!(boxed(f64::NAN, 0.0, 1.0, 5.0).to_rect(), None);
+    }
+
+    #[test]
+    fn intersection_over_union() {
+        let one = boxed(0.0, 0.0, 10.0, 10.0);
+        assert_eq!(one.iou(&one), 1.0);
+        assert_eq!(one.iou(&boxed(5.0, 0.0, 10.0, 10.0)), 1.0 / 3.0);
+        assert_eq!(one.iou(&boxed(10.0, 0.0, 10.0, 10.0)), 0.0);
+        assert_eq!(one.iou(&boxed(2.0, 2.0, 0.0, 0.0)), 0.0);
+        assert_eq!(boxed(2.0, 2.0, 0.0, 0.0).iou(&boxed(2.0, 2.0, 0.0, 0.0)), 0.0);
+    }
+
+    /// Numbers that binary fractions hold exactly, so that x + width - x is width.
+    fn sixteenths() -> impl Strategy<Value = f64> {
+        (-1_000_000_i32..1_000_000).prop_map(|number| f64::from(number) / 16.0)
+    }
+
+    prop_compose! {
+        fn any_box()(x in sixteenths(), y in sixteenths(), w in sixteenths(), h in sixteenths()) -> BoundingBox {
+            boxed(x, y, w.abs(), h.abs())
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_text_never_panics(text in "[0-9aNinf,.\t\r\n \u{0}\u{e9}-]*|.*") {
+            let _ = parse(&text, tld_entry);
+            let _ = parse(&text, otb_entry);
+            let _ = text.parse::<BoundingBox>();
+        }
+
+        #[test]
+        fn what_is_written_is_read_back(entries in proptest::collection::vec(proptest::option::of(any_box()), 0..20)) {
+            let lines: Vec<String> = entries.iter().map(|entry| tld_line(entry.as_ref())).collect();
+            prop_assert_eq!(parse(&lines.join("\n"), tld_entry).unwrap(), entries);
+        }
+
+        #[test]
+        fn typed_and_printed_are_the_same(typed in any_box()) {
+            prop_assume!(typed.has_area());
+            prop_assert_eq!(typed.to_string().parse::<BoundingBox>().unwrap(), typed);
+        }
+
+        #[test]
+        fn iou_is_symmetric_and_bounded(a in any_box(), b in any_box()) {
+            prop_assert_eq!(a.iou(&b), b.iou(&a));
+            prop_assert!((0.0..=1.0).contains(&a.iou(&b)));
+        }
+
+        #[test]
+        fn to_rect_never_panics(x: f64, y: f64, width: f64, height: f64) {
+            let _ = boxed(x, y, width, height).to_rect();
+        }
+    }
+}

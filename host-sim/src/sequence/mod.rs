@@ -1,0 +1,240 @@
+//! Where frames come from: one abstraction over folders of pictures, Y4M, video, raw dumps and the built-in recording,
+//! with the boxes that lie beside them.
+//!
+//! Frames stream: a recording is never in memory as a whole.
+
+pub mod boxes;
+mod images;
+mod raw;
+pub mod synthetic;
+mod video;
+mod y4m;
+
+pub use boxes::BoundingBox;
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// One 8-bit gray frame, rows without gaps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GrayFrame {
+    pub width: u16,
+    pub height: u16,
+    pub pixels: Vec<u8>,
+}
+
+impl GrayFrame {
+    /// The view of it that smr-core takes.
+    pub fn frame(&self) -> smr_core::Frame<'_> {
+        let image = smr_core::Image::new(&self.pixels, self.width, self.height);
+        smr_core::Frame::whole(
+            image.expect("a GrayFrame is made with as many pixels as its size says, and at least one"),
+        )
+    }
+}
+
+/// Frames, one after the other.
+pub type Frames = Box<dyn Iterator<Item = Result<GrayFrame>> + Send>;
+
+/// A recording: its frames, one after the other, and the boxes known about it.
+pub struct Sequence {
+    /// What it is called in tables: the folder's name, or the file's without its extension.
+    pub name: String,
+    /// The frames in order. All are of the size of the first; one that is not is an error. Nothing follows an error.
+    pub frames: Frames,
+    /// How many frames there are, if that is known before they are read.
+    pub length: Option<usize>,
+    /// The box to start from, in the first frame.
+    pub init: Option<BoundingBox>,
+    /// Ground truth, one entry a frame; `None` where the target is not visible.
+    pub truth: Option<Vec<Option<BoundingBox>>>,
+}
+
+/// What a path alone does not tell.
+#[derive(Clone, Debug, Default)]
+pub struct OpenOptions {
+    /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump.
+    pub size: Option<(u16, u16)>,
+    /// The box to start from, instead of the one found beside the recording.
+    pub init: Option<BoundingBox>,
+}
+
+/// Where the pictures of a recording in OTB layout are.
+const PICTURES: &str = "img";
+
+/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/`), a folder with one video, Y4M
+/// file or raw dump, or such a file itself. The word `synthetic` is the built-in recording (a folder of that name is
+/// `./synthetic`).
+///
+/// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
+/// `groundtruth_rect.txt` (OTB form). Without `init.txt` the first box of the ground truth is the one to start from.
+pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let mut sequence = if path == Path::new(synthetic::NAME) {
+        synthetic::sequence()
+    } else {
+        let kind = fs::metadata(path)
+            .with_context(|| format!("cannot open {}: expected a folder, a file or `synthetic`", path.display()))?;
+        if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
+    };
+    sequence.init = options.init.or(sequence.init);
+    Ok(sequence)
+}
+
+/// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
+/// folders of their own.
+pub fn is_sequence(path: &Path) -> bool {
+    if path == Path::new(synthetic::NAME) || path.is_file() {
+        return true;
+    }
+    let holds = |folder: &Path, kind: fn(&Path) -> bool| {
+        files_in(folder).is_ok_and(|files| files.iter().any(|file| kind(file)))
+    };
+    holds(path, images::is_picture) || holds(path, is_recording) || holds(&path.join(PICTURES), images::is_picture)
+}
+
+fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let source = source_in(folder, options)?;
+    with_boxes(folder_name(folder), source, folder)
+}
+
+fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let source = if images::is_picture(file) && options.size.is_none() {
+        Source::pictures(vec![file.to_owned()], file)
+    } else {
+        source_of(file, options)?
+    };
+    let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+    with_boxes(name, source, file.parent().unwrap_or(Path::new("")))
+}
+
+fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
+    let truth = boxes::find_truth(folder)?;
+    let first = truth.as_ref().and_then(|truth| *truth.first()?);
+    let init = boxes::find_init(folder)?.or(first);
+    Ok(Sequence { name, frames: source.frames, length: source.length, init, truth })
+}
+
+/// `.` and `..` have names too.
+fn folder_name(folder: &Path) -> String {
+    let absolute = fs::canonicalize(folder).unwrap_or_default();
+    let name = folder.file_name().or(absolute.file_name());
+    name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Frames whose boxes have not been looked for yet.
+struct Source {
+    frames: Frames,
+    length: Option<usize>,
+}
+
+impl Source {
+    fn new(frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, length: Option<usize>, at: &Path) -> Self {
+        Self { frames: uniform(frames, at.display().to_string()), length }
+    }
+
+    fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
+        let length = files.len();
+        Self::new(images::frames(files), Some(length), at)
+    }
+}
+
+fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
+    let files = files_in(folder)?;
+    let mut pictures = images::pictures(&files);
+    let inner = folder.join(PICTURES);
+    if pictures.is_empty() && inner.is_dir() {
+        pictures = images::pictures(&files_in(&inner)?);
+    }
+    if !pictures.is_empty() {
+        return Ok(Source::pictures(pictures, folder));
+    }
+    source_of(only_recording(folder, &files)?, options)
+}
+
+/// The one file of a folder without pictures that can be a recording.
+fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
+    let mut recordings = files.iter().filter(|file| is_recording(file));
+    let Some(recording) = recordings.next() else {
+        bail!("{} holds no recording: expected pictures (PNG, JPEG, PGM, PPM) or one video", folder.display());
+    };
+    if let Some(second) = recordings.next() {
+        let (first, second) = (recording.display(), second.display());
+        bail!("{} holds several recordings, among them {first} and {second}: name the one meant", folder.display());
+    }
+    Ok(recording)
+}
+
+fn is_recording(file: &Path) -> bool {
+    y4m::is_y4m(file) || raw::is_raw(file) || video::is_video(file)
+}
+
+fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
+    let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
+    // A pipe has no length, and may be read all the same.
+    ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());
+    if options.size.is_some() || raw::is_raw(file) {
+        let size = options.size.with_context(|| {
+            format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
+        })?;
+        let (frames, length) = raw::open(file, size)?;
+        return Ok(Source::new(frames, length, file));
+    }
+    if y4m::is_y4m(file) {
+        return Ok(Source::new(y4m::open(file)?, None, file));
+    }
+    // ffmpeg would: it draws text as a video of a terminal.
+    ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
+    Ok(Source::new(video::open(file)?, None, file))
+}
+
+/// The files in a folder. Hidden ones are not meant: systems leave thumbnails and such there.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let cannot_list = || format!("cannot list the folder {}", folder.display());
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).with_context(cannot_list)? {
+        let path = entry.with_context(cannot_list)?.path();
+        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if !hidden && path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn has_extension(file: &Path, extensions: &[&str]) -> bool {
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
+}
+
+/// What holds for every source: at least one frame, all of one size, nothing after an error.
+fn uniform(mut frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, at: String) -> Frames {
+    let mut first = None;
+    let mut number = 0_u64;
+    let mut over = false;
+    Box::new(std::iter::from_fn(move || {
+        if over {
+            return None;
+        }
+        number += 1;
+        let next = match frames.next() {
+            Some(Ok(frame)) => Some(same_size(&mut first, frame).with_context(|| format!("{at}, frame {number}"))),
+            Some(error) => Some(error),
+            None if number == 1 => Some(Err(anyhow!("{at} holds no frame: expected at least one"))),
+            None => None,
+        };
+        over = !matches!(next, Some(Ok(_)));
+        next
+    }))
+}
+
+fn same_size(first: &mut Option<(u16, u16)>, frame: GrayFrame) -> Result<GrayFrame> {
+    let (width, height) = *first.get_or_insert((frame.width, frame.height));
+    let same = (frame.width, frame.height) == (width, height);
+    ensure!(same, "it is {}x{}: expected {width}x{height}, the size of the first", frame.width, frame.height);
+    Ok(frame)
+}
+
+#[cfg(test)]
+mod tests;

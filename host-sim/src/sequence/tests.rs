@@ -1,0 +1,406 @@
+//! What every source has in common, and each source read from files.
+
+use super::*;
+use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage, Rgba, RgbaImage};
+use std::fs::File;
+use std::io::Write;
+use tempfile::TempDir;
+
+fn open_plain(path: &Path) -> Result<Sequence> {
+    open(path, &OpenOptions::default())
+}
+
+fn open_sized(path: &Path, width: u16, height: u16) -> Result<Sequence> {
+    open(path, &OpenOptions { size: Some((width, height)), init: None })
+}
+
+fn message<T>(result: Result<T>) -> String {
+    format!("{:#}", result.err().expect("an error"))
+}
+
+/// The good frames, and the error after them.
+fn read(sequence: Result<Sequence>) -> (Vec<GrayFrame>, Option<String>) {
+    let mut frames = Vec::new();
+    let mut error = None;
+    for frame in sequence.unwrap().frames {
+        assert!(error.is_none(), "nothing follows an error");
+        match frame {
+            Ok(frame) => frames.push(frame),
+            Err(found) => error = Some(format!("{found:#}")),
+        }
+    }
+    (frames, error)
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn write(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.path().join(name);
+    File::create(&path).unwrap().write_all(bytes).unwrap();
+    path
+}
+
+fn first_pixels(frames: &[GrayFrame]) -> Vec<u8> {
+    frames.iter().map(|frame| frame.pixels[0]).collect()
+}
+
+fn save_gray(path: &Path, width: u32, height: u32, value: u8) {
+    GrayImage::from_pixel(width, height, Luma([value])).save(path).unwrap();
+}
+
+mod folders {
+    use super::*;
+
+    #[test]
+    fn pictures_come_in_natural_order() {
+        let folder = folder();
+        for (name, value) in [("img10.png", 10), ("img2.PNG", 2), ("img1.pgm", 1)] {
+            save_gray(&folder.path().join(name), 4, 3, value);
+        }
+        write(&folder, ".img3.png", b"a thumbnail");
+        write(&folder, "gt.txt", b"1,2,3,4\nNaN,NaN,NaN,NaN\n1,2,3,5\n");
+        let sequence = open_plain(folder.path()).unwrap();
+        assert_eq!(sequence.length, Some(3));
+        assert_eq!(sequence.init, Some("1,2,2,2".parse().unwrap()));
+        assert_eq!(sequence.truth.as_ref().unwrap().len(), 3);
+        assert_eq!(sequence.name, folder.path().file_name().unwrap().to_str().unwrap());
+        let (frames, error) = read(Ok(sequence));
+        assert_eq!((first_pixels(&frames), error), (vec![1, 2, 10], None));
+        assert!(is_sequence(folder.path()));
+    }
+
+    #[test]
+    fn otb_layout() {
+        let folder = folder();
+        fs::create_dir(folder.path().join("img")).unwrap();
+        save_gray(&folder.path().join("img/0001.jpg"), 8, 8, 7);
+        write(&folder, "groundtruth_rect.txt", b"2\t3\t4\t5\n");
+        let sequence = open_plain(folder.path()).unwrap();
+        assert_eq!((sequence.length, sequence.init), (Some(1), Some("1,2,4,5".parse().unwrap())));
+        assert_eq!(read(Ok(sequence)).0[0].pixels, [7; 64]);
+        assert!(is_sequence(folder.path()));
+    }
+
+    #[test]
+    fn the_box_that_is_asked_for_wins() {
+        let folder = folder();
+        save_gray(&folder.path().join("1.png"), 4, 3, 0);
+        write(&folder, "gt.txt", b"1,2,3,4");
+        write(&folder, "init.txt", b"0,0,2,2");
+        assert_eq!(open_plain(folder.path()).unwrap().init, Some("0,0,2,2".parse().unwrap()));
+        let asked: BoundingBox = "1,1,2,2".parse().unwrap();
+        let options = OpenOptions { size: None, init: Some(asked) };
+        assert_eq!(open(folder.path(), &options).unwrap().init, Some(asked));
+        assert_eq!(open(Path::new("synthetic"), &options).unwrap().init, Some(asked));
+    }
+
+    #[test]
+    fn a_frame_of_another_size_is_named() {
+        let folder = folder();
+        save_gray(&folder.path().join("1.png"), 4, 3, 0);
+        save_gray(&folder.path().join("2.png"), 4, 4, 0);
+        save_gray(&folder.path().join("3.png"), 4, 3, 0);
+        let (frames, error) = read(open_plain(folder.path()));
+        let expected = format!("{}, frame 2: it is 4x4: expected 4x3, the size of the first", folder.path().display());
+        assert_eq!((frames.len(), error), (1, Some(expected)));
+    }
+
+    #[test]
+    fn what_cannot_be_opened_is_said_in_one_line() {
+        let folder = folder();
+        let at = folder.path().display();
+        let expected = format!("{at} holds no recording: expected pictures (PNG, JPEG, PGM, PPM) or one video");
+        assert_eq!(message(open_plain(folder.path())), expected);
+        assert!(!is_sequence(folder.path()));
+
+        let missing = message(open_plain(&folder.path().join("missing")));
+        assert!(missing.starts_with(&format!("cannot open {at}/missing: expected a folder, a file or `synthetic`")));
+
+        let text = write(&folder, "notes.txt", b"no video");
+        assert_eq!(message(open_plain(&text)), format!("{at}/notes.txt is a text file: expected a recording"));
+
+        write(&folder, "a.y4m", b"");
+        assert_eq!(message(open_plain(folder.path())), format!("{at}/a.y4m is empty: expected a recording"));
+
+        write(&folder, "b.mp4", b"");
+        assert!(message(open_plain(folder.path())).contains("holds several recordings, among them"));
+    }
+
+    #[test]
+    fn the_built_in_recording_has_a_name() {
+        let sequence = open_plain(Path::new("synthetic")).unwrap();
+        assert_eq!((sequence.name.as_str(), sequence.length), ("synthetic", Some(synthetic::LENGTH)));
+        assert!(is_sequence(Path::new("synthetic")));
+    }
+}
+
+mod pictures {
+    use super::*;
+
+    fn one_pixel(picture: impl Into<DynamicImage>, extension: &str) -> u8 {
+        let folder = folder();
+        let file = folder.path().join("1").with_extension(extension);
+        picture.into().save(&file).unwrap();
+        let (frames, error) = read(open_plain(&file));
+        assert_eq!(error, None);
+        frames[0].pixels[0]
+    }
+
+    #[test]
+    fn colour_becomes_gray_by_bt_601() {
+        for ([r, g, b], gray) in
+            [([255, 0, 0], 76), ([0, 255, 0], 150), ([0, 0, 255], 29), ([255; 3], 255), ([7; 3], 7)]
+        {
+            for extension in ["png", "ppm"] {
+                assert_eq!(one_pixel(RgbImage::from_pixel(2, 2, Rgb([r, g, b])), extension), gray);
+            }
+            assert_eq!(one_pixel(RgbaImage::from_pixel(2, 2, Rgba([r, g, b, 9])), "png"), gray);
+        }
+    }
+
+    #[test]
+    fn of_16_bits_the_high_byte_is_taken() {
+        let gray = ImageBuffer::<Luma<u16>, _>::from_pixel(2, 2, Luma([0x81FF]));
+        assert_eq!(one_pixel(gray.clone(), "png"), 0x81);
+        assert_eq!(one_pixel(gray, "pgm"), 0x81);
+        let red = ImageBuffer::<Rgb<u16>, _>::from_pixel(2, 2, Rgb([0xFFFF, 0x00FF, 0]));
+        assert_eq!(one_pixel(red, "png"), 76);
+    }
+
+    #[test]
+    fn gray_passes_unchanged() {
+        let folder = folder();
+        let ramp: Vec<u8> = (0..=255).collect();
+        GrayImage::from_raw(16, 16, ramp.clone()).unwrap().save(folder.path().join("1.png")).unwrap();
+        write(&folder, "2.pgm", &[b"P5\n# a comment\n16 16\n255\n", ramp.as_slice()].concat());
+        let (frames, error) = read(open_plain(folder.path()));
+        assert_eq!(error, None);
+        assert!(frames.iter().all(|frame| frame.pixels == ramp) && frames.len() == 2);
+    }
+
+    #[test]
+    fn what_is_no_picture_is_named() {
+        let folder = folder();
+        save_gray(&folder.path().join("1.png"), 2, 2, 0);
+        let bad = write(&folder, "2.png", b"not a picture");
+        let (frames, error) = read(open_plain(folder.path()));
+        let expected = format!("cannot read {} (frame 2): expected a PNG, JPEG, PGM or PPM picture: ", bad.display());
+        assert_eq!(frames.len(), 1);
+        assert!(error.as_ref().unwrap().starts_with(&expected), "{error:?}");
+    }
+
+    #[test]
+    fn a_cut_picture_is_an_error() {
+        let folder = folder();
+        let file = folder.path().join("1.png");
+        save_gray(&file, 64, 64, 9);
+        let bytes = fs::read(&file).unwrap();
+        fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+        assert!(read(open_plain(&file)).1.unwrap().starts_with("cannot read "));
+    }
+
+    #[test]
+    fn a_pgm_with_another_white_is_refused() {
+        let folder = folder();
+        let file = write(&folder, "1.pgm", b"P5 2 1 1023\n\x03\xFF\x00\x00");
+        let error = read(open_plain(&file)).1.unwrap();
+        assert!(error.ends_with("its largest value is 1023: expected 255 or 65535"), "{error}");
+    }
+}
+
+mod raw_dumps {
+    use super::*;
+
+    #[test]
+    fn frames_follow_each_other() {
+        let folder = folder();
+        let file = write(&folder, "dump.raw", &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
+        let sequence = open_sized(&file, 3, 2).unwrap();
+        assert_eq!((sequence.name.as_str(), sequence.length), ("dump", Some(2)));
+        assert_eq!(first_pixels(&read(Ok(sequence)).0), [1, 7]);
+        assert_eq!(first_pixels(&read(open_sized(folder.path(), 3, 2)).0), [1, 7]);
+    }
+
+    #[test]
+    fn any_file_of_a_given_size_is_a_dump() {
+        let folder = folder();
+        let file = write(&folder, "dump.dat", &[5; 12]);
+        assert_eq!(read(open_sized(&file, 3, 2)).0.len(), 2);
+    }
+
+    #[test]
+    fn the_size_is_needed() {
+        let folder = folder();
+        let file = write(&folder, "dump.y8", &[5; 12]);
+        assert!(message(open_plain(&file)).ends_with("the size of its frames is needed (--size WIDTHxHEIGHT)"));
+        assert_eq!(message(open_sized(&file, 0, 2)), "--size 0x2: expected at least 1x1");
+    }
+
+    #[test]
+    fn a_cut_dump_gives_its_whole_frames_first() {
+        let folder = folder();
+        let file = write(&folder, "dump.gray", &[5; 16]);
+        let (frames, error) = read(open_sized(&file, 3, 2));
+        let expected = format!(
+            "{}, frame 3: it is cut short, or its frames are not 3x2: expected 6 bytes, found 4",
+            file.display()
+        );
+        assert_eq!((frames.len(), error), (2, Some(expected)));
+        assert_eq!(read(open_sized(&file, 65535, 65535)).0.len(), 0);
+    }
+}
+
+mod y4m_files {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_luma_plane_is_the_picture() {
+        let folder = folder();
+        let frames =
+            b"FRAME\n\x01\x02\x03\x04\x05\x06\x80\x80\x80\x80FRAME Ip\n\x07\x08\x09\x0A\x0B\x0C\x80\x80\x80\x80";
+        for colour in [" C420jpeg", " C420", ""] {
+            let file =
+                write(&folder, "a.y4m", &[format!("YUV4MPEG2 W3 H2 F25:1{colour}\n").as_bytes(), frames].concat());
+            let (frames, error) = read(open_plain(&file));
+            assert_eq!((frames.len(), error), (2, None));
+            assert_eq!(frames[1].pixels, [7, 8, 9, 10, 11, 12]);
+        }
+    }
+
+    #[test]
+    fn a_cut_file_gives_its_whole_frames_first() {
+        let folder = folder();
+        let whole = b"YUV4MPEG2 W3 H2 F25:1 Cmono\nFRAME\n123456FRAME\n123456";
+        for (cut, found) in [(1, 11), (6, 6), (9, 3)] {
+            let file = write(&folder, "a.y4m", &whole[..whole.len() - cut]);
+            let (frames, error) = read(open_plain(&file));
+            let at = file.display();
+            let expected = format!("{at}, frame 2: it is cut short: expected 12 bytes with its header, found {found}");
+            assert_eq!((frames.len(), error), (1, Some(expected)));
+        }
+    }
+
+    #[test]
+    fn headers_that_are_refused() {
+        let folder = folder();
+        let refused = [
+            ("RIFF\n", "expected a line that begins with YUV4MPEG2"),
+            ("YUV4MPEG2 W3 H2 F25:1 C420p10\n", "its pixels have 10 bits (C420p10): expected 8"),
+            ("YUV4MPEG2 W3 H2 F25:1 Cmono16\n", "its pixels have 16 bits (Cmono16): expected 8"),
+            ("YUV4MPEG2 W3 H2 C411\n", "its colour space is C411: expected mono, 420, 422 or 444 with 8 bits"),
+            ("YUV4MPEG2 W70000 H2\n", "its header says W70000: expected a size of 1 to 65535"),
+            ("YUV4MPEG2 W3 H0\n", "its header says H0: expected a size of 1 to 65535"),
+            ("YUV4MPEG2 W3\n", "its header names no size: expected H and a number"),
+            (
+                "YUV4MPEG2 W65535 H65535 Cmono\n",
+                "a frame of 65535x65535 has 4294836225 bytes: expected at most 268435456",
+            ),
+            ("YUV4MPEG2 W3 H2 Fx\n", "its header is not understood: General parsing error"),
+        ];
+        for (header, expected) in refused {
+            let file = write(&folder, "a.y4m", header.as_bytes());
+            assert_eq!(message(open_plain(&file)), format!("{}: {expected}", file.display()));
+        }
+    }
+
+    #[test]
+    fn a_file_without_frames_and_one_with_rubbish() {
+        let folder = folder();
+        let file = write(&folder, "a.y4m", b"YUV4MPEG2 W3 H2 Cmono\n");
+        assert_eq!(
+            read(open_plain(&file)).1,
+            Some(format!("{} holds no frame: expected at least one", file.display()))
+        );
+        let file = write(&folder, "a.y4m", b"YUV4MPEG2 W3 H2 Cmono\nRUBBISH\n");
+        assert!(read(open_plain(&file)).1.unwrap().contains("frame 1: expected a frame of YUV4MPEG2"));
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_bytes_never_panic(header in "(W|H|C|F|A|[0-9]{1,20}|mono|420p10| |:){0,12}", frames: Vec<u8>) {
+            let bytes = [b"YUV4MPEG2 ", header.as_bytes(), b"\nFRAME\n", &frames].concat();
+            if let Ok(stream) = y4m::Frames::new(bytes.as_slice(), "arbitrary".to_owned()) {
+                let _ = stream.take(3).count();
+            }
+        }
+    }
+}
+
+mod videos {
+    use super::*;
+    use std::process::{Command, Stdio};
+
+    /// False, with a word about it, where there is no ffmpeg.
+    fn ffmpeg_for(test: &str) -> bool {
+        let there = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+        if !there {
+            println!("skipped: {test}: no ffmpeg on the PATH");
+        }
+        there
+    }
+
+    /// A lossless video of the first frames of the built-in recording. Gray in limited range would lose levels.
+    fn encode(folder: &TempDir, frames: usize) -> PathBuf {
+        let raw: Vec<u8> = synthetic::frames().take(frames).flat_map(|frame| frame.pixels).collect();
+        let (raw, video) = (write(folder, "pixels", &raw), folder.path().join("a: colon.mkv"));
+        let size = format!("{}x{}", synthetic::WIDTH, synthetic::HEIGHT);
+        let mut ffmpeg = Command::new("ffmpeg");
+        ffmpeg.args(["-nostdin", "-v", "error", "-f", "rawvideo", "-pix_fmt", "gray", "-s", &size, "-i"]).arg(raw);
+        let status = ffmpeg.args(["-c:v", "ffv1"]).arg(format!("file:{}", video.display())).status().unwrap();
+        assert!(status.success());
+        video
+    }
+
+    #[test]
+    fn a_lossless_video_gives_the_same_pixels() {
+        if !ffmpeg_for("a_lossless_video_gives_the_same_pixels") {
+            return;
+        }
+        let folder = folder();
+        let video = encode(&folder, 5);
+        let (frames, error) = read(open_plain(&video));
+        assert_eq!(error, None);
+        assert!(frames.into_iter().eq(synthetic::frames().take(5)));
+        assert_eq!(read(open_plain(folder.path())).0.len(), 5);
+    }
+
+    #[test]
+    fn a_damaged_video_is_an_error_after_its_frames() {
+        if !ffmpeg_for("a_damaged_video_is_an_error_after_its_frames") {
+            return;
+        }
+        let folder = folder();
+        let video = encode(&folder, 20);
+        let bytes = fs::read(&video).unwrap();
+        fs::write(&video, &bytes[..bytes.len() * 2 / 3]).unwrap();
+        let (frames, error) = read(open_plain(&video));
+        assert!((5..20).contains(&frames.len()), "{}", frames.len());
+        assert!(error.unwrap().starts_with(&format!("{} is damaged, says ffmpeg: ", video.display())));
+    }
+
+    #[test]
+    fn what_ffmpeg_cannot_read_is_an_error_at_once() {
+        if !ffmpeg_for("what_ffmpeg_cannot_read_is_an_error_at_once") {
+            return;
+        }
+        let folder = folder();
+        let file = write(&folder, "a.mp4", b"no video at all");
+        let error = message(open_plain(&file));
+        assert!(error.starts_with(&format!("ffmpeg cannot decode {}: ", file.display())), "{error}");
+        assert!(error.ends_with("Invalid data found when processing input") && !error.contains('\n'), "{error}");
+    }
+
+    #[test]
+    fn a_video_may_be_dropped_half_read() {
+        if !ffmpeg_for("a_video_may_be_dropped_half_read") {
+            return;
+        }
+        let folder = folder();
+        let mut sequence = open_plain(&encode(&folder, 60)).unwrap();
+        assert!(sequence.frames.next().unwrap().is_ok());
+        drop(sequence); // would wait for ever if ffmpeg were not ended
+    }
+}

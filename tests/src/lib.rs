@@ -1,0 +1,1 @@
+//! Nothing but tests: they are in `tests/`, one file a subject.
