@@ -53,17 +53,17 @@ pub struct Radius {
 
 /// How clearly the peak must stand above the runner-up before a frame is believed.
 ///
-/// Each is the least ratio of the two scores; which one holds depends on where the target is and where it was.
+/// Each is the least ratio of the two scores; which one holds depends on where the peak is and where the target was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gate {
-    /// While tracking inside the frame.
+    /// From a box inside the frame to a box inside the frame.
     pub tracking: Fraction,
-    /// When the box at the peak touches the border of the frame.
-    pub border: Fraction,
-    /// Once the box has been at the border.
+    /// When the box at the peak is partly outside the frame.
     pub leaving: Fraction,
-    /// To be found again when lost.
+    /// From a box that was partly outside to one inside.
+    pub returning: Fraction,
+    /// To be found again when lost, wherever that is.
     pub lost: Fraction,
     /// The other way to be found again: peak and runner-up this many fully similar pixels apart.
     pub lead: u16,
@@ -106,8 +106,8 @@ pub struct Config {
 impl Config {
     /// The values of the paper and its authors' program, for frames of about 320x240.
     ///
-    /// The window may grow over the whole padded frame: a `Tracker` of `SPAN` = frame width + 2 * 20 - box width + 1 (or
-    /// the same of the height, if that is more) has room for it.
+    /// The paper does not say where the window of a lost target stops to grow. Here it is 20 pixels beyond the normal
+    /// window, the width of the padding, so that the cost of a frame at most doubles. A `SPAN` of 161 holds it.
     #[must_use]
     pub const fn paper() -> Self {
         Self {
@@ -117,12 +117,12 @@ impl Config {
             padding: 20,
             window: Radius { x: 60, y: 50 },
             growth: 1,
-            window_limit: Radius { x: u16::MAX, y: u16::MAX },
+            window_limit: Radius { x: 80, y: 70 },
             neighbourhood: 8,
             gate: Gate {
                 tracking: Fraction::new(1, 1),
-                border: Fraction::new(102, 100),
-                leaving: Fraction::new(120, 100),
+                leaving: Fraction::new(102, 100),
+                returning: Fraction::new(120, 100),
                 lost: Fraction::new(125, 100),
                 lead: 100,
             },
@@ -133,7 +133,7 @@ impl Config {
     /// The first thing found wrong.
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         let gate = &self.gate;
-        let fractions = [self.k, gate.tracking, gate.border, gate.leaving, gate.lost];
+        let fractions = [self.k, gate.tracking, gate.leaving, gate.returning, gate.lost];
         if fractions.iter().any(|fraction| fraction.denominator == 0) {
             return Err(ConfigError::ZeroDenominator);
         }

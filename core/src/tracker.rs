@@ -56,8 +56,6 @@ struct Track {
     target: Rect,
     bounds: Rect,
     state: State,
-    /// The box has touched the border and has not been believed clear of it since.
-    at_border: bool,
     /// Frames since the target was last believed.
     lost_for: u16,
 }
@@ -94,7 +92,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         }
         let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
         self.template.start(patch, &self.config);
-        self.track = Some(Track { target, bounds, state: State::Tracking, at_border: false, lost_for: 0 });
+        self.track = Some(Track { target, bounds, state: State::Tracking, lost_for: 0 });
         Ok(())
     }
 
@@ -194,38 +192,28 @@ impl Track {
     /// What is known after a frame in which `found` was found.
     fn after(self, found: &Found, config: &Config) -> Self {
         let target = Rect { x: found.peak.x, y: found.peak.y, ..self.target };
-        let touches = self.touches_border(target);
-        if !self.believes(found, touches, config) {
-            let at_border = self.at_border || touches;
-            return Self { state: State::Lost, at_border, lost_for: self.lost_for.saturating_add(1), ..self };
-        }
         let state = if self.bounds.contains(target) { State::Tracking } else { State::Leaving };
-        Self { target, state, at_border: touches, lost_for: 0, ..self }
+        if self.believes(found, state, config) {
+            Self { target, state, lost_for: 0, ..self }
+        } else {
+            Self { state: State::Lost, lost_for: self.lost_for.saturating_add(1), ..self }
+        }
     }
 
-    /// The gate: does the peak stand out clearly enough?
-    fn believes(&self, found: &Found, touches: bool, config: &Config) -> bool {
+    /// The gate: does the peak stand out clearly enough to go on to `state`?
+    fn believes(&self, found: &Found, state: State, config: &Config) -> bool {
         let gate = &config.gate;
         let (peak, runner_up) = (found.peak.score, found.runner_up);
         let stands_out = |needed: Fraction| peak > 0 && needed.reached_by(peak, runner_up);
-        match self.state {
-            State::Lost => {
+        match (self.state, state) {
+            (State::Lost, _) => {
                 let lead = u32::from(gate.lead) * u32::from(Table::ONE);
                 stands_out(gate.lost) || peak.saturating_sub(runner_up) >= lead
             }
-            _ if self.at_border => stands_out(gate.leaving),
-            _ if touches => stands_out(gate.border),
-            _ => stands_out(gate.tracking),
+            (_, State::Leaving) => stands_out(gate.leaving),
+            (State::Leaving, _) => stands_out(gate.returning),
+            (State::Tracking, _) => stands_out(gate.tracking),
         }
-    }
-
-    /// True if no pixel lies between the box and the border of the frame on one side at least.
-    fn touches_border(&self, target: Rect) -> bool {
-        let bounds = self.bounds;
-        target.x <= bounds.x
-            || target.y <= bounds.y
-            || target.right() >= bounds.right()
-            || target.bottom() >= bounds.bottom()
     }
 }
 
@@ -364,8 +352,7 @@ mod tests {
         }
         bounded::<1024, 33>("32x32 pixels, +-16");
         bounded::<4096, 33>("64x64 pixels, +-16");
-        bounded::<4096, 121>("64x64 pixels, the paper's +-60x50, not growing");
-        bounded::<4096, 360>("64x64 pixels, the whole of 320x240");
+        bounded::<4096, 161>("64x64 pixels, the paper's window");
         bounded::<65536, 680>("256x256 pixels, the whole of 640x480");
     }
 

@@ -1,7 +1,7 @@
 //! Replays recorded sequences through `smr-core`, the very code that is linked into a camera.
 //!
 //! - [`sequence`]: where frames and boxes come from.
-//! - [`reference`]: the method in f64, written from the paper.
+//! - [`mod@reference`]: the method in f64, written from the paper.
 //! - [`check`]: core against the reference, score by score.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`command`]: what the command line offers; `main` only hands over.

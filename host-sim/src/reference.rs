@@ -39,9 +39,13 @@ pub struct Numbers {
 /// Each ratio is .0 / .1, compared crosswise: products of whole numbers are exact in f64, 1.02 is not.
 #[derive(Clone, Debug)]
 pub struct GateNumbers {
+    /// Normally.
     pub tracking: (f64, f64),
+    /// When the box is over the border.
     pub border: (f64, f64),
-    pub leaving: (f64, f64),
+    /// Once it has been there.
+    pub been_at_border: (f64, f64),
+    /// To come back from lost.
     pub lost: (f64, f64),
     /// In pixels' worth of 1.0.
     pub lead: f64,
@@ -57,12 +61,12 @@ impl Numbers {
             padding: 20,
             window: (60, 50),
             growth: 1,
-            window_limit: (i64::from(u16::MAX), i64::from(u16::MAX)),
+            window_limit: (80, 70),
             neighbourhood: 8,
             gate: GateNumbers {
                 tracking: (1.0, 1.0),
                 border: (102.0, 100.0),
-                leaving: (120.0, 100.0),
+                been_at_border: (120.0, 100.0),
                 lost: (125.0, 100.0),
                 lead: 100.0,
             },
@@ -167,7 +171,7 @@ pub struct Reference {
     position: (i64, i64),
     alpha: f64,
     belief: Belief,
-    at_border: bool,
+    been_at_border: bool,
     lost_for: i64,
 }
 
@@ -179,7 +183,7 @@ impl Reference {
         let alpha = numbers.first_alpha;
         let template = Picture::new(frame, frame_size.0, frame_size.1).cut(x, y, width, height);
         let (belief, position) = (Belief::Tracking, (x, y));
-        Self { numbers, p, frame_size, template, position, alpha, belief, at_border: false, lost_for: 0 }
+        Self { numbers, p, frame_size, template, position, alpha, belief, been_at_border: false, lost_for: 0 }
     }
 
     /// The template's intensities, row by row.
@@ -196,18 +200,17 @@ impl Reference {
         let runner_up = self.best_outside_neighbourhood(&scores, peak.0);
         let alpha = self.alpha;
 
-        let touches = self.touches_border(peak.0);
-        if self.is_believed(peak.1, runner_up, touches) {
+        let over_border = !self.is_inside(peak.0);
+        if self.is_believed(peak.1, runner_up, over_border) {
             self.position = peak.0;
-            self.at_border = touches;
+            self.been_at_border = over_border;
             self.lost_for = 0;
-            self.belief = if self.is_inside(peak.0) { Belief::Tracking } else { Belief::Leaving };
-            if self.belief == Belief::Tracking {
+            self.belief = if over_border { Belief::Leaving } else { Belief::Tracking };
+            if !over_border {
                 self.replace_template(&frame);
             }
         } else {
             self.belief = Belief::Lost;
-            self.at_border |= touches;
             self.lost_for += 1;
         }
         Step { scores, peak, exact_peak, runner_up, alpha, belief: self.belief, position: self.position }
@@ -282,23 +285,16 @@ impl Reference {
     }
 
     /// The authors' program's test for a target that is lost.
-    fn is_believed(&self, peak: f64, runner_up: f64, touches: bool) -> bool {
+    fn is_believed(&self, peak: f64, runner_up: f64, over_border: bool) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = |needed: (f64, f64)| peak > 0.0 && peak * needed.1 >= runner_up * needed.0;
         if self.belief == Belief::Lost {
             return stands_out(gate.lost) || peak - runner_up >= gate.lead * UNITS;
         }
-        if self.at_border {
-            return stands_out(gate.leaving);
+        if over_border {
+            return stands_out(gate.border);
         }
-        stands_out(if touches { gate.border } else { gate.tracking })
-    }
-
-    fn touches_border(&self, (x, y): (i64, i64)) -> bool {
-        x <= 0
-            || y <= 0
-            || x + self.template.width >= self.frame_size.0
-            || y + self.template.height >= self.frame_size.1
+        stands_out(if self.been_at_border { gate.been_at_border } else { gate.tracking })
     }
 
     fn is_inside(&self, (x, y): (i64, i64)) -> bool {

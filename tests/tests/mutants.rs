@@ -10,16 +10,26 @@ use std::process::{Command, Output};
 /// What is changed: file in `core/src`, the text that stands there once, and what replaces it.
 const MUTANTS: [(&str, &str, &str, &str); 11] = [
     ("one table entry", "similarity/table.rs", "        Self { entries }", "        entries[7] += 1; Self { entries }"),
-    ("strictness of the threshold", "similarity/scalar.rs", "u16::from(difference) < threshold", "u16::from(difference) <= threshold"),
+    (
+        "strictness of the threshold",
+        "similarity/scalar.rs",
+        "u16::from(difference) < threshold",
+        "u16::from(difference) <= threshold",
+    ),
     ("tie rule: distance", "search/mod.rs", "dx * dx + dy * dy", "dx * dx"),
     ("tie rule: order", "search/mod.rs", "candidate.y, candidate.x))", "candidate.x, candidate.y))"),
     ("padding", "similarity/scalar.rs", "pixel(0, g, table, threshold)", "pixel(1, g, table, threshold)"),
     ("rounding of alpha", "config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "template.rs", "if largest > 0", "if true"),
     ("the peak's neighbourhood", "search/maxima.rs", "> u32::from(neighbourhood)", ">= u32::from(neighbourhood)"),
-    ("the template of a leaving target", "tracker.rs", "if track.state == State::Tracking\n", "if track.state != State::Lost\n"),
+    ("the state of a leaving target", "tracker.rs", "if self.bounds.contains(target)", "if !target.is_empty()"),
     ("growth of the window", "tracker.rs", "saturating_mul(track.lost_for)", "saturating_mul(track.lost_for.min(1))"),
-    ("the gate", "tracker.rs", "_ if self.at_border => stands_out(gate.leaving)", "_ if self.at_border => stands_out(gate.border)"),
+    (
+        "the gate",
+        "tracker.rs",
+        "(_, State::Leaving) => stands_out(gate.leaving)",
+        "(_, State::Leaving) => stands_out(gate.returning)",
+    ),
 ];
 
 #[test]

@@ -1,9 +1,10 @@
-//! `host-sim check`: smr-core against the reference, on recordings or on the built-in one.
+//! `host-sim check`: smr-core against the reference, on recordings or on the built-in ones.
 
 use super::Outcome;
-use super::tracker_options::{Pair, TrackerOptions};
+use super::recording_options::RecordingOptions;
+use super::tracker_options::TrackerOptions;
 use crate::check::{Check as Run, Report};
-use crate::sequence::{self, BoundingBox, OpenOptions, Sequence};
+use crate::sequence;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::num::NonZeroUsize;
@@ -11,21 +12,17 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The recordings; the built-in one if none is given
-    #[arg(value_name = "SEQ", default_value = "synthetic")]
+    /// The recordings; the built-in ones if none is given
+    #[arg(value_name = "SEQ", default_values = sequence::BUILT_IN)]
     sequences: Vec<PathBuf>,
-    /// The box to start from, instead of the one beside the recording
-    #[arg(long, value_name = "X,Y,W,H")]
-    init: Option<BoundingBox>,
-    /// Width and height of the frames of a raw dump
-    #[arg(long, value_name = "WxH")]
-    size: Option<Pair>,
     /// Compare only the first N frames after the one that is locked on
     #[arg(long, value_name = "N")]
     frames: Option<NonZeroUsize>,
     /// Print a JSON array, one object a recording
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
 }
@@ -48,18 +45,15 @@ impl Check {
     }
 
     fn check(&self, path: &Path) -> Result<Report> {
-        let options = OpenOptions { size: self.size.map(|Pair(w, h)| (w, h)), init: self.init };
-        let Sequence { name, mut frames, init, length, .. } = sequence::open(path, &options)?;
+        let sequence = self.recording.open(path)?;
+        let target = sequence.start()?;
+        let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
-        let target = init
-            .with_context(|| format!("{name}: no box to start from: give --init X,Y,W,H"))?
-            .to_rect()
-            .with_context(|| format!("{name}: the box to start from has no pixels"))?;
         let (config, numbers) = (self.tracker.config()?, self.tracker.reference_numbers());
         let mut run = Run::lock(&name, config, numbers, &first, target)?;
 
         let most = self.frames.map_or(usize::MAX, NonZeroUsize::get);
-        let progress = progress(&name, length.map(|length| length.saturating_sub(1).min(most)));
+        let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(most)));
         for frame in frames.take(most) {
             run.update(&frame?)?;
             progress.inc(1);

@@ -1,9 +1,10 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth.
 
 use super::Outcome;
-use super::tracker_options::{Pair, TrackerOptions};
+use super::recording_options::RecordingOptions;
+use super::tracker_options::TrackerOptions;
 use crate::evaluate::{self, Evaluation, MethodKind, Results};
-use crate::sequence::{self, OpenOptions};
+use crate::sequence;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -28,9 +29,8 @@ pub struct Eval {
     /// Print an array of objects, one for each tracker and recording, instead of tables
     #[arg(long)]
     json: bool,
-    /// The size of the frames of raw dumps
-    #[arg(long, value_name = "WxH")]
-    size: Option<Pair>,
+    #[command(flatten)]
+    recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
 }
@@ -67,8 +67,7 @@ impl Eval {
     }
 
     fn evaluate_one(&self, path: &Path, config: &Config, bar: &ProgressBar) -> Result<Evaluation> {
-        let options = OpenOptions { size: self.size.map(|Pair(width, height)| (width, height)), init: None };
-        let sequence = sequence::open(path, &options)?;
+        let sequence = self.recording.open(path)?;
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
         let files = if self.compare { evaluate::result_files(path)? } else { Vec::new() };
         evaluate::evaluate(sequence, &self.method, config, &files, || bar.inc(1))

@@ -2,6 +2,7 @@
 
 mod check;
 mod eval;
+mod recording_options;
 mod synth;
 mod track;
 mod tracker_options;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 /// Replays recordings through smr-core: tracks, checks, measures.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
-/// --size), or `synthetic`, the built-in recording.
+/// --size), or a built-in recording: `synthetic`, or `periodic` (all ties).
 ///
 /// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input.
 #[derive(Debug, Parser)]
@@ -31,7 +32,7 @@ enum Command {
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
     Eval(eval::Eval),
-    /// Write the built-in recording out as files
+    /// Write the synthetic recording out as files
     Synth(synth::Synth),
 }
 

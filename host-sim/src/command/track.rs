@@ -1,9 +1,10 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::Outcome;
-use super::tracker_options::{Pair, TrackerOptions};
-use crate::evaluate::{MethodKind, Report, Run, start};
-use crate::sequence::{self, BoundingBox, OpenOptions, boxes};
+use super::recording_options::RecordingOptions;
+use super::tracker_options::TrackerOptions;
+use crate::evaluate::{MethodKind, Report, Run};
+use crate::sequence::{BoundingBox, boxes};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_core::State;
@@ -19,18 +20,14 @@ pub struct Track {
     /// How the target is followed
     #[arg(long, value_enum, default_value = "smr")]
     method: MethodKind,
-    /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
-    #[arg(long, value_name = "X,Y,W,H")]
-    init: Option<BoundingBox>,
-    /// The size of the frames of a raw dump
-    #[arg(long, value_name = "WxH")]
-    size: Option<Pair>,
     /// Print one JSON object a frame instead of x1,y1,x2,y2
     #[arg(long)]
     json: bool,
     /// Write to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
 }
@@ -50,12 +47,8 @@ struct JsonLine {
 impl Track {
     pub fn run(self) -> Result<Outcome> {
         let method = self.method.build(&self.tracker.config()?)?;
-        let options = OpenOptions { size: self.size.map(|Pair(width, height)| (width, height)), init: self.init };
-        let sequence = sequence::open(&self.sequence, &options)?;
-        let init = sequence.init.with_context(|| {
-            format!("{}: no box to start from: give --init X,Y,W,H or init.txt beside the recording", sequence.name)
-        })?;
-        let mut run = Run::new(method, start(&init)?);
+        let sequence = self.recording.open(&self.sequence)?;
+        let mut run = Run::new(method, sequence.start()?);
         let mut out = self.output()?;
         // Each line is out before the next frame is read: if that one is bad, nothing is lost.
         for (number, frame) in (1..).zip(sequence.frames) {

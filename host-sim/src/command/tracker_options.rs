@@ -13,9 +13,12 @@ pub struct TrackerOptions {
     /// Search window to each side, in pixels [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
-    /// Where the window of a lost target stops to grow [default: the padded frame]
+    /// Where the window of a lost target stops to grow; at least --window [default: 80x70]
     #[arg(long, value_name = "XxY")]
     window_limit: Option<Pair>,
+    /// Pixels by which that window grows a frame, on each side [default: 1]
+    #[arg(long)]
+    growth: Option<u16>,
     /// alpha = k * the largest change of a template pixel [default: 1/4]
     #[arg(long, value_name = "N/M")]
     k: Option<Ratio>,
@@ -48,6 +51,7 @@ impl TrackerOptions {
             // The configuration wants a table for the life of the program; this is the one place that makes one.
             config.table = Box::leak(Box::new(table));
         }
+        config.growth = self.growth.unwrap_or(config.growth);
         config.padding = self.padding.unwrap_or(config.padding);
         config.neighbourhood = self.neighbourhood.unwrap_or(config.neighbourhood);
         Ok(config)
@@ -66,6 +70,7 @@ impl TrackerOptions {
             numbers.k = (k.numerator.into(), k.denominator.into());
         }
         numbers.scale = self.scale.map_or(numbers.scale, f64::from);
+        numbers.growth = self.growth.map_or(numbers.growth, i64::from);
         numbers.padding = self.padding.map_or(numbers.padding, i64::from);
         numbers.neighbourhood = self.neighbourhood.map_or(numbers.neighbourhood, i64::from);
         numbers

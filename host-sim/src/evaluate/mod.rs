@@ -12,7 +12,7 @@ pub use results::Results;
 
 use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Error, Result, ensure};
-use smr_core::{Config, Rect};
+use smr_core::Config;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -62,10 +62,10 @@ pub fn evaluate(
     files: &[PathBuf],
     progress: impl Fn(),
 ) -> Result<Evaluation> {
-    let Sequence { name, frames, init, truth, .. } = sequence;
+    let start = sequence.start();
+    let Sequence { name, frames, truth, .. } = sequence;
     let truth = truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt or groundtruth_rect.txt"))?;
-    let init = init.with_context(|| format!("{name}: no box to start from beside it: expected init.txt"))?;
-    let start = start(&init).with_context(|| name.clone())?;
+    let start = start?;
     let runs: Result<Vec<_>> = methods.iter().map(|kind| Ok(Run::new(kind.build(config)?, start))).collect();
     let mut count = 0;
     let answers = follow(frames.inspect(|_| count += 1), runs?, progress)?;
@@ -104,14 +104,6 @@ impl Evaluation {
         answers.resize(truth.len(), None);
         Score::new(&answers, truth)
     }
-}
-
-/// The box to start from in whole pixels, as every method takes it.
-///
-/// # Errors
-/// It has less than a pixel.
-pub fn start(init: &BoundingBox) -> Result<Rect> {
-    init.to_rect().with_context(|| format!("the box to start from has no pixels: {init} (x,y,width,height)"))
 }
 
 /// The [`Trajectory`] of a run.

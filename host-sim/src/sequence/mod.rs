@@ -5,6 +5,7 @@
 
 pub mod boxes;
 mod images;
+mod periodic;
 mod raw;
 pub mod synthetic;
 mod video;
@@ -51,6 +52,21 @@ pub struct Sequence {
     pub truth: Option<Vec<Option<BoundingBox>>>,
 }
 
+impl Sequence {
+    /// The box to start from in whole pixels, as every tracker takes it.
+    ///
+    /// # Errors
+    /// There is none, or it has less than a pixel.
+    pub fn start(&self) -> Result<smr_core::Rect> {
+        let name = &self.name;
+        let init = self.init.with_context(|| {
+            format!("{name}: no box to start from: give --init X,Y,W,H or init.txt beside the recording")
+        })?;
+        init.to_rect()
+            .with_context(|| format!("{name}: the box to start from has no pixels: {init} (x,y,width,height)"))
+    }
+}
+
 /// What a path alone does not tell.
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
@@ -64,27 +80,39 @@ pub struct OpenOptions {
 const PICTURES: &str = "img";
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The word `synthetic` is the built-in recording (a folder of that name is
-/// `./synthetic`).
+/// file or raw dump, or such a file itself. The words `synthetic` and `periodic` are the built-in recordings (a folder of
+/// such a name is `./synthetic`).
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
 /// `groundtruth_rect.txt` (OTB form). Without `init.txt` the first box of the ground truth is the one to start from.
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
-    let mut sequence = if path == Path::new(synthetic::NAME) {
-        synthetic::sequence()
+    let mut sequence = if let Some(built_in) = built_in(path) {
+        built_in
     } else {
-        let kind = fs::metadata(path)
-            .with_context(|| format!("cannot open {}: expected a folder, a file or `synthetic`", path.display()))?;
+        let kind = fs::metadata(path).with_context(|| {
+            format!("cannot open {}: expected a folder, a file, or one of {}", path.display(), BUILT_IN.join(", "))
+        })?;
         if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
     };
     sequence.init = options.init.or(sequence.init);
     Ok(sequence)
 }
 
+/// The recordings that need no file.
+pub const BUILT_IN: [&str; 2] = [synthetic::NAME, periodic::NAME];
+
+fn built_in(path: &Path) -> Option<Sequence> {
+    match path.to_str()? {
+        synthetic::NAME => Some(synthetic::sequence()),
+        periodic::NAME => Some(periodic::sequence()),
+        _ => None,
+    }
+}
+
 /// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
 /// folders of their own.
 pub fn is_sequence(path: &Path) -> bool {
-    if path == Path::new(synthetic::NAME) || path.is_file() {
+    if BUILT_IN.iter().any(|name| path == Path::new(name)) || path.is_file() {
         return true;
     }
     let holds = |folder: &Path, kind: fn(&Path) -> bool| {
