@@ -3,6 +3,7 @@
 //! - [`sequence`]: where frames and boxes come from.
 //! - [`mod@reference`]: the method in f64, written from the paper.
 //! - [`check`]: core against the reference, score by score.
+//! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
@@ -11,6 +12,7 @@ pub mod command;
 pub mod evaluate;
 pub mod reference;
 pub mod sequence;
+pub mod vectors;
 
 /// The tracker as this program builds it: room for the largest template there can be (256x256 pixels), and for a window
 /// of 4096 offsets on each axis, so the whole of a frame of up to about 4000x4000 pixels.

@@ -6,6 +6,7 @@ mod recording_options;
 mod synth;
 mod track;
 mod tracker_options;
+mod vectors;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -34,6 +35,8 @@ enum Command {
     Eval(eval::Eval),
     /// Write the synthetic recording out as files
     Synth(synth::Synth),
+    /// Print the conformance vectors, made from the float reference
+    Vectors(vectors::Vectors),
 }
 
 /// What a command has to say at its end, if nothing went wrong on the way.
@@ -63,6 +66,7 @@ impl HostSim {
             Command::Check(check) => check.run(),
             Command::Eval(eval) => eval.run(),
             Command::Synth(synth) => synth.run(),
+            Command::Vectors(vectors) => vectors.run(),
         }
     }
 }

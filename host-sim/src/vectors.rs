@@ -1,0 +1,169 @@
+//! The conformance vectors: what the reference answers to small recordings that are written out with every pixel.
+//!
+//! Whoever runs smr-core elsewhere (another compiler, another instruction set, from C) can be held to them without this
+//! program. `tests/vectors/README.md` describes the form.
+
+use crate::reference::{Belief, Numbers, Reference, Step};
+use std::fmt::Write;
+
+/// Frames of one size, and how the tracker is set up to follow a box through them.
+struct Case {
+    name: &'static str,
+    numbers: Numbers,
+    size: (i64, i64),
+    /// Left, top, width, height in the first frame.
+    target: (i64, i64, i64, i64),
+    frames: Vec<Vec<u8>>,
+}
+
+/// All vectors as text.
+pub fn text() -> String {
+    let header = "# Made by `host-sim vectors` from the float reference. The form: README.md beside this file.\n";
+    let mut text = format!("{header}smr-vectors 1\n");
+    for case in [paper(), other_numbers(), ties(), one_pixel()] {
+        case.write(&mut text);
+    }
+    text
+}
+
+/// The paper's numbers; the target walks, leaves to the left, is gone, comes back, and jumps.
+fn paper() -> Case {
+    let path =
+        [(18, 12), (20, 13), (17, 15), (10, 15), (3, 14), (-3, 14), (-7, 13), (60, 60), (60, 60), (-4, 12), (2, 12)];
+    let path = [path.as_slice(), &[(5, 11), (30, 20), (30, 20)]].concat();
+    let size = (44, 30);
+    let frames = scenes(size, (9, 8), &path);
+    Case { name: "paper", numbers: Numbers::paper(), size, target: (18, 12, 9, 8), frames }
+}
+
+/// Every number another one.
+fn other_numbers() -> Case {
+    let mut numbers = Numbers::paper();
+    numbers.scale = 40.0;
+    numbers.k = (7.0, 20.0);
+    numbers.first_alpha = 30.0;
+    numbers.padding = 5;
+    numbers.window = (7, 6);
+    numbers.growth = 2;
+    numbers.window_limit = (12, 9);
+    numbers.neighbourhood = 3;
+    numbers.gate.tracking = (11.0, 10.0);
+    numbers.gate.border = (23.0, 20.0);
+    numbers.gate.been_at_border = (5.0, 4.0);
+    numbers.gate.lost = (3.0, 2.0);
+    numbers.gate.lead = 40.0;
+    let path = [(15, 10), (17, 9), (19, 12), (60, 60), (60, 60), (22, 9), (25, 16), (26, 21), (26, 22), (25, 16)];
+    let size = (40, 28);
+    let frames = scenes(size, (11, 9), &path);
+    Case { name: "other-numbers", numbers, size, target: (15, 10, 11, 9), frames }
+}
+
+/// A checkerboard without noise: every frame has many offsets of the same score.
+fn ties() -> Case {
+    let size = (28, 24);
+    let board = |(right, down): (i64, i64)| {
+        pixels(size, |x, y| if ((x + right) / 3 + (y + down) / 3) % 2 == 0 { 50 } else { 170 })
+    };
+    let frames = [(0, 0), (3, 0), (3, 3), (4, 3), (4, 5), (1, 5)].map(board).to_vec();
+    Case { name: "ties", numbers: Numbers::paper(), size, target: (9, 9, 8, 7), frames }
+}
+
+/// The smallest frame and the smallest template.
+fn one_pixel() -> Case {
+    let frames = [7_u8, 7, 9, 200, 7].map(|level| vec![level]).to_vec();
+    Case { name: "one-pixel", numbers: Numbers::paper(), size: (1, 1), target: (0, 0, 1, 1), frames }
+}
+
+fn pixels((width, height): (i64, i64), level: impl Fn(i64, i64) -> u8) -> Vec<u8> {
+    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
+}
+
+/// A textured target at each place of `path` before a textured background, with noise that differs from frame to frame.
+fn scenes(size: (i64, i64), target: (i64, i64), path: &[(i64, i64)]) -> Vec<Vec<u8>> {
+    let scene = |(seed, &(left, top)): (u32, &(i64, i64))| {
+        pixels(size, |x, y| {
+            let inside = (left..left + target.0).contains(&x) && (top..top + target.1).contains(&y);
+            let texture = if inside { hash(x - left, y - top, 1) } else { hash(x / 2, y / 2, 2) / 2 };
+            texture.saturating_add(hash(x, y, 100 + seed) % 8)
+        })
+    };
+    (0..).zip(path).map(scene).collect()
+}
+
+/// A byte that looks random, the same on every machine.
+fn hash(x: i64, y: i64, seed: u32) -> u8 {
+    let mut bits = seed;
+    for coordinate in [x, y] {
+        let [low, high, ..] = coordinate.to_le_bytes();
+        bits = (bits ^ u32::from_le_bytes([low, high, 0, 0])).wrapping_mul(0x9E37_79B1).rotate_left(13);
+    }
+    (bits ^ bits >> 15).wrapping_mul(0x85EB_CA77).to_be_bytes()[0]
+}
+
+impl Case {
+    fn write(&self, text: &mut String) {
+        let mut line = |words: String| text.push_str(&(words + "\n"));
+        let (x, y, width, height) = self.target;
+        line(format!("\ncase {}", self.name));
+        line(format!("size {} {}", self.size.0, self.size.1));
+        self.numbers.lines().into_iter().for_each(&mut line);
+        line(format!("lock {x} {y} {width} {height} {}", hex(&self.frames[0])));
+        let mut reference = Reference::lock(self.numbers.clone(), &self.frames[0], self.size, self.target);
+        for frame in &self.frames[1..] {
+            let step = reference.update(frame);
+            line(format!("frame {}", hex(frame)));
+            line(answer(&step, width * height, reference.template()));
+        }
+    }
+}
+
+impl Numbers {
+    /// The configuration of a case, a line a number.
+    fn lines(&self) -> Vec<String> {
+        let Self { scale, k, first_alpha, padding, window, growth, window_limit, neighbourhood, gate } = self;
+        let ratio = |(numerator, denominator): (f64, f64)| format!("{numerator} {denominator}");
+        vec![
+            format!("scale {scale}"),
+            format!("k {}", ratio(*k)),
+            format!("first_threshold {}", first_alpha.ceil()),
+            format!("padding {padding}"),
+            format!("window {} {}", window.0, window.1),
+            format!("growth {growth}"),
+            format!("window_limit {} {}", window_limit.0, window_limit.1),
+            format!("neighbourhood {neighbourhood}"),
+            format!("gate_tracking {}", ratio(gate.tracking)),
+            format!("gate_leaving {}", ratio(gate.border)),
+            format!("gate_returning {}", ratio(gate.been_at_border)),
+            format!("gate_lost {}", ratio(gate.lost)),
+            format!("gate_lead {}", gate.lead),
+        ]
+    }
+}
+
+fn answer(step: &Step, area: i64, template: &[f64]) -> String {
+    let state = match step.belief {
+        Belief::Tracking => "tracking",
+        Belief::Leaving => "leaving",
+        Belief::Lost => "lost",
+    };
+    let (x, y) = step.position;
+    let ((peak_x, peak_y), score) = step.peak;
+    let ratio = |score: f64| (score / area as f64).floor();
+    let (ratio, runner_up_ratio, alpha) = (ratio(score), ratio(step.runner_up), step.alpha.ceil());
+    let (runner_up, hash) = (step.runner_up, template_hash(template));
+    format!("answer {x} {y} {state} {ratio} {runner_up_ratio} {alpha} {peak_x} {peak_y} {score} {runner_up} {hash:08x}")
+}
+
+/// FNV-1a, 32 bits, over the template's bytes.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // intensities are whole, 0 to 255
+fn template_hash(template: &[f64]) -> u32 {
+    template.iter().fold(0x811C_9DC5, |hash, &level| (hash ^ u32::from(level as u8)).wrapping_mul(0x0100_0193))
+}
+
+fn hex(pixels: &[u8]) -> String {
+    pixels.iter().fold(String::new(), |mut text, pixel| {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{pixel:02x}");
+        text
+    })
+}
