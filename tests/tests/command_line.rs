@@ -1,0 +1,180 @@
+//! `host-sim` as its user meets it: exit codes, one clear line on errors, JSON, and nothing lost.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+
+/// The program, built once: it belongs to another package, so cargo does not build it for these tests by itself.
+static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
+    let cargo = option_env!("CARGO").unwrap_or("cargo");
+    let built = Command::new(cargo)
+        .args(["build", "--package", "host-sim", "--message-format", "json"])
+        .output()
+        .expect("cargo runs");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
+    let executable = messages.lines().filter_map(|line| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        message["executable"].as_str().map(PathBuf::from)
+    });
+    executable.last().expect("the program was built")
+});
+
+struct Said {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+fn host_sim(arguments: &[&str]) -> Said {
+    let Output { status, stdout, stderr } = Command::new(&*PROGRAM).args(arguments).output().expect("host-sim runs");
+    let text = |bytes| String::from_utf8(bytes).expect("host-sim writes UTF-8");
+    Said { code: status.code(), out: text(stdout), err: text(stderr) }
+}
+
+impl Said {
+    /// Bad input: exit code 2 and one line, which holds all of `words`.
+    #[track_caller]
+    fn refuses(&self, words: &[&str]) {
+        assert_eq!(self.code, Some(2), "{}", self.err);
+        assert_eq!(self.err.lines().count(), 1, "{}", self.err);
+        for word in words {
+            assert!(self.err.contains(word), "`{word}` is not in: {}", self.err);
+        }
+    }
+
+    #[track_caller]
+    fn json(&self) -> Value {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        serde_json::from_str(&self.out).expect("standard output is JSON")
+    }
+}
+
+fn utf8(path: &Path) -> &str {
+    path.to_str().expect("test paths are UTF-8")
+}
+
+#[test]
+fn bad_usage_is_exit_code_2() {
+    for arguments in
+        [&["no-such-command"][..], &["eval"], &["track", "synthetic", "--k", "1:4"], &["check", "--frames", "0"]]
+    {
+        assert_eq!(host_sim(arguments).code, Some(2), "{arguments:?}");
+    }
+    assert_eq!(host_sim(&["--help"]).code, Some(0));
+    host_sim(&["track", "synthetic", "--k", "1/0"]).refuses(&["denominator"]);
+    host_sim(&["track", "synthetic", "--scale", "0"]).refuses(&["--scale 0", "1 to 4096"]);
+    host_sim(&["check", "synthetic", "--window", "90x50"]).refuses(&["limit"]);
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let empty = utf8(folder.path());
+    for command in ["track", "check", "eval"] {
+        host_sim(&[command, "no/such/recording"]).refuses(&["no/such/recording"]);
+        host_sim(&[command, empty]).refuses(&[empty, "no recording"]);
+    }
+    host_sim(&["synth", "/dev/null/folder"]).refuses(&["/dev/null/folder"]);
+}
+
+#[test]
+fn check_reports_as_json() {
+    let reports = host_sim(&["check", "periodic", "--json"]).json();
+    let report = &reports[0];
+    assert_eq!(report["sequence"], "periodic");
+    assert_eq!(report["frames"], 18);
+    assert_eq!(report["violation"], Value::Null);
+    assert!(report["largest_difference"].as_f64() <= report["bound"].as_f64());
+}
+
+#[test]
+fn eval_of_the_written_recording_is_that_of_the_built_in_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("synthetic");
+    assert_eq!(host_sim(&["synth", utf8(&written)]).code, Some(0));
+    host_sim(&["synth", utf8(&written)]).refuses(&[utf8(&written), "empty"]);
+
+    let built_in = host_sim(&["eval", "synthetic", "--method", "smr,sad", "--json"]);
+    let rows = built_in.json();
+    let files = host_sim(&["eval", utf8(folder.path()), "--method", "smr,sad", "--json"]);
+    assert_eq!(built_in.out, files.out, "byte for byte");
+    let keys = [
+        "tracker",
+        "sequence",
+        "frames",
+        "visible",
+        "answered",
+        "correct",
+        "correct_50",
+        "precision",
+        "recall",
+        "mean_iou",
+        "first_failure",
+    ];
+    for row in rows.as_array().unwrap() {
+        assert!(keys.iter().all(|key| row.get(key).is_some()), "{row}");
+    }
+    assert_eq!(rows[0]["tracker"], "smr");
+    assert_eq!((&rows[0]["visible"], &rows[0]["correct"]), (&Value::from(213), &Value::from(213)));
+}
+
+#[test]
+fn a_truncated_recording_loses_nothing_before_the_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("recording");
+    assert_eq!(host_sim(&["synth", utf8(&written), "--format", "y4m"]).code, Some(0));
+    let file = written.join("synthetic.y4m");
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() / 240 * 10]).unwrap();
+    let whole = host_sim(&["track", "synthetic"]);
+    let said = host_sim(&["track", utf8(&written)]);
+    said.refuses(&["synthetic.y4m", "frame 10"]);
+    assert_eq!(said.out.lines().count(), 9);
+    assert!(whole.out.starts_with(&said.out));
+    host_sim(&["check", utf8(&written)]).refuses(&["synthetic.y4m", "frame 10"]);
+}
+
+#[test]
+fn one_pixel_is_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dots.raw");
+    fs::write(&file, [9, 9, 9]).unwrap();
+    let file = utf8(&file);
+    host_sim(&["track", file]).refuses(&["dots.raw", "--size"]);
+    host_sim(&["track", file, "--size", "1x1"]).refuses(&["dots", "--init"]);
+    host_sim(&["track", file, "--size", "2x2", "--init", "0,0,1,1"]).refuses(&["dots.raw", "frame 1"]);
+    host_sim(&["track", file, "--size", "1x1", "--init", "0,0,2,1"]).refuses(&["frame 1", "inside the frame"]);
+    let said = host_sim(&["track", file, "--size", "1x1", "--init", "0,0,1,1"]);
+    assert_eq!((said.code, said.out.as_str()), (Some(0), "0,0,1,1\n0,0,1,1\n0,0,1,1\n"));
+    assert_eq!(host_sim(&["check", file, "--size", "1x1", "--init", "0,0,1,1"]).code, Some(0));
+}
+
+#[test]
+fn track_writes_a_json_object_a_frame() {
+    let said = host_sim(&["track", "periodic", "--json"]);
+    let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 19);
+    assert_eq!(lines[6]["frame"], 7);
+    assert_eq!((&lines[6]["state"], &lines[6]["bbox"]), (&Value::from("lost"), &Value::Null));
+}
+
+/// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
+#[test]
+fn the_recorded_sequences_are_followed_as_the_readme_says() {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
+    let root = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from);
+    let tld = root.join("tld");
+    if !tld.is_dir() {
+        println!(
+            "skipped: the_recorded_sequences_are_followed_as_the_readme_says: no {} (set SMR_SEQUENCES)",
+            tld.display()
+        );
+        return;
+    }
+    let sequences = ["03_pedestrian1", "05_pedestrian3"].map(|name| tld.join(name));
+    let rows = host_sim(&["eval", utf8(&sequences[0]), utf8(&sequences[1]), "--json"]).json();
+    assert_eq!((&rows[0]["correct"], &rows[1]["correct"]), (&Value::from(87), &Value::from(156)));
+}
