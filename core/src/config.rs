@@ -54,6 +54,14 @@ pub struct Radius {
 /// How clearly the peak must stand above the runner-up before a frame is believed.
 ///
 /// Each is the least ratio of the two scores; which one holds depends on where the peak is and where the target was.
+///
+/// ```
+/// use smr_core::{Config, Fraction};
+/// let mut config = Config::paper();
+/// // A camera that must not follow a look-alike: be lost rather than wrong.
+/// config.gate.tracking = Fraction::new(11, 10);
+/// assert!(config.gate.tracking.reached_by(1100, 1000) && !config.gate.tracking.reached_by(1099, 1000));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gate {

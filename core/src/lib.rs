@@ -70,6 +70,11 @@ pub mod similarity;
 mod template;
 mod tracker;
 
+/// The README's example is a test, too.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
+
 pub use config::{Config, ConfigError, Fraction, Gate, Radius};
 pub use image::{Frame, FrameError, Image, ImageError, Rect};
 pub use tracker::{Answer, LockError, State, Tracker, UpdateError};

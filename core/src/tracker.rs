@@ -42,7 +42,44 @@ pub struct Answer {
 /// Follows one target. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an
 /// axis; both are memory (`PIXELS` bytes, `8 * SPAN` bytes) and nothing else is.
 ///
-/// Several targets are several trackers on the same frame. See the [crate's example](crate).
+/// Several targets are several trackers on the same frame. The [crate's example](crate) follows a target through whole
+/// frames; this one reads out only what is needed of them:
+///
+/// ```
+/// use smr_core::{Config, Frame, Image, Radius, Rect, Tracker};
+/// # fn read_out(window: Rect) -> Vec<u8> {
+/// #     let pixel = |x: i32, y: i32| ((x * x + 3 * y * y) % 251) as u8;
+/// #     (window.y..window.bottom()).flat_map(|y| (window.x..window.right()).map(move |x| pixel(x, y))).collect()
+/// # }
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// let mut config = Config::paper();
+/// config.window = Radius { x: 8, y: 8 };
+/// config.window_limit = config.window;
+/// let mut tracker = Tracker::<64, 17>::new(config)?;
+///
+/// // A box of 8x8 pixels on a sensor of 320x240; nothing but the box is needed to lock on it.
+/// let target = Rect::new(100, 50, 8, 8);
+/// let pixels = read_out(target);
+/// tracker.lock(&Frame::part(Image::new(&pixels, 8, 8)?, 100, 50, 320, 240)?, target)?;
+/// assert_eq!((tracker.alpha(), tracker.template().map(|template| template.width())), (13, Some(8)));
+///
+/// // The next update wants the box and 8 pixels around it.
+/// let window = tracker.window().unwrap();
+/// assert_eq!(window, Rect::new(92, 42, 24, 24));
+/// let pixels = read_out(window);
+/// let frame = Frame::part(Image::new(&pixels, 24, 24)?, 92, 42, 320, 240)?;
+///
+/// // A map of scores, for those who want to see one.
+/// let offsets = tracker.offsets().unwrap();
+/// let scores = offsets.ys().flat_map(|y| offsets.xs().map(move |x| (x, y)));
+/// let best = scores.filter_map(|(x, y)| tracker.score_at(&frame, x, y)).max();
+///
+/// let answer = tracker.update(&frame)?;
+/// assert_eq!(best, Some(answer.found.peak.score));
+/// assert!(tracker.config().gate.tracking.reached_by(answer.found.peak.score, answer.found.runner_up));
+/// # Ok(())
+/// # }
+/// ```
 pub struct Tracker<const PIXELS: usize, const SPAN: usize> {
     config: Config,
     template: Template<PIXELS>,
