@@ -1,6 +1,6 @@
 //! Every number of the method in one place: [`Config`], checked once, by `Tracker::new`.
 
-use crate::similarity::Table;
+use crate::similarity::{Backend, Table};
 use core::fmt;
 
 /// A ratio of two integers, `numerator / denominator`; the denominator is at least 1.
@@ -109,6 +109,9 @@ pub struct Config {
     pub neighbourhood: u16,
     /// When a frame is believed.
     pub gate: Gate,
+    /// How scores are computed; it changes nothing but the time. `None` is the fastest way that the machine has; one that
+    /// it does not have is replaced by the plain loop.
+    pub backend: Option<Backend>,
 }
 
 impl Config {
@@ -134,6 +137,7 @@ impl Config {
                 lost: Fraction::new(125, 100),
                 lead: 100,
             },
+            backend: None,
         }
     }
 

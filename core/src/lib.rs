@@ -53,6 +53,7 @@
 //!
 //! # Features
 //!
+//! - `std`: asks the machine at run time which instruction sets it has; see [`similarity::Backend`].
 //! - `defmt`: the public types implement `defmt::Format`.
 
 #![no_std]
@@ -60,7 +61,7 @@
 #![cfg_attr(test, allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss))]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 mod config;

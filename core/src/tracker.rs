@@ -3,7 +3,7 @@
 use crate::config::{Config, ConfigError, Fraction};
 use crate::image::{Frame, Image, Rect};
 use crate::search::{self, Found, Maxima, Window};
-use crate::similarity::{self, Table};
+use crate::similarity::{self, Backend, Scorer, Table};
 use crate::template::Template;
 use core::fmt;
 
@@ -148,8 +148,10 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         }
         let window = self.search_window(&track);
         let threshold = self.template.threshold();
+        let backend = self.config.backend.unwrap_or_else(Backend::best);
+        let scorer = Scorer::new(backend, self.config.table, threshold);
         let found = search::exhaustive(&window, self.config.neighbourhood, &mut self.maxima, |x, y| {
-            similarity::score_at(frame, template, x, y, self.config.table, threshold)
+            similarity::score_at(frame, template, x, y, &scorer)
         });
         let found = found.ok_or(UpdateError::WindowNotInMemory)?;
 
@@ -189,12 +191,13 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     }
 
     /// The score that the next [`Tracker::update`] would give to the box at (`x`, `y`): for maps of scores, and for
-    /// checking. `None` before the first lock, or if a needed pixel is not in memory.
+    /// checking; always by the plain loop. `None` before the first lock, or if a needed pixel is not in memory.
     ///
     /// Cost: one comparison for each pixel of the template.
     #[must_use]
     pub fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
-        similarity::score_at(frame, self.template.image()?, x, y, self.config.table, self.template.threshold())
+        let scorer = Scorer::new(Backend::Scalar, self.config.table, self.template.threshold());
+        similarity::score_at(frame, self.template.image()?, x, y, &scorer)
     }
 
     /// The template; `None` before the first lock.

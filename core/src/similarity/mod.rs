@@ -1,11 +1,14 @@
 //! The measure: how similar a patch is to the template.
 //!
-//! [`table`](Table) is the specification of a pixel's similarity, [`scalar`] that of a score. Here the two meet the
-//! frame: [`score_at`] scores any offset, also one whose box reaches into the padding.
+//! [`table`](Table) is the specification of a pixel's similarity, [`scalar`] that of a score; a [`Backend`] computes the
+//! same score faster. Here they meet the frame: [`score_at`] scores any offset, also one whose box reaches into the
+//! padding.
 
+mod arch;
 pub mod scalar;
 mod table;
 
+pub use arch::{Backend, Scorer};
 pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};
@@ -16,27 +19,34 @@ use crate::image::{Frame, Image, Rect};
 /// Cost: one comparison for each pixel of the template.
 ///
 /// ```
-/// use smr_core::{Frame, Image, similarity::{Table, score_at}};
+/// use smr_core::{Frame, Image, similarity::{Backend, Scorer, Table, score_at}};
 /// let frame = Frame::whole(Image::new(&[5, 6, 7, 8], 2, 2)?);
 /// let template = Image::new(&[8, 0, 0, 0], 2, 2)?;
+/// let scorer = Scorer::new(Backend::best(), &Table::PAPER, 13);
 /// // At (1, 1) only the first pixel is in the frame; the others are compared with the padding.
-/// assert_eq!(score_at(&frame, template, 1, 1, &Table::PAPER, 13), Some(4 * 65535));
+/// assert_eq!(score_at(&frame, template, 1, 1, &scorer), Some(4 * 65535));
 /// # Ok::<(), smr_core::ImageError>(())
 /// ```
 #[must_use]
-pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, table: &Table, threshold: u16) -> Option<u32> {
+#[inline]
+pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
-    if let Some(patch) = frame.patch(target) {
-        return Some(scalar::score(patch, template, table, threshold));
+    match frame.patch(target) {
+        Some(patch) => Some(scorer.score(patch, template)),
+        None => score_at_border(frame, template, target, scorer),
     }
+}
+
+/// The same for a box that is not wholly in memory.
+fn score_at_border(frame: &Frame<'_>, template: Image<'_>, target: Rect, scorer: &Scorer) -> Option<u32> {
     let seen = target.intersection(frame.bounds());
     if seen == target {
         return None;
     }
-    let within = Rect { x: seen.x.saturating_sub(x), y: seen.y.saturating_sub(y), ..seen };
     if seen.is_empty() {
-        return Some(scalar::score_on_padding(template, seen, table, threshold));
+        return Some(scorer.score_on_padding(template, seen));
     }
-    let inside = scalar::score(frame.patch(seen)?, template.crop(within)?, table, threshold);
-    Some(inside + scalar::score_on_padding(template, within, table, threshold))
+    let within = Rect { x: seen.x.saturating_sub(target.x), y: seen.y.saturating_sub(target.y), ..seen };
+    let inside = scorer.score(frame.patch(seen)?, template.crop(within)?);
+    Some(inside + scorer.score_on_padding(template, within))
 }

@@ -1,9 +1,10 @@
 //! The numbers of the method on the command line, the same for every command that runs the tracker.
 
 use crate::reference::Numbers;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
-use smr_core::{Config, Fraction, Radius, similarity::Table};
+use smr_core::similarity::{Backend, Table};
+use smr_core::{Config, Fraction, Radius};
 use std::str::FromStr;
 
 /// Where the paper's value is not wanted.
@@ -31,6 +32,26 @@ pub struct TrackerOptions {
     /// The runner-up is more than this many pixels away from the peak [default: 8]
     #[arg(long)]
     neighbourhood: Option<u16>,
+    /// How scores are computed; changes nothing but the time [default: the fastest that this machine has]
+    #[arg(long, value_enum)]
+    backend: Option<BackendName>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum BackendName {
+    Scalar,
+    Avx2,
+    Avx512,
+}
+
+impl From<BackendName> for Backend {
+    fn from(name: BackendName) -> Self {
+        match name {
+            BackendName::Scalar => Self::Scalar,
+            BackendName::Avx2 => Self::Avx2,
+            BackendName::Avx512 => Self::Avx512,
+        }
+    }
 }
 
 impl TrackerOptions {
@@ -52,6 +73,10 @@ impl TrackerOptions {
             config.table = Box::leak(Box::new(table));
         }
         config.growth = self.growth.unwrap_or(config.growth);
+        config.backend = self.backend.map(Backend::from);
+        if let Some(missing) = config.backend.filter(|backend| !backend.is_available()) {
+            bail!("--backend: this machine has no {missing:?}");
+        }
         config.padding = self.padding.unwrap_or(config.padding);
         config.neighbourhood = self.neighbourhood.unwrap_or(config.neighbourhood);
         Ok(config)

@@ -1,0 +1,123 @@
+//! The score of `scalar.rs`, faster: one file an instruction set, and the choice between them.
+//!
+//! | file | instruction set | used when | tested |
+//! |---|---|---|---|
+//! | `avx512.rs` | AVX-512 BW and VBMI | found at run time (`std`) or compiled for | where the machine has it |
+//! | `avx2.rs` | AVX2 | the same | where the machine has it |
+//! | (`scalar.rs`) | any | everywhere else | always |
+//!
+//! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
+
+#![allow(unsafe_code)] // intrinsics; each block says why it is sound
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+#[cfg(test)]
+mod tests;
+
+use super::{Table, scalar};
+use crate::image::Image;
+
+/// A way to compute scores. All ways give the same integers.
+///
+/// ```
+/// use smr_core::similarity::Backend;
+/// assert!(Backend::available().any(|backend| backend == Backend::Scalar));
+/// assert!(Backend::available().any(|backend| backend == Backend::best()));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Backend {
+    /// The plain loop, the specification.
+    Scalar,
+    /// x86-64 with AVX2: 32 pixels at a time.
+    Avx2,
+    /// x86-64 with AVX-512 BW and VBMI: 64 pixels at a time.
+    Avx512,
+}
+
+impl Backend {
+    const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Scalar];
+
+    /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
+    ///
+    /// With the feature `std` the machine is asked at run time, else only what the program is compiled for counts.
+    pub fn available() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|backend| backend.is_available())
+    }
+
+    /// The fastest of them.
+    #[must_use]
+    pub fn best() -> Self {
+        Self::available().next().unwrap_or(Self::Scalar)
+    }
+
+    /// True if this machine can run it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::is_available(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::is_available(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+}
+
+/// A table, cut off at a threshold, made ready for a backend. It is made once for all scores of a frame.
+pub struct Scorer {
+    table: &'static Table,
+    threshold: u16,
+    ready: Ready,
+}
+
+#[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
+enum Ready {
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Lookup),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(avx512::Lookup),
+}
+
+impl Scorer {
+    /// Scores by `table` below `threshold`, computed by `backend`; by the plain loop where the machine does not have it or
+    /// it does not reach up to the threshold (AVX-512: 128).
+    #[must_use]
+    pub fn new(backend: Backend, table: &'static Table, threshold: u16) -> Self {
+        let ready = match backend {
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx2 => avx2::Lookup::new(table, threshold).map(Ready::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
+            _ => None,
+        };
+        Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar) }
+    }
+
+    /// The score of two pictures of the same size, as [`scalar::score`] gives it.
+    #[must_use]
+    #[inline]
+    pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
+        match &self.ready {
+            Ready::Scalar => scalar::score(patch, template, self.table, self.threshold),
+            #[cfg(target_arch = "x86_64")]
+            Ready::Avx2(lookup) => lookup.score(patch, template),
+            #[cfg(target_arch = "x86_64")]
+            Ready::Avx512(lookup) => lookup.score(patch, template),
+        }
+    }
+
+    /// The score of what lies on the padding; see [`scalar::score_on_padding`].
+    #[must_use]
+    pub(super) fn score_on_padding(&self, template: Image<'_>, seen: crate::Rect) -> u32 {
+        scalar::score_on_padding(template, seen, self.table, self.threshold)
+    }
+}
