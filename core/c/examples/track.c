@@ -1,5 +1,5 @@
 /*
- * Follows a patch that moves through generated frames and leaves the picture, and prints where it is.
+ * Follows a patch that moves through generated frames, half out of the picture and back, and prints where it is.
  *
  * This is all that a program needs: one storage, one configuration, lock, update. It allocates nothing. Each frame is
  * given as a camera would that reads out only the part it is asked for.
@@ -14,7 +14,8 @@
 #define FRAME_WIDTH 96
 #define FRAME_HEIGHT 64
 #define TARGET 12
-#define FRAMES 16
+#define FRAMES 24
+#define TURN 14
 
 static uint8_t sensor[FRAME_HEIGHT][FRAME_WIDTH];
 static smr_storage storage;
@@ -69,6 +70,11 @@ static const char *name_of(smr_state state)
     return state == SMR_TRACKING ? "tracking" : state == SMR_LEAVING ? "leaving" : "lost";
 }
 
+static unsigned percent(uint16_t ratio)
+{
+    return (ratio * 100u + 32767u) / 65535u;
+}
+
 int main(void)
 {
     int left = 20, top = 20, number, wrong = 0;
@@ -91,15 +97,15 @@ int main(void)
 
     for (number = 1; number <= FRAMES; number++) {
         smr_answer answer;
-        left += 5;
+        left += number <= TURN ? 5 : -5;
         top += number % 3 - 1;
         expose((uint32_t)number, left, top);
         must(smr_window(tracker, &part), "smr_window");
         frame = read_out(&part);
         must(smr_update(tracker, &frame, &answer), "smr_update");
-        printf("frame %2d: %3" PRId32 ",%3" PRId32 " %" PRIu16 "x%" PRIu16 " %-8s ratio 0.%03u, next 0.%03u, alpha %u\n",
-               number, answer.bbox.x, answer.bbox.y, answer.bbox.width, answer.bbox.height, name_of(answer.state),
-               answer.ratio * 1000u / 65536u, answer.runner_up_ratio * 1000u / 65536u, (unsigned)answer.alpha);
+        printf("frame %2d: %3" PRId32 ",%3" PRId32 " %ux%u %-8s similar %3u %%, runner-up %2u %%, alpha %u\n", number,
+               answer.bbox.x, answer.bbox.y, (unsigned)answer.bbox.width, (unsigned)answer.bbox.height,
+               name_of(answer.state), percent(answer.ratio), percent(answer.runner_up_ratio), (unsigned)answer.alpha);
         wrong += answer.state == SMR_LOST || answer.bbox.x != left || answer.bbox.y != top;
     }
     printf("%d of %d frames wrong\n", wrong, FRAMES);

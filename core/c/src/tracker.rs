@@ -211,12 +211,6 @@ unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut Tracker<PIXELS
 /// # Safety
 /// A `frame` that is not NULL points to an `smr_frame`, and its pixels can be read as long as the result lives.
 unsafe fn frame_for<'a>(tracker: *const smr_tracker, frame: *const smr_frame) -> Result<Frame<'a>, smr_status> {
-    // SAFETY: as the caller says.
-    let frame = unsafe { pointer::read(frame)? };
-    let (pixels, storage) = (frame.pixels.addr(), tracker.addr());
-    if pixels < storage.saturating_add(STORAGE_SIZE) && storage < pixels.saturating_add(frame.size) {
-        return Err(smr_status::SMR_ERROR_FRAME_OVERLAPS_TRACKER);
-    }
-    // SAFETY: as the caller says.
-    unsafe { frame.frame() }
+    // SAFETY: as the caller says, of the frame and of its pixels.
+    unsafe { pointer::read(frame)?.frame(tracker.addr()) }
 }
