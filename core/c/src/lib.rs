@@ -17,7 +17,7 @@
 #![allow(unsafe_code)]
 // The names of the header, so that there is one word for one thing.
 #![allow(non_camel_case_types)]
-// The contract of a pointer is in the header's terms: under `@param`, and in lib.rs once for all.
+// What a pointer must be is said in the header's terms: under `@param`, and for all of them at its top (cbindgen.toml).
 #![allow(clippy::missing_safety_doc)]
 
 #[cfg(not(target_os = "none"))]

@@ -366,6 +366,44 @@ mod tests {
     }
 
     #[test]
+    fn every_number_of_the_configuration_goes_to_its_place() {
+        let mut numbers = 1..;
+        let mut next = || numbers.next().unwrap();
+        let mut pair = || (next(), next());
+        let fraction = |(numerator, denominator)| smr_fraction { numerator, denominator };
+        let radius = |(x, y)| smr_radius { x, y };
+        // In the order in which `Config` declares them, and prints them.
+        let k = fraction(pair());
+        let (first_threshold, padding) = pair();
+        let window = radius(pair());
+        let (growth, limit_x) = pair();
+        let (limit_y, neighbourhood) = pair();
+        let config = smr_config {
+            table: core::ptr::null(),
+            k,
+            first_threshold: u8::try_from(first_threshold).unwrap(),
+            padding,
+            window,
+            growth,
+            window_limit: radius((limit_x, limit_y)),
+            neighbourhood,
+            gate: smr_gate {
+                tracking: fraction(pair()),
+                leaving: fraction(pair()),
+                returning: fraction(pair()),
+                lost: fraction(pair()),
+                lead: pair().0,
+            },
+        };
+        // SAFETY: no table is given.
+        let printed = format!("{:?}", unsafe { config.config() }.unwrap());
+        let (_, printed) = printed.split_once("] }").expect("the table stands first");
+        let words = printed.split(|character: char| !character.is_ascii_digit());
+        let printed: std::vec::Vec<u16> = words.filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(printed, (1..=19).collect::<std::vec::Vec<_>>());
+    }
+
+    #[test]
     fn the_version_is_the_packages() {
         let version = format!("{SMR_VERSION_MAJOR}.{SMR_VERSION_MINOR}.{SMR_VERSION_PATCH}");
         assert_eq!(version, env!("CARGO_PKG_VERSION"));
