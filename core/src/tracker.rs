@@ -102,6 +102,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     ///
     /// # Errors
     /// [`ConfigError`], if a number of the configuration cannot be used.
+    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
         Ok(Self { config, template: Template::new(), maxima: Maxima::new(), track: None })

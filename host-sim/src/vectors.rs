@@ -47,12 +47,14 @@ fn other_numbers() -> Case {
     numbers.growth = 2;
     numbers.window_limit = (12, 9);
     numbers.neighbourhood = 3;
-    numbers.gate.tracking = (11.0, 10.0);
+    numbers.gate.tracking = (21.0, 20.0);
     numbers.gate.border = (23.0, 20.0);
     numbers.gate.been_at_border = (5.0, 4.0);
     numbers.gate.lost = (3.0, 2.0);
     numbers.gate.lead = 40.0;
-    let path = [(15, 10), (17, 9), (19, 12), (60, 60), (60, 60), (22, 9), (25, 16), (26, 21), (26, 22), (25, 16)];
+    let path =
+        [(15, 10), (17, 9), (19, 12), (60, 60), (60, 60), (22, 9), (26, 12), (31, 14), (33, 14), (36, 15), (30, 13)];
+    // The padding of 5 ends at 34: the target goes beyond it.
     let size = (40, 28);
     let frames = scenes(size, (11, 9), &path);
     Case { name: "other-numbers", numbers, size, target: (15, 10, 11, 9), frames }

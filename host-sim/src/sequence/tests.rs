@@ -116,7 +116,9 @@ mod folders {
         assert!(!is_sequence(folder.path()));
 
         let missing = message(open_plain(&folder.path().join("missing")));
-        assert!(missing.starts_with(&format!("cannot open {at}/missing: expected a folder, a file or `synthetic`")));
+        assert!(missing.starts_with(&format!(
+            "cannot open {at}/missing: expected a folder, a file, or one of synthetic, periodic"
+        )));
 
         let text = write(&folder, "notes.txt", b"no video");
         assert_eq!(message(open_plain(&text)), format!("{at}/notes.txt is a text file: expected a recording"));

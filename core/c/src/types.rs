@@ -1,0 +1,413 @@
+//! The plain data that crosses the boundary, and what each is in `smr-core`.
+
+use crate::capacity::STORAGE_SIZE;
+use crate::pointer;
+use crate::status::{smr_status, status_of};
+use crate::table::{self, smr_table};
+use core::ffi::{CStr, c_char};
+use smr_core::search::Peak;
+use smr_core::{Answer, Config, Fraction, Frame, Gate, Image, Radius, Rect, State};
+
+/// Version of this header, major.minor.patch: a program can compare it with #smr_version.
+pub const SMR_VERSION_MAJOR: u32 = 0;
+/// See #SMR_VERSION_MAJOR.
+pub const SMR_VERSION_MINOR: u32 = 1;
+/// See #SMR_VERSION_MAJOR.
+pub const SMR_VERSION_PATCH: u32 = 0;
+
+/// The version of the library that is linked, as "major.minor.patch".
+///
+/// @return  A string that is always there, never NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn smr_version() -> *const c_char {
+    const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+        Ok(version) => version,
+        Err(_) => c"",
+    };
+    VERSION.as_ptr()
+}
+
+/// numerator / denominator; the denominator is at least 1.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_fraction {
+    /// What stands above the line.
+    pub numerator: u16,
+    /// What stands below the line; at least 1.
+    pub denominator: u16,
+}
+
+/// How far the search window reaches to each side of the last position, in pixels: offsets -x..x and -y..y.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_radius {
+    /// To the left and to the right.
+    pub x: u16,
+    /// Up and down.
+    pub y: u16,
+}
+
+/// A rectangle in whole pixels of the full frame. It may reach outside the frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_rect {
+    /// Left edge, in pixels to the right of the frame's left edge; may be negative.
+    pub x: i32,
+    /// Top edge, in pixels below the frame's top edge; may be negative.
+    pub y: i32,
+    /// Width in pixels.
+    pub width: u16,
+    /// Height in pixels.
+    pub height: u16,
+}
+
+/// How clearly the peak must stand above the runner-up before a frame is believed: the least ratio of the two scores.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_gate {
+    /// From a box inside the frame to a box inside the frame.
+    pub tracking: smr_fraction,
+    /// When the box at the peak is partly outside the frame.
+    pub leaving: smr_fraction,
+    /// From a box that was partly outside to one inside.
+    pub returning: smr_fraction,
+    /// To be found again when lost, wherever that is.
+    pub lost: smr_fraction,
+    /// The other way to be found again: peak and runner-up this many fully similar pixels apart.
+    pub lead: u16,
+}
+
+/// The numbers of the method. Fill it with #smr_config_paper first, then change what is to be changed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_config {
+    /// The similarity of two pixels by their difference, or NULL for the paper's, exp(-d / 255). A table given here is
+    /// not copied: see #smr_table_init.
+    pub table: *const smr_table,
+    /// k in alpha = k * (largest change of a pixel of the template); more than 0.
+    pub k: smr_fraction,
+    /// alpha before the first update, in gray levels: a pixel counts if its difference is below it. At least 1.
+    pub first_threshold: u8,
+    /// Width of the virtual border of zeroes around the frame, in pixels: how far a box may leave the picture.
+    pub padding: u16,
+    /// The search window around the last position.
+    pub window: smr_radius,
+    /// How many pixels the window grows on each side, for each frame that the target stays lost.
+    pub growth: u16,
+    /// Where that growth ends; at least `window`. On each axis 2 * limit + 1 offsets must fit #SMR_SPAN, unless the
+    /// padded frame is smaller than that.
+    pub window_limit: smr_radius,
+    /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
+    pub neighbourhood: u16,
+    /// When a frame is believed.
+    pub gate: smr_gate,
+}
+
+/// One frame of the camera: 8-bit gray pixels, the part of it that is in memory, and where in the full frame that is.
+///
+/// A frame that is in memory as a whole has x = y = 0, full_width = width and full_height = height.
+/// Pixels are only read, and only during the call.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_frame {
+    /// The top left pixel in memory.
+    pub pixels: *const u8,
+    /// Bytes that may be read from `pixels` on: at least (height - 1) * stride + width.
+    pub size: usize,
+    /// Bytes from a pixel to the one below it: at least `width`.
+    pub stride: usize,
+    /// Pixels of a row in memory; at least 1.
+    pub width: u16,
+    /// Rows in memory; at least 1.
+    pub height: u16,
+    /// Where the part in memory begins: column of the full frame.
+    pub x: u16,
+    /// Where the part in memory begins: row of the full frame.
+    pub y: u16,
+    /// Width of the full frame; at least x + width.
+    pub full_width: u16,
+    /// Height of the full frame; at least y + height.
+    pub full_height: u16,
+}
+
+/// What the tracker holds of its target after a frame.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum smr_state {
+    /// The target was found, wholly inside the frame; its patch is the new template.
+    SMR_TRACKING = 0,
+    /// The target was found, partly outside the frame; the template is kept.
+    SMR_LEAVING = 1,
+    /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha are
+    /// kept, and the window grows with every further frame.
+    SMR_LOST = 2,
+}
+
+/// A position of the template's top left corner in the frame, and its score.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_peak {
+    /// Left edge of the box, in the frame.
+    pub x: i32,
+    /// Top edge of the box, in the frame.
+    pub y: i32,
+    /// The sum of the similarities, in units of 1/65535 of a fully similar pixel.
+    pub score: u32,
+}
+
+/// The answer of #smr_update. Ratios are in units of 1/65535, so 65535 is 1.0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_answer {
+    /// The target's box; when lost, the last one that was believed.
+    pub bbox: smr_rect,
+    /// Whether the box is to be believed.
+    pub state: smr_state,
+    /// The similarity matching ratio: the peak's score over the number of pixels, rounded down.
+    pub ratio: u16,
+    /// The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood.
+    pub runner_up_ratio: u16,
+    /// The threshold that this frame was scored with, in gray levels (0..256): alpha, rounded up. A pixel counted if it
+    /// differed by less.
+    pub alpha: u16,
+    /// The best offset, believed or not.
+    pub peak: smr_peak,
+    /// The runner-up's score, in the peak's unit.
+    pub runner_up: u32,
+}
+
+/// 8-bit gray pixels, row by row without a gap.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_image {
+    /// width * height bytes.
+    pub pixels: *const u8,
+    /// Pixels of a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+}
+
+/// Fills a configuration with the values of the paper and its authors' program, for frames of about 320x240.
+///
+/// @param config  Memory for the configuration.
+/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status {
+    // SAFETY: the caller gives memory for an smr_config.
+    let out = unsafe { pointer::Out::new(config) };
+    status_of(out.map(|out| out.write(smr_config::paper())))
+}
+
+impl smr_config {
+    fn paper() -> Self {
+        let paper = Config::paper();
+        Self {
+            table: core::ptr::null(),
+            k: paper.k.into(),
+            first_threshold: paper.first_threshold,
+            padding: paper.padding,
+            window: paper.window.into(),
+            growth: paper.growth,
+            window_limit: paper.window_limit.into(),
+            neighbourhood: paper.neighbourhood,
+            gate: paper.gate.into(),
+        }
+    }
+
+    /// # Safety
+    /// As for [`table::given`], of `self.table`.
+    pub(crate) unsafe fn config(&self) -> Result<Config, smr_status> {
+        let mut config = Config::paper();
+        // SAFETY: as the caller says.
+        config.table = unsafe { table::given(self.table)? };
+        config.k = self.k.into();
+        config.first_threshold = self.first_threshold;
+        config.padding = self.padding;
+        config.window = self.window.into();
+        config.growth = self.growth;
+        config.window_limit = self.window_limit.into();
+        config.neighbourhood = self.neighbourhood;
+        config.gate = self.gate.into();
+        Ok(config)
+    }
+}
+
+impl smr_frame {
+    /// What it says, for a call on the tracker at the address `storage`: pixels in there would change while they are
+    /// read.
+    ///
+    /// # Safety
+    /// If `pixels` is not NULL, `size` bytes from there can be read, and nobody writes them as long as the result lives.
+    pub(crate) unsafe fn frame<'a>(&self, storage: usize) -> Result<Frame<'a>, smr_status> {
+        pointer::check(self.pixels)?;
+        if isize::try_from(self.size).is_err() {
+            return Err(smr_status::SMR_ERROR_FRAME_TOO_LARGE);
+        }
+        let pixels = self.pixels.addr();
+        if pixels < storage.saturating_add(STORAGE_SIZE) && storage < pixels.saturating_add(self.size) {
+            return Err(smr_status::SMR_ERROR_FRAME_OVERLAPS_TRACKER);
+        }
+        // SAFETY: not NULL, bytes are always aligned, no longer than isize::MAX; the rest as the caller says.
+        let pixels = unsafe { core::slice::from_raw_parts(self.pixels, self.size) };
+        let image = Image::with_stride(pixels, self.width, self.height, self.stride)?;
+        Ok(Frame::part(image, self.x, self.y, self.full_width, self.full_height)?)
+    }
+}
+
+impl From<Fraction> for smr_fraction {
+    fn from(fraction: Fraction) -> Self {
+        Self { numerator: fraction.numerator, denominator: fraction.denominator }
+    }
+}
+
+impl From<smr_fraction> for Fraction {
+    fn from(fraction: smr_fraction) -> Self {
+        Self { numerator: fraction.numerator, denominator: fraction.denominator }
+    }
+}
+
+impl From<Radius> for smr_radius {
+    fn from(radius: Radius) -> Self {
+        Self { x: radius.x, y: radius.y }
+    }
+}
+
+impl From<smr_radius> for Radius {
+    fn from(radius: smr_radius) -> Self {
+        Self { x: radius.x, y: radius.y }
+    }
+}
+
+impl From<Rect> for smr_rect {
+    fn from(rect: Rect) -> Self {
+        Self { x: rect.x, y: rect.y, width: rect.width, height: rect.height }
+    }
+}
+
+impl From<smr_rect> for Rect {
+    fn from(rect: smr_rect) -> Self {
+        Self { x: rect.x, y: rect.y, width: rect.width, height: rect.height }
+    }
+}
+
+impl From<Gate> for smr_gate {
+    fn from(gate: Gate) -> Self {
+        Self {
+            tracking: gate.tracking.into(),
+            leaving: gate.leaving.into(),
+            returning: gate.returning.into(),
+            lost: gate.lost.into(),
+            lead: gate.lead,
+        }
+    }
+}
+
+impl From<smr_gate> for Gate {
+    fn from(gate: smr_gate) -> Self {
+        Self {
+            tracking: gate.tracking.into(),
+            leaving: gate.leaving.into(),
+            returning: gate.returning.into(),
+            lost: gate.lost.into(),
+            lead: gate.lead,
+        }
+    }
+}
+
+impl From<State> for smr_state {
+    fn from(state: State) -> Self {
+        match state {
+            State::Tracking => Self::SMR_TRACKING,
+            State::Leaving => Self::SMR_LEAVING,
+            State::Lost => Self::SMR_LOST,
+        }
+    }
+}
+
+impl From<Peak> for smr_peak {
+    fn from(peak: Peak) -> Self {
+        Self { x: peak.x, y: peak.y, score: peak.score }
+    }
+}
+
+impl From<Answer> for smr_answer {
+    fn from(answer: Answer) -> Self {
+        Self {
+            bbox: answer.bbox.into(),
+            state: answer.state.into(),
+            ratio: answer.ratio,
+            runner_up_ratio: answer.runner_up_ratio,
+            alpha: answer.alpha,
+            peak: answer.found.peak.into(),
+            runner_up: answer.found.runner_up,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::format;
+
+    #[test]
+    fn the_papers_configuration_comes_back_as_it_was() {
+        let paper = format!("{:?}", Config::paper());
+        // SAFETY: no table is given.
+        let back = unsafe { smr_config::paper().config() }.unwrap();
+        assert_eq!(format!("{back:?}"), paper);
+        // A number that `Config` gains would come back by itself, from `Config::paper`, without C being able to set it.
+        let (_, numbers) = paper.split_once("] }").expect("the table stands first");
+        assert_eq!(
+            numbers.matches(": ").count(),
+            27,
+            "has Config a new number? Then smr_config needs it too: {numbers}"
+        );
+    }
+
+    #[test]
+    fn every_number_of_the_configuration_goes_to_its_place() {
+        let mut numbers = 1..;
+        let mut next = || numbers.next().unwrap();
+        let mut pair = || (next(), next());
+        let fraction = |(numerator, denominator)| smr_fraction { numerator, denominator };
+        let radius = |(x, y)| smr_radius { x, y };
+        // In the order in which `Config` declares them, and prints them.
+        let k = fraction(pair());
+        let (first_threshold, padding) = pair();
+        let window = radius(pair());
+        let (growth, limit_x) = pair();
+        let (limit_y, neighbourhood) = pair();
+        let config = smr_config {
+            table: core::ptr::null(),
+            k,
+            first_threshold: u8::try_from(first_threshold).unwrap(),
+            padding,
+            window,
+            growth,
+            window_limit: radius((limit_x, limit_y)),
+            neighbourhood,
+            gate: smr_gate {
+                tracking: fraction(pair()),
+                leaving: fraction(pair()),
+                returning: fraction(pair()),
+                lost: fraction(pair()),
+                lead: pair().0,
+            },
+        };
+        // SAFETY: no table is given.
+        let printed = format!("{:?}", unsafe { config.config() }.unwrap());
+        let (_, printed) = printed.split_once("] }").expect("the table stands first");
+        let words = printed.split(|character: char| !character.is_ascii_digit());
+        let printed: std::vec::Vec<u16> = words.filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(printed, (1..=19).collect::<std::vec::Vec<_>>());
+    }
+
+    #[test]
+    fn the_version_is_the_packages() {
+        let version = format!("{SMR_VERSION_MAJOR}.{SMR_VERSION_MINOR}.{SMR_VERSION_PATCH}");
+        assert_eq!(version, env!("CARGO_PKG_VERSION"));
+        // SAFETY: a static string, as its documentation says.
+        assert_eq!(unsafe { CStr::from_ptr(smr_version()) }.to_bytes(), version.as_bytes());
+    }
+}
