@@ -5,12 +5,14 @@
 //! - [`check`]: core against the reference, score by score.
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
+//! - [`report`]: what people look at.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
 pub mod check;
 pub mod command;
 pub mod evaluate;
 pub mod reference;
+pub mod report;
 pub mod sequence;
 pub mod vectors;
 

@@ -153,6 +153,19 @@ fn one_pixel_is_a_recording() {
 }
 
 #[test]
+fn report_says_what_it_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let said = host_sim(&["report", "periodic", "--out", utf8(&page), "--json"]).json();
+    assert_eq!(said["frames"], 19);
+    assert_eq!(said["files"][0]["bytes"], fs::metadata(&page).unwrap().len());
+    assert_eq!(host_sim(&["report", "periodic"]).code, Some(2));
+    host_sim(&["report", "periodic", "--out", utf8(&page), "--frames", "20"]).refuses(&["no frame 20", "1 to 19"]);
+    host_sim(&["report", "no/such/recording", "--out", utf8(&page)]).refuses(&["no/such/recording"]);
+    host_sim(&["report", "periodic", "--png", utf8(folder.path())]).refuses(&["cannot write", utf8(folder.path())]);
+}
+
+#[test]
 fn track_writes_a_json_object_a_frame() {
     let said = host_sim(&["track", "periodic", "--json"]);
     let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();

@@ -3,6 +3,7 @@
 mod check;
 mod eval;
 mod recording_options;
+mod report;
 mod synth;
 mod track;
 mod tracker_options;
@@ -12,7 +13,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Replays recordings through smr-core: tracks, checks, measures.
+/// Replays recordings through smr-core: tracks, checks, measures, shows.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
 /// --size), or a built-in recording: `synthetic`, or `periodic` (all ties).
@@ -33,6 +34,8 @@ enum Command {
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
     Eval(eval::Eval),
+    /// Show a recording: one HTML page with frames, plots and differences, or a picture
+    Report(report::Report),
     /// Write the synthetic recording out as files
     Synth(synth::Synth),
     /// Print the conformance vectors, made from the float reference
@@ -65,6 +68,7 @@ impl HostSim {
             Command::Track(track) => track.run(),
             Command::Check(check) => check.run(),
             Command::Eval(eval) => eval.run(),
+            Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),
             Command::Vectors(vectors) => vectors.run(),
         }
