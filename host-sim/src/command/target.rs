@@ -38,6 +38,7 @@ struct Measured<'a> {
     machine: &'static str,
     #[serde(flatten)]
     report: &'a Report,
+    #[serde(flatten)]
     sizes: Sizes,
     /// Statics and stack.
     ram: Option<u32>,
@@ -57,7 +58,7 @@ impl Target {
         let sizes = Sizes::of(&elf)?;
         let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
         let report = recording.compare(&mut qemu, folder.path())?;
-        let ram = report.stack.map(|stack| sizes.ram.saturating_add(stack.used));
+        let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
         let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram };
         if self.json {
             println!("{}", serde_json::to_string_pretty(&measured)?);
@@ -78,7 +79,7 @@ fn print(measured: &Measured<'_>) {
         println!("    host:   {}", difference.host);
     }
     if let (Some(ram), Some(stack)) = (ram, report.stack) {
-        println!("  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})", sizes.ram, stack.used, stack.room);
+        println!("  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})", sizes.static_ram, stack.used, stack.room);
     }
     println!("  flash: {} bytes; a tracker: {tracker} bytes", sizes.flash);
     let [median, p95, max] = [instructions.median, instructions.p95, instructions.max];

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Sizes {
     /// Statics. The stack comes to it.
-    pub ram: u32,
+    pub static_ram: u32,
     /// Code, constants, the vector table, and what statics start with.
     pub flash: u32,
 }
@@ -33,7 +33,7 @@ impl Sizes {
             let (flags, size) = (section.sh_flags(endian), section.sh_size(endian));
             let placed = flags & SHF_ALLOC != 0;
             if placed && flags & SHF_WRITE != 0 {
-                sizes.ram = sizes.ram.saturating_add(size);
+                sizes.static_ram = sizes.static_ram.saturating_add(size);
             }
             if placed && section.sh_type(endian) != SHT_NOBITS {
                 sizes.flash = sizes.flash.saturating_add(size);
