@@ -79,7 +79,10 @@ fn print(measured: &Measured<'_>) {
         println!("    host:   {}", difference.host);
     }
     if let (Some(ram), Some(stack)) = (ram, report.stack) {
-        println!("  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})", sizes.static_ram, stack.used, stack.room);
+        println!(
+            "  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})",
+            sizes.static_ram, stack.used, stack.room
+        );
     }
     println!("  flash: {} bytes; a tracker: {tracker} bytes", sizes.flash);
     let [median, p95, max] = [instructions.median, instructions.p95, instructions.max];

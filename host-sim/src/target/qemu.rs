@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{self, JoinHandle};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// The boards that firmware runs on.
@@ -58,7 +59,7 @@ pub struct Setup {
 /// A running QEMU. Dropped, it is ended and reaped.
 pub struct Qemu {
     process: Child,
-    last_words: Option<JoinHandle<String>>,
+    last_words: Receiver<String>,
     setup: Setup,
 }
 
@@ -84,7 +85,9 @@ impl Qemu {
             other => other.with_context(|| format!("cannot start {program}"))?,
         };
         let complaints = process.stderr.take().context("QEMU's standard error is piped")?;
-        Ok(Self { process, last_words: Some(thread::spawn(move || last_line(complaints))), setup: setup.clone() })
+        let (sender, last_words) = channel();
+        thread::spawn(move || sender.send(last_line(complaints)));
+        Ok(Self { process, last_words, setup: setup.clone() })
     }
 
     /// What the firmware logs, if that was piped.
@@ -153,7 +156,7 @@ impl Qemu {
         }
     }
 
-    fn ended(&mut self, status: ExitStatus) -> anyhow::Error {
+    fn ended(&self, status: ExitStatus) -> anyhow::Error {
         let words = self.last_words();
         anyhow!(self.failed(status, &words))
     }
@@ -163,8 +166,9 @@ impl Qemu {
         format!("{} with {} ended ({status}){reason}", self.setup.program, self.setup.machine.name())
     }
 
-    fn last_words(&mut self) -> String {
-        self.last_words.take().and_then(|thread| thread.join().ok()).unwrap_or_default()
+    /// What QEMU said last; it has ended, but a child of its own may keep standard error open.
+    fn last_words(&self) -> String {
+        self.last_words.recv_timeout(Duration::from_secs(1)).unwrap_or_default()
     }
 }
 
