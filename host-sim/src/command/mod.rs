@@ -2,9 +2,12 @@
 
 mod check;
 mod eval;
+mod qemu_options;
 mod recording_options;
 mod report;
+mod run;
 mod synth;
+mod target;
 mod track;
 mod tracker_options;
 mod vectors;
@@ -38,6 +41,10 @@ enum Command {
     Report(report::Report),
     /// Write the synthetic recording out as files
     Synth(synth::Synth),
+    /// Run the firmware in QEMU on a recording, and compare every answer with the host's
+    Target(target::Target),
+    /// Run any firmware in QEMU, and print its log
+    Run(run::Run),
     /// Print the conformance vectors, made from the float reference
     Vectors(vectors::Vectors),
 }
@@ -70,6 +77,8 @@ impl HostSim {
             Command::Eval(eval) => eval.run(),
             Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),
+            Command::Target(target) => target.run(),
+            Command::Run(run) => run.run(),
             Command::Vectors(vectors) => vectors.run(),
         }
     }
