@@ -15,11 +15,11 @@ static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
         .expect("cargo runs");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
-    let executable = messages.lines().filter_map(|line| {
+    let mut executable = messages.lines().filter_map(|line| {
         let message: Value = serde_json::from_str(line).ok()?;
         message["executable"].as_str().map(PathBuf::from)
     });
-    executable.last().expect("the program was built")
+    executable.next_back().expect("the program was built")
 });
 
 struct Said {
