@@ -1,26 +1,12 @@
 //! `host-sim` as its user meets it: exit codes, one clear line on errors, JSON, and nothing lost.
 
+mod program;
+
+use program::PROGRAM;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::LazyLock;
-
-/// The program, built once: it belongs to another package, so cargo does not build it for these tests by itself.
-static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
-    let cargo = option_env!("CARGO").unwrap_or("cargo");
-    let built = Command::new(cargo)
-        .args(["build", "--package", "host-sim", "--message-format", "json"])
-        .output()
-        .expect("cargo runs");
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
-    let mut executables = messages.lines().filter_map(|line| {
-        let message: Value = serde_json::from_str(line).ok()?;
-        message["executable"].as_str().map(PathBuf::from)
-    });
-    executables.next_back().expect("the program was built")
-});
 
 struct Said {
     code: Option<i32>,

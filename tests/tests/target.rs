@@ -5,28 +5,14 @@
 
 #![cfg(unix)]
 
+mod program;
+
+use program::PROGRAM;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::LazyLock;
 use std::time::{Duration, Instant};
-
-/// The program, built once: it belongs to another package, so cargo does not build it for these tests by itself.
-static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
-    let cargo = option_env!("CARGO").unwrap_or("cargo");
-    let built = Command::new(cargo)
-        .args(["build", "--package", "host-sim", "--message-format", "json"])
-        .output()
-        .expect("cargo runs");
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
-    let executable = messages.lines().filter_map(|line| {
-        let message: serde_json::Value = serde_json::from_str(line).ok()?;
-        message["executable"].as_str().map(PathBuf::from)
-    });
-    executable.last().expect("the program was built")
-});
 
 /// A folder with something that passes for firmware, and a shell script in QEMU's place.
 struct Bench {
