@@ -7,7 +7,7 @@
 //! the next template. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching
 //! Ratio" (VISAPP 2013).
 //!
-//! The crate is `no_std`, allocates nothing, uses integers only and reads nothing but the window it asks for. Its
+//! The crate is `no_std`, allocates nothing, uses integers only (but for `pursuit`) and reads nothing but the window it asks for. Its
 //! scores are exact: the same frames give the same answers, bit for bit, on every platform.
 //!
 //! ```
@@ -55,6 +55,7 @@
 //!
 //! - `std`: asks the machine at run time which instruction sets it has; see [`similarity::Backend`].
 //! - `defmt`: the public types implement `defmt::Format`.
+//! - `pursuit`: module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]
 #![deny(missing_docs)]
@@ -66,6 +67,8 @@ extern crate std;
 
 mod config;
 mod image;
+#[cfg(feature = "pursuit")]
+pub mod pursuit;
 pub mod search;
 pub mod similarity;
 mod template;

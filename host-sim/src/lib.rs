@@ -5,13 +5,17 @@
 //! - [`check`]: core against the reference, score by score.
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
+//! - [`report`]: what people look at.
+//! - [`target`]: the firmware in QEMU against the host.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
 pub mod check;
 pub mod command;
 pub mod evaluate;
 pub mod reference;
+pub mod report;
 pub mod sequence;
+pub mod target;
 pub mod vectors;
 
 /// The tracker as this program builds it: room for the largest template there can be (256x256 pixels), and for a window

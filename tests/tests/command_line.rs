@@ -1,26 +1,12 @@
 //! `host-sim` as its user meets it: exit codes, one clear line on errors, JSON, and nothing lost.
 
+mod program;
+
+use program::PROGRAM;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::LazyLock;
-
-/// The program, built once: it belongs to another package, so cargo does not build it for these tests by itself.
-static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
-    let cargo = option_env!("CARGO").unwrap_or("cargo");
-    let built = Command::new(cargo)
-        .args(["build", "--package", "host-sim", "--message-format", "json"])
-        .output()
-        .expect("cargo runs");
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
-    let mut executables = messages.lines().filter_map(|line| {
-        let message: Value = serde_json::from_str(line).ok()?;
-        message["executable"].as_str().map(PathBuf::from)
-    });
-    executables.next_back().expect("the program was built")
-});
 
 struct Said {
     code: Option<i32>,
@@ -150,6 +136,19 @@ fn one_pixel_is_a_recording() {
     let said = host_sim(&["track", file, "--size", "1x1", "--init", "0,0,1,1"]);
     assert_eq!((said.code, said.out.as_str()), (Some(0), "0,0,1,1\n0,0,1,1\n0,0,1,1\n"));
     assert_eq!(host_sim(&["check", file, "--size", "1x1", "--init", "0,0,1,1"]).code, Some(0));
+}
+
+#[test]
+fn report_says_what_it_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let said = host_sim(&["report", "periodic", "--out", utf8(&page), "--json"]).json();
+    assert_eq!(said["frames"], 19);
+    assert_eq!(said["files"][0]["bytes"], fs::metadata(&page).unwrap().len());
+    assert_eq!(host_sim(&["report", "periodic"]).code, Some(2));
+    host_sim(&["report", "periodic", "--out", utf8(&page), "--frames", "20"]).refuses(&["no frame 20", "1 to 19"]);
+    host_sim(&["report", "no/such/recording", "--out", utf8(&page)]).refuses(&["no/such/recording"]);
+    host_sim(&["report", "periodic", "--png", utf8(folder.path())]).refuses(&["cannot write", utf8(folder.path())]);
 }
 
 #[test]

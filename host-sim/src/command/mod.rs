@@ -2,8 +2,12 @@
 
 mod check;
 mod eval;
+mod qemu_options;
 mod recording_options;
+mod report;
+mod run;
 mod synth;
+mod target;
 mod track;
 mod tracker_options;
 mod vectors;
@@ -12,7 +16,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Replays recordings through smr-core: tracks, checks, measures.
+/// Replays recordings through smr-core: tracks, checks, measures, shows.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
 /// --size), or a built-in recording: `synthetic`, or `periodic` (all ties).
@@ -33,8 +37,14 @@ enum Command {
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
     Eval(eval::Eval),
+    /// Show a recording: one HTML page with frames, plots and differences, or a picture
+    Report(report::Report),
     /// Write the synthetic recording out as files
     Synth(synth::Synth),
+    /// Run the firmware in QEMU on a recording, and compare every answer with the host's
+    Target(target::Target),
+    /// Run any firmware in QEMU, and print its log
+    Run(run::Run),
     /// Print the conformance vectors, made from the float reference
     Vectors(vectors::Vectors),
 }
@@ -65,7 +75,10 @@ impl HostSim {
             Command::Track(track) => track.run(),
             Command::Check(check) => check.run(),
             Command::Eval(eval) => eval.run(),
+            Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),
+            Command::Target(target) => target.run(),
+            Command::Run(run) => run.run(),
             Command::Vectors(vectors) => vectors.run(),
         }
     }

@@ -7,7 +7,6 @@ use crate::evaluate::{MethodKind, Report, Run};
 use crate::sequence::{BoundingBox, boxes};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use smr_core::State;
 use std::fs::File;
 use std::io::{LineWriter, Write};
 use std::path::PathBuf;
@@ -70,15 +69,10 @@ impl Track {
         if !self.json {
             return Ok(boxes::tld_line(bbox.as_ref()));
         }
-        let state = match report.state {
-            State::Tracking => "tracking",
-            State::Leaving => "leaving",
-            State::Lost => "lost",
-        };
         let evidence = report.evidence.as_ref();
         Ok(serde_json::to_string(&JsonLine {
             frame,
-            state,
+            state: report.state_name(),
             bbox,
             ratio: evidence.map(|evidence| rounded(evidence.ratio)),
             runner_up_ratio: evidence.map(|evidence| rounded(evidence.runner_up_ratio)),
@@ -97,7 +91,7 @@ mod tests {
     use super::*;
     use crate::evaluate::Evidence;
     use clap::Parser;
-    use smr_core::Rect;
+    use smr_core::{Rect, State};
 
     #[derive(Parser)]
     struct Line {

@@ -5,7 +5,7 @@
 use super::method::{Method, Report};
 use anyhow::Result;
 use smr_core::search::Window;
-use smr_core::{Config, Frame, LockError, Radius, Rect, State, UpdateError};
+use smr_core::{Config, Frame, Image, LockError, Radius, Rect, State, UpdateError};
 use std::ops::Range;
 
 /// How a baseline compares a patch with the template.
@@ -94,6 +94,10 @@ impl Method for Baseline {
         self.template.clear();
         self.template.extend(patch.rows().flatten());
         Ok(Report { target: Some(self.target), state: State::Tracking, evidence: None })
+    }
+
+    fn template(&self) -> Option<Image<'_>> {
+        Image::new(&self.template, self.target.width, self.target.height).ok()
     }
 }
 

@@ -5,7 +5,7 @@ use crate::Tracker;
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
-use smr_core::{Config, Frame, Rect, State};
+use smr_core::{Answer, Config, Frame, Image, Rect, State};
 
 /// A tracker that follows one box.
 pub trait Method {
@@ -14,6 +14,9 @@ pub trait Method {
 
     /// Looks for the target in the next frame.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
+
+    /// What the next frame will be compared with; `None` before the first lock.
+    fn template(&self) -> Option<Image<'_>>;
 }
 
 /// What a method says about one frame.
@@ -37,8 +40,31 @@ pub struct Evidence {
 
 impl Report {
     /// The frame that was locked on: the box is the one that was given.
-    const fn locked(target: Rect) -> Self {
+    #[must_use]
+    pub const fn locked(target: Rect) -> Self {
         Self { target: Some(target), state: State::Tracking, evidence: None }
+    }
+
+    /// The state, as it is printed everywhere.
+    #[must_use]
+    pub const fn state_name(&self) -> &'static str {
+        match self.state {
+            State::Tracking => "tracking",
+            State::Leaving => "leaving",
+            State::Lost => "lost",
+        }
+    }
+}
+
+impl From<Answer> for Report {
+    fn from(answer: Answer) -> Self {
+        let evidence = Evidence {
+            ratio: f64::from(answer.ratio) / f64::from(u16::MAX),
+            runner_up_ratio: f64::from(answer.runner_up_ratio) / f64::from(u16::MAX),
+            alpha: answer.alpha,
+        };
+        let target = (answer.state != State::Lost).then_some(answer.bbox);
+        Self { target, state: answer.state, evidence: Some(evidence) }
     }
 }
 
@@ -86,14 +112,11 @@ impl Method for Tracker {
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        let answer = Self::update(self, frame)?;
-        let evidence = Evidence {
-            ratio: f64::from(answer.ratio) / f64::from(u16::MAX),
-            runner_up_ratio: f64::from(answer.runner_up_ratio) / f64::from(u16::MAX),
-            alpha: answer.alpha,
-        };
-        let target = (answer.state != State::Lost).then_some(answer.bbox);
-        Ok(Report { target, state: answer.state, evidence: Some(evidence) })
+        Ok(Self::update(self, frame)?.into())
+    }
+
+    fn template(&self) -> Option<Image<'_>> {
+        Self::template(self)
     }
 }
 

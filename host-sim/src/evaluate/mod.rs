@@ -7,7 +7,7 @@ mod results;
 mod table;
 
 pub use method::{Evidence, Method, MethodKind, Report, Run};
-pub use protocol::{Score, Trajectory};
+pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
 
 use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub type Trajectory = [Option<BoundingBox>];
 
 /// A frame is correct if the intersection over union of answer and truth is more than this.
-const CORRECT: f64 = 0.25;
+pub const CORRECT: f64 = 0.25;
 
 /// The stricter count beside it.
 const CORRECT_50: f64 = 0.5;
@@ -42,18 +42,11 @@ impl Score {
     /// # Errors
     /// The two are not of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
-        ensure!(
-            answers.len() == truth.len(),
-            "there are {} frames, but the ground truth has {} boxes",
-            answers.len(),
-            truth.len()
-        );
-        let mut score = Self { frames: truth.len(), ..Self::default() };
+        let overlaps = overlaps(answers, truth)?;
+        let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
         let mut iou_sum = 0.0;
-        for (frame, (answer, truth)) in (1..).zip(normalised(answers, truth).zip(truth)) {
-            score.answered += usize::from(answer.is_some());
-            let Some(truth) = truth else { continue };
-            let iou = answer.map_or(0.0, |answer| answer.iou(truth));
+        for (frame, iou) in (1..).zip(overlaps) {
+            let Some(iou) = iou else { continue };
             iou_sum += iou;
             score.visible += 1;
             score.correct_50 += usize::from(iou > CORRECT_50);
@@ -93,6 +86,19 @@ impl Score {
             ..self
         }
     }
+}
+
+/// Intersection over union in each frame, as the scores count it: of the normalised answers, 0 where there is none;
+/// `None` where the target is not visible.
+///
+/// # Errors
+/// The two are not of the same length.
+pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
+    let (frames, boxes) = (answers.len(), truth.len());
+    ensure!(frames == boxes, "there are {frames} frames, but the ground truth has {boxes} boxes");
+    let iou = |answer: Option<BoundingBox>, truth| answer.map_or(0.0, |answer| answer.iou(truth));
+    let pairs = normalised(answers, truth).zip(truth);
+    Ok(pairs.map(|(answer, truth)| truth.as_ref().map(|truth| iou(answer, truth))).collect())
 }
 
 /// The answers, shifted and scaled so that the first one equals the first box of the truth.

@@ -1,0 +1,54 @@
+//! The tracker and nothing else: what it takes of a chip, and what it is made of. Not to be run, only linked.
+//!
+//! `.ci/targets` weighs it and looks at its symbols: no panic is in it, and no float. Whatever the tracker is given is
+//! hidden from the compiler, so that nothing is left out that a camera would need.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use core::hint::black_box;
+    use smr_core::{Config, Frame, Image, Rect, Tracker};
+
+    /// A template of 64x64 pixels, a window of +-16.
+    type Weighed = Tracker<4096, 33>;
+
+    /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
+    #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+    #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
+    fn start() -> ! {
+        let tracker = Weighed::new(black_box(Config::paper()));
+        if let Ok(mut tracker) = tracker {
+            follow(&mut tracker);
+        }
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+
+    fn follow(tracker: &mut Weighed) {
+        loop {
+            let image = Image::with_stride(black_box(&[]), black_box(0), black_box(0), black_box(0));
+            let Ok(image) = image else { continue };
+            let Ok(frame) = Frame::part(image, black_box(0), black_box(0), black_box(0), black_box(0)) else {
+                continue;
+            };
+            let _ = black_box(tracker.lock(&frame, black_box(Rect::default())));
+            let _ = black_box(tracker.window());
+            let _ = black_box(tracker.update(&frame));
+        }
+    }
+
+    /// Must be there to compile, and is never linked.
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is not to be run: .ci/targets links and weighs it");
+}

@@ -1,0 +1,108 @@
+//! A first firmware: lock on a target in one frame, find it in the next ones, log what was found.
+//!
+//! ```text
+//! cargo run --target thumbv7em-none-eabihf -p smr-core --example minimal
+//! ```
+//!
+//! runs it in QEMU. On a board of your own, put your chip's addresses into `memory.x`, take the frames from your camera
+//! and the logger of your debug probe (`defmt-rtt`) instead of `defmt-semihosting`: the rest stays.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod firmware {
+    // Only linked: the first logs through the debugger, the second gives the logger its critical section.
+    use cortex_m as _;
+    use cortex_m_rt::entry;
+    use defmt::{error, info};
+    use defmt_semihosting as _;
+    use semihosting::process::exit;
+    use smr_core::{Config, Frame, Image, Radius, Rect, State, Tracker};
+
+    const WIDTH: u16 = 64;
+    const HEIGHT: u16 = 48;
+    const FRAME: usize = WIDTH as usize * HEIGHT as usize;
+
+    /// The target is 10x10 pixels and starts here.
+    const START: Rect = Rect::new(20, 16, 10, 10);
+
+    /// Where a camera would be: three frames in flash, drawn at compile time. The target moves by a few pixels in each.
+    static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
+
+    /// Room for a template of 256 pixels, and for 17 offsets on each axis: the window below, -8..=8. All that the tracker
+    /// needs is in it, so its size is known here, at compile time; it may as well be a `static`.
+    type Small = Tracker<256, 17>;
+
+    #[entry]
+    fn main() -> ! {
+        // The paper's numbers, with a smaller window: its cost is offsets times pixels. It does not grow when the target
+        // is lost, or SPAN would have to be larger.
+        let mut config = Config::paper();
+        config.window = Radius { x: 8, y: 8 };
+        config.window_limit = config.window;
+
+        match follow(config) {
+            Ok(()) => exit(0),
+            Err(what) => {
+                error!("{=str}", what);
+                exit(1)
+            }
+        }
+    }
+
+    fn follow(config: Config) -> Result<(), &'static str> {
+        let mut tracker = Small::new(config).map_err(|_| "the configuration cannot be used")?;
+        info!("a tracker takes {=usize} bytes", size_of::<Small>());
+
+        let [first, others @ ..] = &FRAMES;
+        tracker.lock(&frame(first)?, START).map_err(|_| "cannot lock on the box")?;
+
+        for (number, pixels) in (2u32..).zip(others) {
+            // Of the frame only these pixels are read. A camera that can read out a part need not deliver more:
+            // see `Frame::part`, and the example `replay`.
+            let window = tracker.window().ok_or("not locked")?;
+            info!("frame {=u32}: reads {=u16}x{=u16} pixels", number, window.width, window.height);
+
+            let answer = tracker.update(&frame(pixels)?).map_err(|_| "cannot search the frame")?;
+            let Rect { x, y, .. } = answer.bbox;
+            match answer.state {
+                // Found. The ratio says how alike target and template are: 65535 is 1.0.
+                State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
+                // Found partly outside the frame: the template is kept as it was.
+                State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
+                // Not to be believed. The box is the last good one; just go on updating, it may be found again.
+                State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
+            }
+        }
+        Ok(())
+    }
+
+    /// Borrows the pixels as a frame: nothing is copied.
+    fn frame(pixels: &[u8; FRAME]) -> Result<Frame<'_>, &'static str> {
+        Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
+    }
+
+    /// A flat background and the target, a pattern that does not repeat, at (`left`, `top`).
+    const fn draw(left: usize, top: usize) -> [u8; FRAME] {
+        let mut pixels = [60; FRAME];
+        let mut i = 0;
+        while i < 100 {
+            let (x, y) = (i % 10, i / 10);
+            pixels[(top + y) * WIDTH as usize + left + x] = (80 + (i * i * 7) % 170) as u8;
+            i += 1;
+        }
+        pixels
+    }
+
+    /// Nothing here panics; but where everything is Rust, somebody must be there to be called.
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        error!("{}", defmt::Display2Format(info));
+        exit(1)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example minimal");
+}

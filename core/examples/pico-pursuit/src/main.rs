@@ -1,0 +1,142 @@
+//! A camera on a pan/tilt head that looks after what it was shown: wiring and limits in the README beside this.
+
+#![no_std]
+#![no_main]
+
+mod camera;
+
+use camera::{Camera, HEIGHT, WIDTH};
+use core::convert::Infallible;
+use embedded_hal::digital::InputPin;
+use panic_halt as _;
+use rp2040_hal::fugit::RateExtU32;
+use rp2040_hal::gpio::{FunctionI2C, FunctionPio0, Pin, Pins, PullNone, PullUp};
+use rp2040_hal::pio::PIOExt;
+use rp2040_hal::pwm::Slices;
+use rp2040_hal::{Clock, I2C, Sio, Timer, Watchdog, clocks, pac};
+use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
+use smr_core::{Answer, Config, Fraction, Frame, Image, Radius, Rect, Tracker};
+
+/// The second stage of the boot loader. (The attribute is `unsafe` because any section may be named; the memory map
+/// next to this gives this one its place.)
+#[unsafe(link_section = ".boot2")]
+#[unsafe(no_mangle)]
+#[used]
+pub static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_GENERIC_03H;
+
+const CRYSTAL_HERTZ: u32 = 12_000_000;
+/// 125 MHz over 40 counts to 62500 in 20 milliseconds.
+const PWM_DIVIDER: u8 = 40;
+const PWM_TOP: u16 = 62_499;
+
+/// Depends on the lens. Measure it: an object of width w at distance d that covers n pixels means n * d / w.
+const FOCAL_LENGTH_PIXELS: f32 = 160.0;
+/// The target is what is in the middle when the button is pressed, this many pixels wide and high.
+const TARGET_PIXELS: u16 = 24;
+
+/// 60 degrees to each side, from 900 to 2100 microseconds: measure yours.
+const AXIS: Axis = Axis {
+    min_radians: -1.05,
+    max_radians: 1.05,
+    home_radians: 0.0,
+    gain_per_second: 3.0,
+    deadband_radians: 0.006,
+    slew_radians_per_second: 3.0,
+    return_radians_per_second: 0.5,
+};
+const SERVO: Servo =
+    Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
+
+type SmallTracker = Tracker<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
+
+#[rp2040_hal::entry]
+fn main() -> ! {
+    // It only returns if something is missing; the LED is off then.
+    let _ = run();
+    loop {
+        core::hint::spin_loop();
+    }
+}
+
+fn run() -> Option<Infallible> {
+    let mut chip = pac::Peripherals::take()?;
+    let mut watchdog = Watchdog::new(chip.WATCHDOG);
+    let clocks = clocks::init_clocks_and_plls(
+        CRYSTAL_HERTZ,
+        chip.XOSC,
+        chip.CLOCKS,
+        chip.PLL_SYS,
+        chip.PLL_USB,
+        &mut chip.RESETS,
+        &mut watchdog,
+    )
+    .ok()?;
+    let timer = Timer::new(chip.TIMER, &mut chip.RESETS, &clocks);
+    let sio = Sio::new(chip.SIO);
+    let pins = Pins::new(chip.IO_BANK0, chip.PADS_BANK0, sio.gpio_bank0, &mut chip.RESETS);
+
+    // The head: two servos on one PWM slice, the Pico's own LED.
+    let mut slice = Slices::new(chip.PWM, &mut chip.RESETS).pwm2;
+    slice.set_div_int(PWM_DIVIDER);
+    slice.set_top(PWM_TOP);
+    slice.enable();
+    let (mut pan, mut tilt) = (slice.channel_a, slice.channel_b);
+    pan.output_to(pins.gpio20);
+    tilt.output_to(pins.gpio21);
+    let camera_model = pursuit::Camera::centred(FOCAL_LENGTH_PIXELS, WIDTH, HEIGHT);
+    let config = PursuitConfig {
+        camera: camera_model,
+        pan: AXIS,
+        pan_servo: SERVO,
+        tilt: AXIS,
+        tilt_servo: SERVO,
+        hold_seconds: 3.0,
+    };
+    let mut pursuit = Pursuit::new(config, pan, tilt, pins.gpio25.into_push_pull_output()).ok()?;
+    pursuit.wait(0.0).ok()?;
+
+    // The camera.
+    let sda: Pin<_, FunctionI2C, PullUp> = pins.gpio4.reconfigure();
+    let scl: Pin<_, FunctionI2C, PullUp> = pins.gpio5.reconfigure();
+    let bus = I2C::i2c0(chip.I2C0, sda, scl, 100.kHz(), &mut chip.RESETS, clocks.system_clock.freq());
+    let _d0: Pin<_, FunctionPio0, PullNone> = pins.gpio6.reconfigure();
+    let _pclk: Pin<_, FunctionPio0, PullNone> = pins.gpio14.reconfigure();
+    let _href: Pin<_, FunctionPio0, PullNone> = pins.gpio15.reconfigure();
+    let (mut pio, machine, ..) = chip.PIO0.split(&mut chip.RESETS);
+    let mut camera = Camera::start(bus, pins.gpio16.into_floating_input(), timer, &mut pio, machine)?;
+
+    let mut button = pins.gpio22.into_pull_up_input();
+    let mut tracker = SmallTracker::new(tracker_config()).ok()?;
+    let mut before = timer.get_counter();
+    loop {
+        let pressed = button.is_low().ok()?;
+        let answer = camera.frame().and_then(|pixels| track(&mut tracker, pixels, pressed));
+        let now = timer.get_counter();
+        let elapsed_seconds = now.checked_duration_since(before)?.to_micros() as f32 / 1e6;
+        before = now;
+        match answer {
+            Some(answer) => pursuit.follow(&answer, elapsed_seconds).ok()?,
+            None => pursuit.wait(elapsed_seconds).ok()?,
+        };
+    }
+}
+
+/// Locks on what is in the middle while the button is pressed, and follows it afterwards. `None` without a target.
+fn track(tracker: &mut SmallTracker, pixels: &[u8], pressed: bool) -> Option<Answer> {
+    let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
+    if pressed {
+        let (x, y) = (i32::from((WIDTH - TARGET_PIXELS) / 2), i32::from((HEIGHT - TARGET_PIXELS) / 2));
+        tracker.lock(&frame, Rect::new(x, y, TARGET_PIXELS, TARGET_PIXELS)).ok()?;
+        return None;
+    }
+    tracker.update(&frame).ok()
+}
+
+fn tracker_config() -> Config {
+    let mut config = Config::paper();
+    config.window = Radius { x: 10, y: 10 };
+    config.window_limit = Radius { x: 16, y: 16 };
+    // What comes before the target is not to be followed.
+    config.gate.tracking = Fraction::new(5, 4);
+    config
+}

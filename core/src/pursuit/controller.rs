@@ -1,0 +1,212 @@
+//! The controller of one axis: the angle it has commanded, the error that is seen, and the angle to command next.
+
+use super::PursuitConfigError;
+use core::f32::consts::TAU;
+
+/// How one axis of the head moves. Angles grow to the right (pan) and upwards (tilt), as the camera sees it.
+///
+/// Each frame adds gain * error * elapsed time to the angle, but never more than the slew rate allows and never beyond
+/// the limits. A target that moves at a constant speed is therefore followed at a constant distance: speed over gain.
+///
+/// The gain is limited by the delay from the exposure of a frame to the movement of the servo. With one frame of delay,
+/// gain * frame time must stay well below 1 (a third is a good start), or the head swings.
+///
+/// ```
+/// use smr_core::pursuit::Axis;
+/// let pan = Axis {
+///     min_radians: -1.2,
+///     max_radians: 1.2,
+///     home_radians: 0.0,
+///     gain_per_second: 10.0, // at 30 frames a second, a third of the error in each
+///     deadband_radians: 0.006, // one pixel, if the focal length is 160
+///     slew_radians_per_second: 3.0,
+///     return_radians_per_second: 0.5,
+/// };
+/// # let _ = pan;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Axis {
+    /// The leftmost, or lowest, angle that is commanded; within one turn.
+    pub min_radians: f32,
+    /// The rightmost, or highest, angle that is commanded; within one turn.
+    pub max_radians: f32,
+    /// Where the axis starts, and where it returns to when the target stays lost.
+    pub home_radians: f32,
+    /// Radians a second for each radian of error; more than 0.
+    pub gain_per_second: f32,
+    /// An error up to this is none: the axis holds still.
+    pub deadband_radians: f32,
+    /// The largest speed that is commanded; more than 0. Choose one that the servo can follow under its load.
+    pub slew_radians_per_second: f32,
+    /// The speed of the way home; more than 0. If the slew rate is less, that holds.
+    pub return_radians_per_second: f32,
+}
+
+impl Axis {
+    /// The angle that follows `from_radians` when the target is seen `error_radians` away.
+    pub(super) fn toward(&self, from_radians: f32, error_radians: f32, elapsed_seconds: f32) -> f32 {
+        if error_radians.abs() <= self.deadband_radians {
+            return from_radians;
+        }
+        let speed = within(self.gain_per_second * error_radians, self.slew_radians_per_second);
+        // However late the frame: to the target, not past it.
+        let step = within(speed * elapsed_seconds, error_radians.abs());
+        self.limited(from_radians + step)
+    }
+
+    /// The angle that follows `from_radians` on the way home.
+    pub(super) fn homeward(&self, from_radians: f32, elapsed_seconds: f32) -> f32 {
+        let speed = self.return_radians_per_second.min(self.slew_radians_per_second);
+        self.limited(from_radians + within(self.home_radians - from_radians, speed * elapsed_seconds))
+    }
+
+    fn limited(&self, radians: f32) -> f32 {
+        // Not `clamp`: that can panic.
+        radians.max(self.min_radians).min(self.max_radians)
+    }
+
+    pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
+        let positive = [self.gain_per_second, self.slew_radians_per_second, self.return_radians_per_second];
+        let angles = [self.min_radians, self.max_radians, self.home_radians];
+        let mut numbers = positive.iter().chain(&angles).chain([&self.deadband_radians]);
+        if !numbers.all(|number| number.is_finite()) {
+            return Err(PursuitConfigError::NotFinite);
+        }
+        if positive.iter().any(|&rate| rate <= 0.0) {
+            return Err(PursuitConfigError::RateNotPositive);
+        }
+        if self.deadband_radians < 0.0 {
+            return Err(PursuitConfigError::Negative);
+        }
+        if self.min_radians >= self.max_radians {
+            return Err(PursuitConfigError::LimitsReversed);
+        }
+        if self.min_radians < -TAU || self.max_radians > TAU {
+            return Err(PursuitConfigError::LimitsBeyondOneTurn);
+        }
+        if self.home_radians < self.min_radians || self.home_radians > self.max_radians {
+            return Err(PursuitConfigError::HomeOutsideLimits);
+        }
+        Ok(())
+    }
+}
+
+/// `value`, but no further from 0 than `bound`.
+fn within(value: f32, bound: f32) -> f32 {
+    value.max(-bound).min(bound)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    pub(in crate::pursuit) const PAN: Axis = Axis {
+        min_radians: -1.0,
+        max_radians: 1.0,
+        home_radians: 0.25,
+        gain_per_second: 10.0,
+        deadband_radians: 0.01,
+        slew_radians_per_second: 2.0,
+        return_radians_per_second: 0.5,
+    };
+
+    #[test]
+    fn a_step_is_the_gain_times_the_error() {
+        assert!((PAN.toward(0.0, 0.1, 0.03125) - 0.03125).abs() < 1e-6);
+        assert!((PAN.toward(0.5, -0.1, 0.03125) - 0.46875).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_late_frame_does_not_overshoot() {
+        let patient = Axis { slew_radians_per_second: 100.0, ..PAN };
+        assert_eq!(patient.toward(0.5, 0.125, 10.0), 0.625);
+    }
+
+    #[test]
+    fn the_way_home_ends_there() {
+        assert_eq!(PAN.homeward(0.75, 0.5), 0.5);
+        assert_eq!(PAN.homeward(0.5, 0.75), 0.25);
+        assert_eq!(PAN.homeward(-0.25, 0.5), 0.0);
+        assert_eq!(PAN.homeward(0.25, 5.0), 0.25);
+        let slow = Axis { slew_radians_per_second: 0.25, ..PAN };
+        assert_eq!(slow.homeward(0.75, 0.5), 0.625);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_refused() {
+        let refused = |change: fn(&mut Axis)| {
+            let mut axis = PAN;
+            change(&mut axis);
+            axis.check().err()
+        };
+        assert_eq!(refused(|_| ()), None);
+        assert_eq!(refused(|axis| axis.min_radians = f32::NAN), Some(PursuitConfigError::NotFinite));
+        assert_eq!(refused(|axis| axis.deadband_radians = f32::INFINITY), Some(PursuitConfigError::NotFinite));
+        assert_eq!(refused(|axis| axis.gain_per_second = f32::NAN), Some(PursuitConfigError::NotFinite));
+        assert_eq!(refused(|axis| axis.gain_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
+        assert_eq!(refused(|axis| axis.slew_radians_per_second = -1.0), Some(PursuitConfigError::RateNotPositive));
+        assert_eq!(refused(|axis| axis.return_radians_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
+        assert_eq!(refused(|axis| axis.deadband_radians = -0.01), Some(PursuitConfigError::Negative));
+        assert_eq!(refused(|axis| axis.max_radians = -1.0), Some(PursuitConfigError::LimitsReversed));
+        assert_eq!(refused(|axis| axis.max_radians = 90.0), Some(PursuitConfigError::LimitsBeyondOneTurn));
+        assert_eq!(refused(|axis| axis.min_radians = -90.0), Some(PursuitConfigError::LimitsBeyondOneTurn));
+        assert_eq!(refused(|axis| axis.home_radians = 1.5), Some(PursuitConfigError::HomeOutsideLimits));
+        assert_eq!(refused(|axis| axis.home_radians = -1.5), Some(PursuitConfigError::HomeOutsideLimits));
+    }
+
+    /// Axes of all sizes, among them numbers that overflow when they are multiplied.
+    pub(in crate::pursuit) fn any_axis() -> impl Strategy<Value = Axis> {
+        let rate = || prop_oneof![0.01..50.0f32, Just(f32::MIN_POSITIVE), Just(f32::MAX)];
+        let deadband = prop_oneof![Just(0.0), 0.0..0.2f32, Just(f32::MAX)];
+        (-6.2..6.2f32, 0.001..3.0f32, 0.0..=1.0f32, rate(), deadband, rate(), rate()).prop_map(
+            |(min, span, home, gain, deadband, slew, back)| {
+                let max = (min + span).min(TAU);
+                Axis {
+                    min_radians: min,
+                    max_radians: max,
+                    home_radians: (min + home * (max - min)).min(max),
+                    gain_per_second: gain,
+                    deadband_radians: deadband,
+                    slew_radians_per_second: slew,
+                    return_radians_per_second: back,
+                }
+            },
+        )
+    }
+
+    fn any_seconds() -> impl Strategy<Value = f32> {
+        prop_oneof![0.0..0.2f32, Just(0.0), Just(f32::MIN_POSITIVE), Just(f32::MAX)]
+    }
+
+    proptest! {
+        #[test]
+        fn limits_and_slew_rate_are_never_exceeded(
+            axis in any_axis(),
+            frames in prop::collection::vec((-1.58..1.58f32, any_seconds(), any::<bool>()), 1..50),
+        ) {
+            prop_assert_eq!(axis.check(), Ok(()));
+            let mut angle = axis.home_radians;
+            for (error, elapsed, found) in frames {
+                let next = if found { axis.toward(angle, error, elapsed) } else { axis.homeward(angle, elapsed) };
+                prop_assert!(next >= axis.min_radians && next <= axis.max_radians, "{}", next);
+                let slewed = axis.slew_radians_per_second * elapsed;
+                prop_assert!((next - angle).abs() <= slewed + 1e-6, "{} to {}", angle, next);
+                angle = next;
+            }
+        }
+
+        #[test]
+        fn the_deadband_holds_still(axis in any_axis(), along in -1.0..=1.0f32, elapsed in any_seconds()) {
+            let error = within(along * axis.deadband_radians, 1.58);
+            prop_assert_eq!(axis.toward(axis.home_radians, error, elapsed), axis.home_radians);
+        }
+
+        #[test]
+        fn no_step_goes_past_the_target(axis in any_axis(), error in -1.58..1.58f32, elapsed in any_seconds()) {
+            let step = axis.toward(axis.home_radians, error, elapsed) - axis.home_radians;
+            prop_assert!(step * error >= 0.0 && step.abs() <= error.abs() + 1e-6);
+        }
+    }
+}

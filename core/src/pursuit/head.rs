@@ -1,0 +1,144 @@
+//! The pan/tilt head: two servos on PWM pins and a lock indicator, and the duty that an angle means.
+
+use super::{Axis, PursuitConfigError};
+use embedded_hal::pwm::SetDutyCycle;
+
+/// The pulses of a hobby servo: measured once for the servo and its linkage, in microseconds.
+///
+/// The pulse at the minimum may be the longer one: that is a servo mounted the other way round. What resolution the
+/// timer behind the pin has is asked of the pin; of the 20000 microseconds a 16-bit duty resolves 0.3, an 8-bit one 78,
+/// which is 7 degrees.
+///
+/// ```
+/// use smr_core::pursuit::Servo;
+/// let pan = Servo {
+///     pulse_at_min_microseconds: 1000,
+///     pulse_at_max_microseconds: 2000,
+///     period_microseconds: 20_000, // 50 Hz: what the PWM pin is set to
+/// };
+/// # let _ = pan;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Servo {
+    /// The pulse at which the axis stands at its `min_radians`.
+    pub pulse_at_min_microseconds: u16,
+    /// The pulse at which the axis stands at its `max_radians`.
+    pub pulse_at_max_microseconds: u16,
+    /// The period of the PWM that the pin was set up with.
+    pub period_microseconds: u16,
+}
+
+impl Servo {
+    /// The duty of `max_duty` at which the servo of `axis` stands at `radians`.
+    fn duty(&self, axis: &Axis, radians: f32, max_duty: u16) -> u16 {
+        let along = (radians - axis.min_radians) / (axis.max_radians - axis.min_radians);
+        let [at_min, at_max, period, max_duty] =
+            [self.pulse_at_min_microseconds, self.pulse_at_max_microseconds, self.period_microseconds, max_duty]
+                .map(f32::from);
+        nearest((at_min + along * (at_max - at_min)) / period * max_duty)
+    }
+
+    pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
+        let longest = self.pulse_at_min_microseconds.max(self.pulse_at_max_microseconds);
+        // Also where the period is 0.
+        if longest >= self.period_microseconds {
+            return Err(PursuitConfigError::PulseNotInPeriod);
+        }
+        if self.pulse_at_min_microseconds == self.pulse_at_max_microseconds {
+            return Err(PursuitConfigError::PulsesEqual);
+        }
+        Ok(())
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float that is cast saturates")]
+fn nearest(value: f32) -> u16 {
+    (value + 0.5) as u16
+}
+
+/// One axis of the head with its servo: where it was last told to be.
+pub(super) struct Joint<P> {
+    pub(super) axis: Axis,
+    servo: Servo,
+    pub(super) pin: P,
+    pub(super) radians: f32,
+}
+
+impl<P: SetDutyCycle> Joint<P> {
+    pub(super) fn new(axis: Axis, servo: Servo, pin: P) -> Self {
+        Self { axis, servo, pin, radians: axis.home_radians }
+    }
+
+    /// Tells the servo where to be. If the pin fails, the joint is where it was, so that the next step is not a leap.
+    pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
+        let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
+        self.pin.set_duty_cycle(duty)?;
+        self.radians = radians;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::controller::tests::{PAN, any_axis};
+    use super::*;
+    use proptest::prelude::*;
+
+    const SERVO: Servo =
+        Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
+
+    #[test]
+    fn the_ends_and_the_middle_are_exact() {
+        let duty = |servo: Servo, radians| servo.duty(&PAN, radians, 20_000);
+        assert_eq!([-1.0, -0.5, 0.0, 1.0].map(|radians| duty(SERVO, radians)), [1000, 1250, 1500, 2000]);
+        let reversed = Servo { pulse_at_min_microseconds: 2400, pulse_at_max_microseconds: 600, ..SERVO };
+        assert_eq!([-1.0, -0.5, 0.0, 1.0].map(|radians| duty(reversed, radians)), [2400, 1950, 1500, 600]);
+    }
+
+    #[test]
+    fn a_duty_is_rounded_to_the_nearest() {
+        assert_eq!(SERVO.duty(&PAN, -1.0, 65_535), 3277); // 3276.75
+        assert_eq!(SERVO.duty(&PAN, 1.0, 255), 26); // 25.5
+        assert_eq!(SERVO.duty(&PAN, -1.0, 255), 13); // 12.75
+        assert_eq!(SERVO.duty(&PAN, 1.0, 0), 0);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_refused() {
+        assert_eq!(SERVO.check(), Ok(()));
+        let check = |at_min, at_max, period| {
+            let servo = Servo {
+                pulse_at_min_microseconds: at_min,
+                pulse_at_max_microseconds: at_max,
+                period_microseconds: period,
+            };
+            servo.check().err()
+        };
+        assert_eq!(check(1000, 20_000, 20_000), Some(PursuitConfigError::PulseNotInPeriod));
+        assert_eq!(check(20_000, 1000, 20_000), Some(PursuitConfigError::PulseNotInPeriod));
+        assert_eq!(check(0, 0, 0), Some(PursuitConfigError::PulseNotInPeriod));
+        assert_eq!(check(1500, 1500, 20_000), Some(PursuitConfigError::PulsesEqual));
+    }
+
+    proptest! {
+        #[test]
+        fn no_duty_is_outside_the_pulses(
+            axis in any_axis(),
+            along in 0.0..=1.0f32,
+            (at_min, at_max, period, max_duty) in any::<(u16, u16, u16, u16)>(),
+        ) {
+            let servo = Servo {
+                pulse_at_min_microseconds: at_min,
+                pulse_at_max_microseconds: at_max,
+                period_microseconds: period,
+            };
+            prop_assume!(servo.check().is_ok());
+            let radians = (axis.min_radians + along * (axis.max_radians - axis.min_radians)).min(axis.max_radians);
+            let duty = f64::from(servo.duty(&axis, radians, max_duty));
+            let exact = |pulse: u16| f64::from(pulse) / f64::from(period) * f64::from(max_duty);
+            let (least, most) = (exact(at_min.min(at_max)), exact(at_min.max(at_max)));
+            prop_assert!(duty > least - 0.52 && duty < most + 0.52, "{} of {}..{}", duty, least, most);
+        }
+    }
+}

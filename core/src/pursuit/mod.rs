@@ -1,0 +1,303 @@
+//! Smooth pursuit: keeps the target centred with a pan/tilt head. Feature `pursuit`.
+//!
+//! Data flows one way here too: a box of the tracker is turned into an angle by the [`Camera`], the angle into a step by
+//! each [`Axis`], the step into the pulse of a [`Servo`]. Floats (f32) are used in this module only.
+//!
+//! ```
+//! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};
+//! use smr_core::{Config, Frame, Image, Radius, Rect, Tracker};
+//! # use embedded_hal_mock::eh1::{digital, pwm};
+//! # let servo_at = |duty| {
+//! #     pwm::Mock::new(&[pwm::Transaction::max_duty_cycle(62_500), pwm::Transaction::set_duty_cycle(duty)])
+//! # };
+//! # let (pan_pin, tilt_pin) = (servo_at(4748), servo_at(4702));
+//! # let led_pin = digital::Mock::new(&[digital::Transaction::set(digital::State::High)]);
+//! # let (mut pan_mock, mut tilt_mock, mut led_mock) = (pan_pin.clone(), tilt_pin.clone(), led_pin.clone());
+//!
+//! // A head that reaches 60 degrees to each side, on two servos, with a camera of 64x48 pixels.
+//! let axis = Axis {
+//!     min_radians: -1.05,
+//!     max_radians: 1.05,
+//!     home_radians: 0.0,
+//!     gain_per_second: 10.0,
+//!     deadband_radians: 0.01,
+//!     slew_radians_per_second: 3.0,
+//!     return_radians_per_second: 0.5,
+//! };
+//! let servo =
+//!     Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
+//! let config = PursuitConfig {
+//!     camera: Camera::centred(64.0, 64, 48),
+//!     pan: axis,
+//!     pan_servo: servo,
+//!     tilt: axis,
+//!     tilt_servo: servo,
+//!     hold_seconds: 2.0,
+//! };
+//! let mut pursuit = Pursuit::new(config, pan_pin, tilt_pin, led_pin)?;
+//!
+//! let mut config = Config::paper();
+//! config.window = Radius { x: 8, y: 8 };
+//! config.window_limit = Radius { x: 16, y: 16 };
+//! let mut tracker = Tracker::<256, 33>::new(config)?;
+//! # let pixels: Vec<u8> = (0..64 * 48u32).map(|i| (i * i >> 7) as u8).collect();
+//! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+//! tracker.lock(&frame, Rect::new(34, 16, 12, 12))?;
+//!
+//! // In each frame, 1/30 of a second after the last one:
+//! let answer = tracker.update(&frame)?;
+//! let command = pursuit.follow(&answer, 1.0 / 30.0)?;
+//! // The target stands 8 pixels to the right of the middle and 2 above it: a third of the way in this frame.
+//! assert!((command.pan_radians - 0.041).abs() < 0.002 && (command.tilt_radians - 0.010).abs() < 0.001);
+//! # pan_mock.done();
+//! # tilt_mock.done();
+//! # led_mock.done();
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod camera;
+mod controller;
+mod head;
+
+pub use camera::Camera;
+pub use controller::Axis;
+pub use head::Servo;
+
+use crate::{Answer, State};
+use core::fmt;
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::pwm::{self, SetDutyCycle};
+use head::Joint;
+
+/// Every number of the pursuit in one place, checked once, by [`Pursuit::new`]. See the [module's example](self).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PursuitConfig {
+    /// What the tracker's boxes mean in angles.
+    pub camera: Camera,
+    /// The axis that turns the head left and right.
+    pub pan: Axis,
+    /// The servo of that axis.
+    pub pan_servo: Servo,
+    /// The axis that turns the camera up and down.
+    pub tilt: Axis,
+    /// The servo of that axis.
+    pub tilt_servo: Servo,
+    /// How long the head stays where it is when the target is lost, before it goes home. `f32::MAX` is for ever.
+    pub hold_seconds: f32,
+}
+
+impl PursuitConfig {
+    fn check(&self) -> Result<(), PursuitConfigError> {
+        self.camera.check()?;
+        self.pan.check()?;
+        self.tilt.check()?;
+        self.pan_servo.check()?;
+        self.tilt_servo.check()?;
+        if !self.hold_seconds.is_finite() {
+            return Err(PursuitConfigError::NotFinite);
+        }
+        if self.hold_seconds < 0.0 {
+            return Err(PursuitConfigError::Negative);
+        }
+        Ok(())
+    }
+}
+
+/// Where the head was last told to look, to the right and up from where both servos are at 0 radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Command {
+    /// The pan angle.
+    pub pan_radians: f32,
+    /// The tilt angle.
+    pub tilt_radians: f32,
+}
+
+/// The command that was given, or the error of the first of these pins that failed.
+pub type Commanded<P, T, L> = Result<
+    Command,
+    PursuitError<<P as pwm::ErrorType>::Error, <T as pwm::ErrorType>::Error, <L as digital::ErrorType>::Error>,
+>;
+
+/// Keeps the target centred: owns the pins of the pan servo, of the tilt servo and of the lock indicator.
+///
+/// See the [module's example](self).
+pub struct Pursuit<P, T, L> {
+    camera: Camera,
+    pan: Joint<P>,
+    tilt: Joint<T>,
+    indicator: L,
+    hold_seconds: f32,
+    /// How long no target has been seen.
+    lost_seconds: f32,
+}
+
+impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
+    /// A pursuit at home. No pin is touched before the first [`Pursuit::follow`] or [`Pursuit::wait`]; where the servos
+    /// stood before is not known, so they go to their first angle as fast as they can.
+    ///
+    /// # Errors
+    /// [`PursuitConfigError`], if a number of the configuration cannot be used.
+    pub fn new(config: PursuitConfig, pan: P, tilt: T, indicator: L) -> Result<Self, PursuitConfigError> {
+        config.check()?;
+        Ok(Self {
+            camera: config.camera,
+            pan: Joint::new(config.pan, config.pan_servo, pan),
+            tilt: Joint::new(config.tilt, config.tilt_servo, tilt),
+            indicator,
+            hold_seconds: config.hold_seconds,
+            lost_seconds: 0.0,
+        })
+    }
+
+    /// Steers after the tracker's answer to a frame, `elapsed_seconds` after the last call.
+    ///
+    /// Tracking or leaving, the head turns to bring the middle of the box onto the optical axis, and the indicator is
+    /// on. Lost, it is [`Pursuit::wait`]. A target that is found again is followed again at once.
+    ///
+    /// # Errors
+    /// [`PursuitError`]. If a pin fails, the others are still written; the first error is the one returned. The axis
+    /// whose pin failed is taken to be where it was.
+    pub fn follow(&mut self, answer: &Answer, elapsed_seconds: f32) -> Commanded<P, T, L> {
+        if answer.state == State::Lost {
+            return self.wait(elapsed_seconds);
+        }
+        check_elapsed(elapsed_seconds)?;
+        self.lost_seconds = 0.0;
+        let (right, up) = self.camera.error_radians(answer.bbox);
+        let pan = self.pan.axis.toward(self.pan.radians, right, elapsed_seconds);
+        let tilt = self.tilt.axis.toward(self.tilt.radians, up, elapsed_seconds);
+        self.turn_to(pan, tilt, true)
+    }
+
+    /// What to do in a frame without a target, lost or not yet locked on: the indicator is off, the head stays where it
+    /// is for the configured time and then goes home.
+    ///
+    /// ```
+    /// # use embedded_hal_mock::eh1::{digital, pwm};
+    /// # use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};
+    /// # let pin = || pwm::Mock::new(&[pwm::Transaction::max_duty_cycle(20_000), pwm::Transaction::set_duty_cycle(1500)]);
+    /// # let (pan, tilt) = (pin(), pin());
+    /// # let led = digital::Mock::new(&[digital::Transaction::set(digital::State::Low)]);
+    /// # let (mut pan_mock, mut tilt_mock, mut led_mock) = (pan.clone(), tilt.clone(), led.clone());
+    /// # let axis = Axis { min_radians: -1.0, max_radians: 1.0, home_radians: 0.0, gain_per_second: 1.0,
+    /// #     deadband_radians: 0.0, slew_radians_per_second: 1.0, return_radians_per_second: 1.0 };
+    /// # let servo = Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
+    /// # let config = PursuitConfig { camera: Camera::centred(100.0, 160, 120), pan: axis, tilt: axis,
+    /// #     pan_servo: servo, tilt_servo: servo, hold_seconds: 1.0 };
+    /// let mut pursuit = Pursuit::new(config, pan, tilt, led)?;
+    /// let command = pursuit.wait(0.0)?; // the first pulses: the head goes home
+    /// assert_eq!((command.pan_radians, command.tilt_radians), (0.0, 0.0));
+    /// # (pan_mock.done(), tilt_mock.done(), led_mock.done());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Pursuit::follow`].
+    pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
+        check_elapsed(elapsed_seconds)?;
+        self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
+        // Of this step, only what lies beyond the hold is spent on the way home.
+        let homeward_seconds = (self.lost_seconds - self.hold_seconds).max(0.0).min(elapsed_seconds);
+        let pan = self.pan.axis.homeward(self.pan.radians, homeward_seconds);
+        let tilt = self.tilt.axis.homeward(self.tilt.radians, homeward_seconds);
+        self.turn_to(pan, tilt, false)
+    }
+
+    /// Where the head was last told to look; home before the first call.
+    #[must_use]
+    pub const fn command(&self) -> Command {
+        Command { pan_radians: self.pan.radians, tilt_radians: self.tilt.radians }
+    }
+
+    /// Gives the pins back: pan, tilt, indicator.
+    pub fn release(self) -> (P, T, L) {
+        (self.pan.pin, self.tilt.pin, self.indicator)
+    }
+
+    fn turn_to(&mut self, pan_radians: f32, tilt_radians: f32, locked: bool) -> Commanded<P, T, L> {
+        let pan = self.pan.turn_to(pan_radians).map_err(PursuitError::Pan);
+        let tilt = self.tilt.turn_to(tilt_radians).map_err(PursuitError::Tilt);
+        let indicator = self.indicator.set_state(locked.into()).map_err(PursuitError::Indicator);
+        pan.and(tilt).and(indicator)?;
+        Ok(self.command())
+    }
+}
+
+/// A time that is none must not reach an angle.
+fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T, L>> {
+    if elapsed_seconds.is_finite() && elapsed_seconds >= 0.0 { Ok(()) } else { Err(PursuitError::ElapsedTime) }
+}
+
+/// Why a [`PursuitConfig`] cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PursuitConfigError {
+    /// A number is infinite or none at all (NaN).
+    NotFinite,
+    /// The focal length is less than a pixel.
+    FocalLengthTooShort,
+    /// The gain, the slew rate or the speed of the way home is not more than 0.
+    RateNotPositive,
+    /// The deadband or the time to hold is less than 0.
+    Negative,
+    /// The minimum of an axis is not less than its maximum.
+    LimitsReversed,
+    /// A limit is more than one turn away from 0: it may be in degrees.
+    LimitsBeyondOneTurn,
+    /// The home of an axis is not between its limits.
+    HomeOutsideLimits,
+    /// A pulse is not shorter than the period.
+    PulseNotInPeriod,
+    /// The pulses at both limits are the same.
+    PulsesEqual,
+}
+
+impl fmt::Display for PursuitConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "a number of the configuration is infinite or not a number",
+            Self::FocalLengthTooShort => "the focal length must be at least one pixel",
+            Self::RateNotPositive => "gain, slew rate and the speed of the way home must be more than 0",
+            Self::Negative => "the deadband and the time to hold must not be negative",
+            Self::LimitsReversed => "the minimum of an axis must be less than its maximum",
+            Self::LimitsBeyondOneTurn => "the limits of an axis must be within one turn: they are in radians",
+            Self::HomeOutsideLimits => "the home of an axis must lie between its limits",
+            Self::PulseNotInPeriod => "the pulses of a servo must be shorter than its period",
+            Self::PulsesEqual => "the pulses of a servo at its two limits must differ",
+        })
+    }
+}
+
+impl core::error::Error for PursuitConfigError {}
+
+/// Why the head was not steered: the errors of the pan pin, the tilt pin and the indicator's pin, as they came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PursuitError<P, T, L> {
+    /// The pan servo's pin failed.
+    Pan(P),
+    /// The tilt servo's pin failed.
+    Tilt(T),
+    /// The indicator's pin failed.
+    Indicator(L),
+    /// The elapsed time is negative, infinite or not a number. No pin was touched.
+    ElapsedTime,
+}
+
+impl<P: fmt::Debug, T: fmt::Debug, L: fmt::Debug> fmt::Display for PursuitError<P, T, L> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pan(error) => write!(f, "the pan servo's pin failed: {error:?}"),
+            Self::Tilt(error) => write!(f, "the tilt servo's pin failed: {error:?}"),
+            Self::Indicator(error) => write!(f, "the lock indicator's pin failed: {error:?}"),
+            Self::ElapsedTime => f.write_str("the elapsed time is negative, infinite or not a number"),
+        }
+    }
+}
+
+impl<P: fmt::Debug, T: fmt::Debug, L: fmt::Debug> core::error::Error for PursuitError<P, T, L> {}
+
+#[cfg(test)]
+mod tests;

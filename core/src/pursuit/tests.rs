@@ -1,0 +1,252 @@
+//! The pursuit against pins that know what is to be written to them.
+
+use super::controller::tests::{PAN, any_axis};
+use super::*;
+use crate::Rect;
+use crate::search::{Found, Peak};
+use embedded_hal::{digital, pwm};
+use embedded_hal_mock::eh1::{MockError, digital as pin_mock, pwm as pwm_mock};
+use proptest::prelude::*;
+use std::io::ErrorKind::{BrokenPipe, NotConnected, TimedOut};
+use std::string::ToString;
+use std::vec::Vec;
+
+const SERVO: Servo =
+    Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
+
+/// Two equal axes from -1 to 1 with their home at 0, 160x120 pixels, 160 pixels of focal length, a hold of one second.
+fn config() -> PursuitConfig {
+    let axis = Axis { home_radians: 0.0, ..PAN };
+    PursuitConfig {
+        camera: Camera::centred(160.0, 160, 120),
+        pan: axis,
+        pan_servo: SERVO,
+        tilt: axis,
+        tilt_servo: Servo { pulse_at_min_microseconds: 2000, pulse_at_max_microseconds: 1000, ..SERVO },
+        hold_seconds: 1.0,
+    }
+}
+
+/// The answer with a 20x20 box whose middle is at (`x`, `y`).
+fn answer(state: State, x: i32, y: i32) -> Answer {
+    let bbox = Rect::new(x - 10, y - 10, 20, 20);
+    let peak = Peak { x: bbox.x, y: bbox.y, score: 1 };
+    Answer { bbox, state, ratio: 1, runner_up_ratio: 0, alpha: 13, found: Found { peak, runner_up: 0 } }
+}
+
+fn duties(of: &[u16]) -> pwm_mock::Mock {
+    let each = |&duty| [pwm_mock::Transaction::max_duty_cycle(20_000), pwm_mock::Transaction::set_duty_cycle(duty)];
+    pwm_mock::Mock::new(&of.iter().flat_map(each).collect::<Vec<_>>())
+}
+
+fn lamp(states: &[bool]) -> pin_mock::Mock {
+    let set = |&on| pin_mock::Transaction::set(if on { pin_mock::State::High } else { pin_mock::State::Low });
+    pin_mock::Mock::new(&states.iter().map(set).collect::<Vec<_>>())
+}
+
+/// Runs `steps` on a new pursuit and demands that exactly these duties and lamp states were written.
+fn writes(
+    pan: &[u16],
+    tilt: &[u16],
+    indicator: &[bool],
+    steps: impl FnOnce(&mut Pursuit<pwm_mock::Mock, pwm_mock::Mock, pin_mock::Mock>),
+) {
+    let mut pursuit = Pursuit::new(config(), duties(pan), duties(tilt), lamp(indicator)).unwrap();
+    steps(&mut pursuit);
+    let (mut pan, mut tilt, mut indicator) = pursuit.release();
+    pan.done();
+    tilt.done();
+    indicator.done();
+}
+
+#[test]
+fn duties_are_exact() {
+    // 32 of 160 pixels are 0.2: micromath's atan of it is 0.1957 radians. A tenth of a second at ten times that.
+    writes(&[1598, 1598], &[1500, 1598], &[true, true], |pursuit| {
+        let command = pursuit.follow(&answer(State::Tracking, 112, 60), 0.1).unwrap();
+        assert!((command.pan_radians - 0.1957).abs() < 0.0001 && command.tilt_radians == 0.0, "{command:?}");
+        // Below the middle: down, which on the reversed tilt servo is the longer pulse.
+        let command = pursuit.follow(&answer(State::Leaving, 80, 92), 0.1).unwrap();
+        assert_eq!(command.tilt_radians, -command.pan_radians);
+        assert_eq!(command, pursuit.command());
+    });
+}
+
+#[test]
+fn the_slew_rate_and_the_limits_hold() {
+    // 2 radians a second, a quarter of a second: half a radian of two, 250 of 1000 microseconds.
+    writes(&[1750, 2000, 2000], &[1250, 1000, 1000], &[true; 3], |pursuit| {
+        for _ in 0..3 {
+            pursuit.follow(&answer(State::Tracking, 10_000, -10_000), 0.25).unwrap();
+        }
+        assert_eq!(pursuit.command(), Command { pan_radians: 1.0, tilt_radians: 1.0 });
+    });
+}
+
+#[test]
+fn a_lost_target_is_waited_for_then_the_head_goes_home_and_resumes() {
+    let pan = [1750, 1750, 1750, 1688, 1563, 1500, 1500, 1750];
+    let indicator = [true, false, false, false, false, false, false, true];
+    writes(&pan, &[1500; 8], &indicator, |pursuit| {
+        let far_right = answer(State::Tracking, 10_000, 60);
+        pursuit.follow(&far_right, 0.25).unwrap();
+        // Two half seconds of hold, of the next half one the half beyond a hold of 1 second: 0.25 s at 0.5 radians a second.
+        pursuit.follow(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
+        pursuit.follow(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
+        pursuit.follow(&answer(State::Lost, 10_000, 60), 0.25).unwrap();
+        pursuit.wait(0.5).unwrap();
+        pursuit.wait(0.5).unwrap();
+        assert_eq!(pursuit.command().pan_radians, 0.0);
+        pursuit.wait(f32::MAX).unwrap();
+        pursuit.follow(&far_right, 0.25).unwrap();
+    });
+}
+
+#[test]
+fn the_hold_ends_within_a_frame_and_starts_anew() {
+    writes(&[1750, 1625, 1875, 1875], &[1500; 4], &[true, false, true, false], |pursuit| {
+        pursuit.follow(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
+        pursuit.wait(1.5).unwrap(); // half a second of it beyond the hold
+        pursuit.follow(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
+        pursuit.wait(1.0).unwrap();
+    });
+}
+
+#[test]
+fn a_time_that_is_none_touches_no_pin() {
+    writes(&[], &[], &[], |pursuit| {
+        for elapsed in [f32::NAN, f32::INFINITY, -0.001, f32::NEG_INFINITY] {
+            let tracking = pursuit.follow(&answer(State::Tracking, 0, 0), elapsed);
+            assert_eq!(tracking, Err(PursuitError::ElapsedTime));
+            assert_eq!(pursuit.follow(&answer(State::Lost, 0, 0), elapsed), Err(PursuitError::ElapsedTime));
+        }
+    });
+}
+
+#[test]
+fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
+    let failing = |kind| {
+        pwm_mock::Mock::new(&[
+            pwm_mock::Transaction::max_duty_cycle(20_000),
+            pwm_mock::Transaction::set_duty_cycle(1750).with_error(MockError::Io(kind)),
+            pwm_mock::Transaction::max_duty_cycle(20_000),
+            pwm_mock::Transaction::set_duty_cycle(1750),
+        ])
+    };
+    let broken_lamp = || {
+        let on = || pin_mock::Transaction::set(pin_mock::State::High);
+        pin_mock::Mock::new(&[on().with_error(MockError::Io(TimedOut)), on()])
+    };
+    let follow = |pan: pwm_mock::Mock, tilt: pwm_mock::Mock, indicator: pin_mock::Mock| {
+        let config = PursuitConfig { tilt_servo: SERVO, ..config() };
+        let mut pursuit = Pursuit::new(config, pan, tilt, indicator).unwrap();
+        let mut follow = || pursuit.follow(&answer(State::Tracking, 10_000, -10_000), 0.25);
+        let (first, second) = (follow().unwrap_err(), follow().unwrap());
+        let (mut pan, mut tilt, mut indicator) = pursuit.release();
+        pan.done();
+        tilt.done();
+        indicator.done();
+        (first, second)
+    };
+    let half_and = |pan_radians, tilt_radians| Command { pan_radians, tilt_radians };
+    let good = || duties(&[1750, 2000]);
+
+    let (error, next) = follow(failing(NotConnected), good(), lamp(&[true; 2]));
+    assert_eq!(error, PursuitError::Pan(MockError::Io(NotConnected)));
+    assert_eq!(next, half_and(0.5, 1.0), "the axis that was not written does not make up for it by a leap");
+    assert!(error.to_string().contains("pan") && error.to_string().contains("NotConnected"), "{error}");
+
+    let (error, next) = follow(good(), failing(BrokenPipe), lamp(&[true; 2]));
+    assert_eq!(error, PursuitError::Tilt(MockError::Io(BrokenPipe)));
+    assert_eq!(next, half_and(1.0, 0.5));
+
+    let (error, next) = follow(good(), good(), broken_lamp());
+    assert_eq!(error, PursuitError::Indicator(MockError::Io(TimedOut)));
+    assert_eq!(next, half_and(1.0, 1.0));
+
+    let (error, _) = follow(failing(NotConnected), failing(BrokenPipe), broken_lamp());
+    assert_eq!(error, PursuitError::Pan(MockError::Io(NotConnected)), "of several the first");
+}
+
+#[test]
+fn a_configuration_is_checked_when_the_pursuit_is_built() {
+    let refused = |change: fn(&mut PursuitConfig)| {
+        let mut config = config();
+        change(&mut config);
+        let pins = (Pin::default(), Pin::default(), Pin::default());
+        Pursuit::new(config, pins.0, pins.1, pins.2).err()
+    };
+    assert_eq!(refused(|_| ()), None);
+    let not_finite = Some(PursuitConfigError::NotFinite);
+    assert_eq!(refused(|config| config.camera.focal_length_pixels = f32::NAN), not_finite);
+    assert_eq!(refused(|config| config.camera.principal_x_pixels = f32::INFINITY), not_finite);
+    assert_eq!(refused(|config| config.hold_seconds = f32::INFINITY), not_finite);
+    assert_eq!(refused(|config| config.hold_seconds = -1.0), Some(PursuitConfigError::Negative));
+    let too_short = Some(PursuitConfigError::FocalLengthTooShort);
+    assert_eq!(refused(|config| config.camera.focal_length_pixels = 0.0), too_short);
+    assert_eq!(refused(|config| config.camera.focal_length_pixels = -160.0), too_short);
+    assert_eq!(refused(|config| config.pan.max_radians = -2.0), Some(PursuitConfigError::LimitsReversed));
+    assert_eq!(refused(|config| config.tilt.gain_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
+    let not_in_period = Some(PursuitConfigError::PulseNotInPeriod);
+    assert_eq!(refused(|config| config.pan_servo.period_microseconds = 0), not_in_period);
+    assert_eq!(refused(|config| config.tilt_servo.period_microseconds = 0), not_in_period);
+}
+
+/// A pin that takes everything and remembers the last duty.
+#[derive(Default)]
+struct Pin {
+    duty: u16,
+}
+
+impl pwm::ErrorType for Pin {
+    type Error = core::convert::Infallible;
+}
+
+impl SetDutyCycle for Pin {
+    fn max_duty_cycle(&self) -> u16 {
+        20_000
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Self::Error> {
+        self.duty = duty;
+        Ok(())
+    }
+}
+
+impl digital::ErrorType for Pin {
+    type Error = core::convert::Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+proptest! {
+    /// Whatever passes the check, whatever the tracker answers, whenever: the pulses stay between the two of the servo.
+    #[test]
+    fn no_pulse_leaves_its_limits(
+        (pan, tilt) in (any_axis(), any_axis()),
+        (focal_length_pixels, principal_x_pixels) in prop::num::f32::ANY.prop_flat_map(|focal| (Just(focal), any::<f32>())),
+        hold_seconds in prop_oneof![0.0..1.0f32, Just(f32::MAX)],
+        frames in prop::collection::vec((any::<(i32, i32)>(), 0u8..3, prop::num::f32::ANY), 1..40),
+    ) {
+        let camera = Camera { focal_length_pixels, principal_x_pixels, principal_y_pixels: 60.0 };
+        let camera = if camera.check().is_ok() { camera } else { config().camera };
+        let config = PursuitConfig { camera, pan, tilt, hold_seconds, ..config() };
+        let mut pursuit = Pursuit::new(config, Pin::default(), Pin::default(), Pin::default()).unwrap();
+        for ((x, y), state, elapsed) in frames {
+            let state = [State::Tracking, State::Leaving, State::Lost][usize::from(state)];
+            let answer = Answer { bbox: Rect::new(x, y, 20, 20), ..answer(state, 0, 0) };
+            if pursuit.follow(&answer, elapsed).is_ok() {
+                prop_assert!((1000..=2000).contains(&pursuit.pan.pin.duty), "{}", pursuit.pan.pin.duty);
+                prop_assert!((1000..=2000).contains(&pursuit.tilt.pin.duty), "{}", pursuit.tilt.pin.duty);
+            }
+        }
+    }
+}

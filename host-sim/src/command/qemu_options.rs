@@ -1,0 +1,27 @@
+//! How QEMU is run, the same for every command that starts it.
+
+use crate::target::qemu::{Machine, Setup};
+use clap::Args;
+use std::num::NonZeroU16;
+use std::time::Duration;
+
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "QEMU")]
+pub struct QemuOptions {
+    /// The board
+    #[arg(long, value_enum, default_value = "mps2-an386")]
+    pub machine: Machine,
+    /// QEMU is ended, and that is an error, if nothing comes of it for so many seconds
+    #[arg(long, value_name = "SECONDS", default_value = "60")]
+    timeout: NonZeroU16,
+    /// The program
+    #[arg(long, value_name = "PROGRAM", default_value = "qemu-system-arm")]
+    qemu: String,
+}
+
+impl QemuOptions {
+    pub fn setup(&self) -> Setup {
+        let patience = Duration::from_secs(self.timeout.get().into());
+        Setup { program: self.qemu.clone(), machine: self.machine, patience }
+    }
+}

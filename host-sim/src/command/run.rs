@@ -1,0 +1,82 @@
+//! `host-sim run`: any firmware in QEMU, its log decoded; what `cargo run` of an example does.
+
+use super::Outcome;
+use super::qemu_options::QemuOptions;
+use crate::target::qemu::Qemu;
+use anyhow::{Context, Result, anyhow, bail};
+use defmt_decoder::{DecodeError, Table};
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::process::Stdio;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+#[derive(Debug, clap::Args)]
+pub struct Run {
+    /// The firmware
+    #[arg(value_name = "ELF")]
+    elf: PathBuf,
+    #[command(flatten)]
+    qemu: QemuOptions,
+}
+
+impl Run {
+    pub fn run(self) -> Result<Outcome> {
+        let name = self.elf.display().to_string();
+        let elf = std::fs::read(&self.elf).with_context(|| format!("cannot open the firmware {name}"))?;
+        let table = Table::parse(&elf).map_err(|error| anyhow!("{name}: its log cannot be decoded: {error}"))?;
+        // Firmware may write files where it runs: here.
+        let mut qemu = Qemu::start(&self.qemu.setup(), &self.elf, ".".as_ref(), Stdio::piped())?;
+        let log = qemu.log().context("QEMU's standard output is piped")?;
+        print(&mut qemu, &chunks(log), table.as_ref())?;
+        Ok(if qemu.verdict()? { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+}
+
+/// The bytes of `stream` as they come.
+fn chunks(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        let mut buffer = [0; 4096];
+        while let Ok(length @ 1..) = stream.read(&mut buffer) {
+            if sender.send(buffer[..length].to_vec()).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
+}
+
+/// Prints the log until it ends.
+fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Result<()> {
+    let mut decoder = table.map(Table::new_stream_decoder);
+    let mut out = std::io::stdout().lock();
+    let mut last = Instant::now();
+    loop {
+        let bytes = match log.recv_timeout(Duration::from_millis(50)) {
+            Ok(bytes) => bytes,
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            Err(RecvTimeoutError::Timeout) => {
+                qemu.check_patience(last, "a word of the firmware")?;
+                continue;
+            }
+        };
+        last = Instant::now();
+        let Some(decoder) = &mut decoder else {
+            out.write_all(&bytes)?;
+            continue;
+        };
+        decoder.received(&bytes);
+        loop {
+            match decoder.decode() {
+                Ok(frame) => {
+                    let level = frame.level().map_or("", |level| level.as_str());
+                    writeln!(out, "{level:5} {}", frame.display_message())?;
+                }
+                Err(DecodeError::UnexpectedEof) => break,
+                Err(DecodeError::Malformed) => bail!("the firmware's log is not defmt's"),
+            }
+        }
+    }
+}

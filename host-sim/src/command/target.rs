@@ -1,0 +1,90 @@
+//! `host-sim target`: the real firmware in QEMU on a recording, every answer compared with the host's.
+
+use super::Outcome;
+use super::qemu_options::QemuOptions;
+use super::recording_options::RecordingOptions;
+use crate::target::firmware::{self, Sizes};
+use crate::target::qemu::Qemu;
+use crate::target::{Recording, Report};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::Stdio;
+
+#[derive(Debug, clap::Args)]
+pub struct Target {
+    /// The recording
+    #[arg(value_name = "SEQ")]
+    sequence: PathBuf,
+    /// Compare only the first N frames after the one that is locked on
+    #[arg(long, value_name = "N")]
+    frames: Option<NonZeroUsize>,
+    /// The firmware, built from core/examples/replay [default: built now, with .ci/target-cargo]
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    qemu: QemuOptions,
+    #[command(flatten)]
+    recording: RecordingOptions,
+}
+
+/// All that is printed.
+#[derive(Serialize)]
+struct Measured<'a> {
+    machine: &'static str,
+    #[serde(flatten)]
+    report: &'a Report,
+    #[serde(flatten)]
+    sizes: Sizes,
+    /// Statics and stack.
+    ram: Option<u32>,
+}
+
+impl Target {
+    pub fn run(self) -> Result<Outcome> {
+        let sequence = self.recording.open(&self.sequence)?;
+        let target = sequence.start()?;
+        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+        let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
+        let recording = Recording::write(&sequence.name, sequence.frames, target, most, folder.path())?;
+        let elf = match &self.elf {
+            Some(elf) => elf.clone(),
+            None => firmware::build("replay", self.qemu.machine)?,
+        };
+        let sizes = Sizes::of(&elf)?;
+        let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
+        let report = recording.compare(&mut qemu, folder.path())?;
+        let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
+        let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram };
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&measured)?);
+        } else {
+            print(&measured);
+        }
+        Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+}
+
+fn print(measured: &Measured<'_>) {
+    let Measured { machine, report, sizes, ram } = measured;
+    let Report { sequence, frames, tracker, instructions, .. } = report;
+    println!("{sequence} on {machine}: {frames} frames answered as on the host, bit for bit");
+    if let Some(difference) = &report.difference {
+        println!("  FAILED in frame {}: {}", difference.frame, difference.what);
+        println!("    target: {}", difference.target);
+        println!("    host:   {}", difference.host);
+    }
+    if let (Some(ram), Some(stack)) = (ram, report.stack) {
+        println!(
+            "  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})",
+            sizes.static_ram, stack.used, stack.room
+        );
+    }
+    println!("  flash: {} bytes; a tracker: {tracker} bytes", sizes.flash);
+    let [median, p95, max] = [instructions.median, instructions.p95, instructions.max];
+    println!("  instructions of an update: median {median}, 95 % below {p95}, at most {max}");
+}

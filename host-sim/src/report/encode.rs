@@ -1,0 +1,79 @@
+//! Pictures as bytes, and bytes as a part of a page.
+
+use super::Color;
+use crate::sequence::GrayFrame;
+use anyhow::Result;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
+
+/// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
+pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(palette.concat());
+    encoder.set_compression(png::Compression::High);
+    // Neighbours in the palettes are neighbours to the eye, so what predicts gray levels predicts indices.
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder.write_header()?.write_image_data(indices)?;
+    Ok(bytes)
+}
+
+/// The frame as a JPEG: a page with many frames must stay small, and they are only looked at.
+pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = JpegEncoder::new_with_quality(&mut bytes, 88);
+    encoder.encode(&frame.pixels, frame.width.into(), frame.height.into(), ExtendedColorType::L8)?;
+    Ok(bytes)
+}
+
+/// A URI that holds the bytes themselves: a page with it needs no other file.
+pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", base64(bytes))
+}
+
+const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+fn base64(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let byte = |at: usize| u32::from(group.get(at).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for digit in 0..4 {
+            let index = (bits >> (18 - 6 * digit)) & 63;
+            let filled = digit <= group.len();
+            text.push(if filled { char::from(DIGITS[index as usize]) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The vectors of RFC 4648.
+    #[test]
+    fn base64_of_the_standard() {
+        let vectors = ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"];
+        for (length, expected) in vectors.iter().enumerate() {
+            assert_eq!(base64(&b"foobar"[..length]), *expected);
+        }
+        assert_eq!(base64(&[0xFB, 0xFF, 0xFE]), "+//+");
+    }
+
+    #[test]
+    fn a_picture_reads_back() {
+        let palette = [[0, 0, 0], [255, 0, 0], [0, 0, 255]];
+        let bytes = png((3, 2), &[0, 1, 2, 2, 1, 0], &palette).unwrap();
+        let read = image::load_from_memory(&bytes).unwrap().into_rgb8();
+        assert_eq!(
+            (read.dimensions(), read.get_pixel(1, 0).0, read.get_pixel(0, 1).0),
+            ((3, 2), palette[1], palette[2])
+        );
+
+        let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
+        let read = image::load_from_memory(&jpeg(&frame).unwrap()).unwrap().into_luma8();
+        assert!(read.pixels().all(|pixel| pixel.0[0].abs_diff(100) <= 2));
+    }
+}

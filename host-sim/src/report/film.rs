@@ -1,0 +1,236 @@
+//! SMR and SAD on their way through a recording: what is known of every frame, and the pictures of those to show.
+
+use super::difference::Difference;
+use super::reel::{Choice, Reel};
+use crate::Tracker;
+use crate::evaluate::{Contestant, Evaluation, Method, MethodKind, Report, Score};
+use crate::sequence::{BoundingBox, GrayFrame, Sequence};
+use anyhow::{Context, Result, ensure};
+use smr_core::search::Window;
+use smr_core::{Config, Image, Rect};
+
+/// All that a report tells.
+pub struct Film {
+    pub name: String,
+    pub(super) size: (u16, u16),
+    pub(super) start: Rect,
+    pub(super) padding: u16,
+    /// One a frame.
+    pub moments: Vec<Moment>,
+    pub(super) stills: Vec<Still>,
+    /// Changes of state that there was no room to show.
+    pub changes_left_out: usize,
+    pub(super) truth: Option<Vec<Option<BoundingBox>>>,
+}
+
+/// What the two trackers said about one frame.
+pub struct Moment {
+    pub smr: Report,
+    pub sad: Report,
+}
+
+/// A frame to show.
+pub(super) struct Still {
+    /// The first is 0.
+    pub index: usize,
+    pub frame: GrayFrame,
+    pub sight: Sight,
+}
+
+/// What was looked at in a frame.
+pub(super) struct Sight {
+    /// SMR's box; when lost, the last one that was believed.
+    pub smr_box: Rect,
+    /// `None` in the frame that was locked on: nothing was looked for.
+    pub search: Option<Search>,
+}
+
+/// What was looked for and found.
+pub(super) struct Search {
+    /// All that SMR's search window covers, of the padding too.
+    pub window: Rect,
+    /// Of SMR's peak, believed or not, to its template.
+    pub smr: Difference,
+    pub sad: Difference,
+}
+
+/// Runs both trackers over the sequence. Frames stream: only those of `choice` are kept. `progress` is called after each.
+///
+/// # Errors
+/// No box to start from, a frame that cannot be read or tracked, or a listed frame that there is not.
+pub fn watch(sequence: Sequence, config: &Config, choice: Choice, progress: impl Fn()) -> Result<Film> {
+    let start = sequence.start()?;
+    let Sequence { name, frames, truth, .. } = sequence;
+    let last = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
+    let mut trackers = Trackers { smr: Box::new(Tracker::new(*config)?), sad: MethodKind::Sad.build(config)? };
+    let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
+    for (index, frame) in frames.enumerate() {
+        let frame = frame?;
+        let step = if index == 0 { trackers.lock(&frame, start) } else { trackers.update(&frame) };
+        let (moment, sight) = step.with_context(|| format!("{name}: frame {}", index + 1))?;
+        let changed = moments.last().is_some_and(|last| last.smr.state != moment.smr.state);
+        size = (frame.width, frame.height);
+        moments.push(moment);
+        reel.offer(index, changed, || Still { index, frame, sight });
+        progress();
+    }
+    let length = moments.len();
+    if let Some(last) = last {
+        ensure!(last < length, "{name}: there is no frame {}: expected 1 to {length}", last + 1);
+    }
+    let (stills, changes_left_out) = reel.into_stills();
+    Ok(Film { name, size, start, padding: config.padding, moments, stills, changes_left_out, truth })
+}
+
+impl Film {
+    /// Numbers of the frames that are shown; the first is 1.
+    pub fn shown(&self) -> Vec<usize> {
+        self.stills.iter().map(|still| still.index + 1).collect()
+    }
+
+    /// How well both did, by the protocol of the recordings; `None` without ground truth.
+    ///
+    /// # Errors
+    /// The ground truth is not that of so many frames.
+    pub fn evaluation(&self) -> Result<Option<Evaluation>> {
+        let Some(truth) = &self.truth else { return Ok(None) };
+        let score = |kind, of| {
+            let score = Score::new(&self.trajectory(of), truth).with_context(|| self.name.clone())?;
+            anyhow::Ok((Contestant::Method(kind), score))
+        };
+        let scores = vec![score(MethodKind::Smr, Moment::smr)?, score(MethodKind::Sad, Moment::sad)?];
+        let visible = truth.iter().flatten().count();
+        Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
+    }
+
+    /// What one of the trackers answered.
+    pub(super) fn trajectory(&self, of: fn(&Moment) -> &Report) -> Vec<Option<BoundingBox>> {
+        self.moments.iter().map(|moment| of(moment).target.map(BoundingBox::from)).collect()
+    }
+
+    pub(super) fn truth_at(&self, index: usize) -> Option<BoundingBox> {
+        self.truth.as_ref().and_then(|truth| *truth.get(index)?)
+    }
+}
+
+impl Moment {
+    pub(super) const fn smr(&self) -> &Report {
+        &self.smr
+    }
+
+    pub(super) const fn sad(&self) -> &Report {
+        &self.sad
+    }
+}
+
+/// SMR is here as itself, not as a [`Method`]: what it did not believe is shown, too.
+struct Trackers {
+    smr: Box<Tracker>,
+    sad: Box<dyn Method>,
+}
+
+impl Trackers {
+    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Moment, Sight)> {
+        self.smr.lock(&frame.frame(), start)?;
+        self.sad.lock(&frame.frame(), start)?;
+        let (smr, sad) = (Report::locked(start), Report::locked(start));
+        Ok((Moment { smr, sad }, Sight { smr_box: start, search: None }))
+    }
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<(Moment, Sight)> {
+        let offsets = self.smr.offsets().context("SMR has no target yet")?;
+        // What is compared with, before this frame takes its place.
+        let smr_template = Pixels::of(self.smr.template().context("SMR has no template yet")?);
+        let sad_template = Pixels::of(self.sad.template().context("SAD has no template yet")?);
+        let answer = self.smr.update(&frame.frame())?;
+        let sad = self.sad.update(&frame.frame())?;
+
+        let peak = Rect { x: answer.found.peak.x, y: answer.found.peak.y, ..answer.bbox };
+        let search = Search {
+            window: covered(&offsets, answer.bbox),
+            smr: Difference::new(frame, peak, smr_template.image()?),
+            sad: Difference::new(frame, sad.target.context("SAD always answers")?, sad_template.image()?),
+        };
+        Ok((Moment { smr: answer.into(), sad }, Sight { smr_box: answer.bbox, search: Some(search) }))
+    }
+}
+
+/// A copy of an image.
+struct Pixels {
+    size: (u16, u16),
+    pixels: Vec<u8>,
+}
+
+impl Pixels {
+    fn of(image: Image<'_>) -> Self {
+        Self { size: (image.width(), image.height()), pixels: image.rows().flatten().copied().collect() }
+    }
+
+    fn image(&self) -> Result<Image<'_>> {
+        Ok(Image::new(&self.pixels, self.size.0, self.size.1)?)
+    }
+}
+
+/// Every pixel that a box of the size of `target` covers at one offset or another.
+fn covered(offsets: &Window, target: Rect) -> Rect {
+    let (columns, rows) = offsets.size();
+    let extent = |offsets: usize, size: u16| u16::try_from(offsets - 1 + usize::from(size)).unwrap_or(u16::MAX);
+    Rect::new(*offsets.xs().start(), *offsets.ys().start(), extent(columns, target.width), extent(rows, target.height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequence::{self, OpenOptions, synthetic};
+    use smr_core::State;
+    use std::path::Path;
+
+    fn open() -> Sequence {
+        sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn the_film_is_what_the_methods_answer() {
+        let film = watch(open(), &Config::paper(), Choice::Spread, || ()).unwrap();
+        let methods = [MethodKind::Smr, MethodKind::Sad];
+        let evaluated = crate::evaluate::evaluate(open(), &methods, &Config::paper(), &[], || ()).unwrap();
+        assert_eq!(film.evaluation().unwrap().unwrap().scores, evaluated.scores);
+        assert_eq!(film.moments.len(), synthetic::LENGTH);
+        let states: Vec<State> = film.stills.iter().map(|still| film.moments[still.index].smr.state).collect();
+        for state in [State::Tracking, State::Leaving, State::Lost] {
+            assert!(states.contains(&state), "{state:?}");
+        }
+    }
+
+    #[test]
+    fn what_counts_adds_up_to_the_ratio() {
+        let film = watch(open(), &Config::paper(), Choice::Spread, || ()).unwrap();
+        let mut searched = 0;
+        for still in &film.stills {
+            let Some(search) = &still.sight.search else { continue };
+            let evidence = film.moments[still.index].smr.evidence.unwrap();
+            let counting = search.smr.pixels.iter().filter(|&&d| u16::from(d) < evidence.alpha);
+            let score: f64 = counting.map(|&d| (-f64::from(d) / 255.0).exp()).sum();
+            let ratio = score / search.smr.pixels.len() as f64;
+            assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
+            assert!(search.window.contains(search.smr.at));
+            searched += 1;
+        }
+        assert!(searched > 10);
+    }
+
+    #[test]
+    fn a_frame_that_there_is_not_is_named() {
+        let choice = Choice::Listed([0, 240].into());
+        let error = watch(open(), &Config::paper(), choice, || ()).err().unwrap();
+        assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
+    }
+
+    #[test]
+    fn ground_truth_of_another_length_is_an_error() {
+        let truth = open().truth.map(|truth| truth[..9].to_vec());
+        let film = watch(Sequence { truth, ..open() }, &Config::paper(), Choice::Spread, || ()).unwrap();
+        let error = format!("{:#}", film.evaluation().err().unwrap());
+        assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
+    }
+}

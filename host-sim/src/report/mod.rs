@@ -1,0 +1,35 @@
+//! What people look at: SMR and SAD side by side on a recording, as one page or as one picture.
+
+mod difference;
+mod encode;
+mod film;
+mod font;
+mod page;
+mod picture;
+mod plot;
+mod reel;
+mod tile;
+
+pub use film::{Film, watch};
+pub use page::page;
+pub use picture::picture;
+pub use reel::Choice;
+
+use smr_core::State;
+
+/// A color as red, green, blue.
+type Color = [u8; 3];
+
+// The paper's colors: SMR red, SAD blue. They must be told from each other on any frame, and from the states'.
+const SMR: Color = [255, 64, 64];
+const SAD: Color = [64, 140, 255];
+const TRUTH: Color = [0, 230, 90];
+
+/// The color of a state. Tracking is what is expected: it does not catch the eye.
+const fn color_of(state: State) -> Color {
+    match state {
+        State::Tracking => [150, 160, 170],
+        State::Leaving => [240, 170, 0],
+        State::Lost => [190, 100, 255],
+    }
+}

@@ -1,0 +1,242 @@
+//! The film strip as one picture: what a README shows.
+
+use super::film::{Film, Still};
+use super::{Color, SAD, SMR, TRUTH, color_of, encode, font};
+use crate::sequence::BoundingBox;
+use anyhow::Result;
+use smr_core::State;
+use std::ops::RangeInclusive;
+
+/// No side of a frame is longer in the picture.
+const TILE: u32 = 320;
+const COLUMNS: u32 = 3;
+const GAP: u32 = 10;
+/// Letters are drawn so many times larger than they are.
+const LETTER: u32 = 2;
+/// A line of text with what is between it and the next.
+const LINE: u32 = font::HEIGHT * LETTER + GAP;
+
+/// Colors come after this many gray levels. Half of the 256 are enough for the eye, and noise makes up most of the file.
+const GRAYS: u8 = 128;
+const PAPER: u8 = 12;
+const BLACK: u8 = 0;
+const WHITE: u8 = GRAYS - 1;
+const INKS: [Color; 6] = [SMR, SAD, TRUTH, color_of(State::Tracking), color_of(State::Leaving), color_of(State::Lost)];
+
+/// The frames to show, side by side with their boxes and states, as a PNG.
+///
+/// # Errors
+/// The encoder's; no picture is known that it refuses.
+pub fn picture(film: &Film) -> Result<Vec<u8>> {
+    let height = fitted(film.size).1;
+    let cell = (TILE + GAP, height + LINE + GAP / 2);
+    let rows = u32::try_from(film.stills.len())?.div_ceil(COLUMNS);
+    let mut canvas = Canvas::new(GAP + COLUMNS * cell.0, GAP + rows * cell.1 + LINE);
+    for (number, still) in (0..).zip(&film.stills) {
+        let (left, top) = (GAP + number % COLUMNS * cell.0, GAP + number / COLUMNS * cell.1);
+        Tile::new(left, top, still).draw(&mut canvas, film, still);
+        let report = &film.moments[still.index].smr;
+        let end = canvas.text(left, top + height + GAP / 2, &format!("frame {}  ", still.index + 1), WHITE);
+        canvas.text(end, top + height + GAP / 2, report.state_name(), ink(color_of(report.state)));
+    }
+    let mut left = GAP;
+    for (word, ink) in legend(film) {
+        left = canvas.text(left, GAP + rows * cell.1, word, ink) + 2 * GAP;
+    }
+    encode::png((canvas.width, canvas.height), &canvas.pixels, &palette())
+}
+
+fn legend(film: &Film) -> impl Iterator<Item = (&'static str, u8)> {
+    let truth = film.truth.as_ref().map(|_| ("ground truth", ink(TRUTH)));
+    [("SMR", ink(SMR)), ("SAD", ink(SAD))].into_iter().chain(truth).chain([("search window", WHITE)])
+}
+
+fn palette() -> Vec<Color> {
+    let gray = |level: u8| [level * 2 + level / 64; 3];
+    (0..GRAYS).map(gray).chain(INKS).collect()
+}
+
+/// Where `color` is in the palette.
+fn ink(color: Color) -> u8 {
+    (GRAYS..).zip(INKS).find(|(_, known)| *known == color).map_or(WHITE, |(index, _)| index)
+}
+
+/// The size of a frame in the picture.
+fn fitted((width, height): (u16, u16)) -> (u32, u32) {
+    let longest = u32::from(width.max(height)).max(1);
+    let fit = |side: u16| (u32::from(side) * TILE / longest).max(1);
+    (fit(width), fit(height))
+}
+
+/// Indices into the palette.
+struct Canvas {
+    width: u32,
+    height: u32,
+    pixels: Vec<u8>,
+}
+
+impl Canvas {
+    fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![PAPER; width as usize * height as usize] }
+    }
+
+    /// What is outside is not drawn.
+    fn set(&mut self, x: u32, y: u32, ink: u8) {
+        if x < self.width && y < self.height {
+            self.pixels[y as usize * self.width as usize + x as usize] = ink;
+        }
+    }
+
+    /// Writes `text` and tells where it ends.
+    fn text(&mut self, mut left: u32, top: u32, text: &str, ink: u8) -> u32 {
+        for letter in text.chars() {
+            for (column, row) in font::ink(letter) {
+                for (x, y) in (0..LETTER * LETTER).map(|dot| (dot % LETTER, dot / LETTER)) {
+                    self.set(left + column * LETTER + x, top + row * LETTER + y, ink);
+                }
+            }
+            left += (font::WIDTH + 1) * LETTER;
+        }
+        left
+    }
+}
+
+/// The place of one frame.
+struct Tile {
+    left: u32,
+    top: u32,
+    width: u32,
+    height: u32,
+    /// Pixels of the picture for one of the frame.
+    scale: f64,
+}
+
+/// How an outline is drawn.
+struct Pen {
+    /// Pixels by which it is larger than the box; of equal boxes all are seen.
+    grown: RangeInclusive<i64>,
+    ink: u8,
+    /// In the gaps between dashes; the ink itself where there are none.
+    gaps: Option<u8>,
+}
+
+impl Pen {
+    const fn solid(grown: RangeInclusive<i64>, ink: u8) -> Self {
+        Self { grown, ink, gaps: Some(ink) }
+    }
+}
+
+impl Tile {
+    fn new(left: u32, top: u32, still: &Still) -> Self {
+        let (width, height) = fitted((still.frame.width, still.frame.height));
+        Self { left, top, width, height, scale: f64::from(width) / f64::from(still.frame.width) }
+    }
+
+    fn draw(&self, canvas: &mut Canvas, film: &Film, still: &Still) {
+        self.frame(canvas, still);
+        let moment = &film.moments[still.index];
+        if let Some(search) = &still.sight.search {
+            // Black and white: to be seen on anything. Only what is in the frame is in the tile.
+            let seen = search.window.intersection(smr_core::Rect::new(0, 0, still.frame.width, still.frame.height));
+            self.outline(canvas, &seen.into(), &Pen { grown: 0..=0, ink: WHITE, gaps: Some(BLACK) });
+        }
+        if let Some(sad) = moment.sad.target {
+            self.outline(canvas, &sad.into(), &Pen::solid(2..=4, ink(SAD)));
+        }
+        let gaps = moment.smr.target.is_some().then_some(ink(SMR));
+        self.outline(canvas, &still.sight.smr_box.into(), &Pen { grown: -1..=1, ink: ink(SMR), gaps });
+        if let Some(truth) = film.truth_at(still.index) {
+            self.outline(canvas, &truth, &Pen::solid(-2..=-2, ink(TRUTH)));
+        }
+    }
+
+    /// The nearest pixel each: whole factors stay sharp.
+    fn frame(&self, canvas: &mut Canvas, still: &Still) {
+        let frame = &still.frame;
+        let nearest = |place: u32, side: u32, of: u16| (place * u32::from(of) / side) as usize;
+        for y in 0..self.height {
+            let row = nearest(y, self.height, frame.height) * usize::from(frame.width);
+            for x in 0..self.width {
+                let gray = frame.pixels[row + nearest(x, self.width, frame.width)];
+                canvas.set(self.left + x, self.top + y, gray / 2);
+            }
+        }
+    }
+
+    fn outline(&self, canvas: &mut Canvas, of: &BoundingBox, pen: &Pen) {
+        let at = |place: f64, side: u32| whole(place * self.scale).clamp(-9, i64::from(side) + 9);
+        let (left, right) = (at(of.x, self.width), at(of.x + of.width, self.width) - 1);
+        let (top, bottom) = (at(of.y, self.height), at(of.y + of.height, self.height) - 1);
+        for grown in pen.grown.clone() {
+            let (left, right, top, bottom) = (left - grown, right + grown, top - grown, bottom + grown);
+            for x in left..=right {
+                self.dot(canvas, (x, top), x, pen);
+                self.dot(canvas, (x, bottom), x, pen);
+            }
+            for y in top..=bottom {
+                self.dot(canvas, (left, y), y, pen);
+                self.dot(canvas, (right, y), y, pen);
+            }
+        }
+    }
+
+    /// What is outside of the tile is not drawn. `along` is the place on the line.
+    fn dot(&self, canvas: &mut Canvas, (x, y): (i64, i64), along: i64, pen: &Pen) {
+        let dash = along.rem_euclid(10) < 5;
+        let Some(ink) = (if dash { Some(pen.ink) } else { pen.gaps }) else { return };
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return };
+        if x < self.width && y < self.height {
+            canvas.set(self.left + x, self.top + y, ink);
+        }
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)] // what is too large becomes the largest, and is then clamped
+fn whole(place: f64) -> i64 {
+    place.round() as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::{Choice, watch};
+    use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
+    use smr_core::Config;
+    use std::path::Path;
+
+    fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
+        let film = watch(sequence, &Config::paper(), choice, || ()).unwrap();
+        image::load_from_memory(&picture(&film).unwrap()).unwrap().into_rgb8()
+    }
+
+    fn plain(width: u16, height: u16) -> Sequence {
+        let frame = GrayFrame { width, height, pixels: vec![90; usize::from(width) * usize::from(height)] };
+        Sequence {
+            name: "plain".to_owned(),
+            frames: Box::new([Ok(frame)].into_iter()),
+            length: Some(1),
+            init: Some("0,0,1,1".parse().unwrap()),
+            truth: None,
+        }
+    }
+
+    #[test]
+    fn boxes_are_where_they_belong_and_all_are_seen() {
+        let sequence = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
+        let picture = drawn(sequence, Choice::Listed([0].into()));
+        assert_eq!(picture.width(), 1000);
+        // Frame 1 is twice as large at (10, 10); the target's box begins at (36, 24).
+        let at = |x: u32, y: u32| picture.get_pixel(10 + 2 * 36 + x - 4, 10 + 2 * 24 + y - 4).0;
+        let inwards = [SAD, SAD, SAD, SMR, SMR, SMR, TRUTH];
+        assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|x| at(x, 9)), inwards);
+        assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|y| at(9, y)), inwards);
+    }
+
+    #[test]
+    fn frames_of_any_shape_have_a_picture() {
+        for (width, height, tile) in [(1, 1, 320), (640, 480, 240), (1, 2000, 320), (2000, 1, 1)] {
+            let picture = drawn(plain(width, height), Choice::Spread);
+            assert_eq!(picture.dimensions(), (1000, GAP + tile + LINE + GAP / 2 + LINE), "{width}x{height}");
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! The firmware `core/examples/replay` in QEMU on a recording, answer by answer against the host.
+//!
+//! - [`protocol`]: the bytes that both sides exchange.
+//! - [`qemu`]: the emulator as a process that ends whatever happens.
+//! - [`firmware`]: how the firmware is built, and what it takes of a chip.
+//!
+//! The firmware says at its start what it has room for, and with which window it searches: the host does the same.
+
+pub mod firmware;
+pub mod protocol;
+pub mod qemu;
+
+use crate::Tracker;
+use crate::sequence::GrayFrame;
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use protocol::{Answered, Header, Hello, Record, Stack};
+use qemu::Qemu;
+use serde::Serialize;
+use smr_core::{Config, Radius, Rect};
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Seek, Write};
+use std::path::Path;
+
+/// What was compared, and what the firmware took for it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The recording's name.
+    pub sequence: String,
+    /// Frames answered alike: all but the first, which is locked on.
+    pub frames: u32,
+    /// The first frame whose answers differ.
+    pub difference: Option<Difference>,
+    /// Bytes of a tracker.
+    pub tracker: u32,
+    /// Instructions of `Tracker::update`, in each frame.
+    pub instructions: Instructions,
+    /// Only known if the firmware came to its end.
+    pub stack: Option<Stack>,
+}
+
+/// An answer that is not the host's.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Difference {
+    /// The frame, counted from 1.
+    pub frame: u32,
+    pub what: &'static str,
+    pub target: String,
+    pub host: String,
+}
+
+/// Of all frames, the middle, the one that 95 % do not exceed, and the largest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Instructions {
+    pub median: u64,
+    pub p95: u64,
+    pub max: u64,
+}
+
+/// A recording as the firmware gets it: written into QEMU's folder.
+pub struct Recording {
+    name: String,
+    header: Header,
+}
+
+impl Recording {
+    /// Writes up to `most` of `frames` into `folder`.
+    ///
+    /// # Errors
+    /// The frames', fewer than two of them, or the disk's.
+    pub fn write(
+        name: &str,
+        frames: impl Iterator<Item = Result<GrayFrame>>,
+        target: Rect,
+        most: usize,
+        folder: &Path,
+    ) -> Result<Self> {
+        let cannot_write = || format!("cannot write {} for QEMU", protocol::FRAMES);
+        let mut file = BufWriter::new(File::create(folder.join(protocol::FRAMES)).with_context(cannot_write)?);
+        let mut header = Header { width: 0, height: 0, frames: 0, target };
+        file.write_all(&header.bytes()).with_context(cannot_write)?;
+        for frame in frames.take(most) {
+            let frame = frame?;
+            (header.width, header.height) = (frame.width, frame.height);
+            header.frames += 1;
+            file.write_all(&frame.pixels).with_context(cannot_write)?;
+        }
+        ensure!(header.frames > 1, "{name}: only one frame, which is locked on: there is nothing to compare");
+        file.rewind()
+            .and_then(|()| file.write_all(&header.bytes()))
+            .and_then(|()| file.flush())
+            .with_context(cannot_write)?;
+        Ok(Self { name: name.to_owned(), header })
+    }
+
+    /// Follows the target here, and compares with what `qemu`, that runs in `folder`, answers. Ends with the first
+    /// difference.
+    ///
+    /// # Errors
+    /// QEMU ends early, says nothing for too long, or says something else; the firmware has no room for the box.
+    pub fn compare(&self, qemu: &mut Qemu, folder: &Path) -> Result<Report> {
+        let mut answers = Answers { file: None, folder };
+        let Record::Hello(hello) = answers.next(qemu)? else {
+            bail!("the firmware does not say hello first: it is not core/examples/replay");
+        };
+        hello.check(&self.header)?;
+        let mut host = Host::lock(self.header, hello.radius, folder).with_context(|| self.name.clone())?;
+        let mut report = Report {
+            sequence: self.name.clone(),
+            frames: 0,
+            difference: None,
+            tracker: hello.tracker,
+            instructions: Instructions::default(),
+            stack: None,
+        };
+        let mut instructions = Vec::new();
+        for number in 2..=self.header.frames {
+            let (answered, ticks) = self.answer(number, &hello, answers.next(qemu)?)?;
+            instructions.push(hello.instructions(ticks));
+            report.difference = difference(number, &answered, &host.update()?);
+            if report.difference.is_some() {
+                break;
+            }
+            report.frames += 1;
+        }
+        report.instructions = Instructions::of(instructions);
+        if report.difference.is_none() {
+            report.stack = Some(end(answers.next(qemu)?)?);
+            qemu.finish()?;
+        }
+        Ok(report)
+    }
+
+    fn answer(&self, number: u32, hello: &Hello, record: Record) -> Result<(Answered, u32)> {
+        match record {
+            Record::Answer { frame, answered, ticks } if frame == number => Ok((answered, ticks)),
+            Record::Refused { frame, why } => {
+                Err(hello.refusal(why, &self.header)).with_context(|| format!("{}, frame {frame}", self.name))
+            }
+            other => Err(anyhow!("expected the answer to frame {number}, the firmware sent {other:?}")),
+        }
+    }
+}
+
+fn end(record: Record) -> Result<Stack> {
+    match record {
+        Record::End(stack) => Ok(stack),
+        other => bail!("expected the end, the firmware sent {other:?}"),
+    }
+}
+
+fn difference(frame: u32, target: &Answered, host: &Answered) -> Option<Difference> {
+    let pairs = target.described().into_iter().zip(host.described());
+    let differing = |((what, target), (_, host)): ((&'static str, String), (_, String))| {
+        (target != host).then_some(Difference { frame, what, target, host })
+    };
+    pairs.into_iter().find_map(differing)
+}
+
+impl Instructions {
+    fn of(mut counts: Vec<u64>) -> Self {
+        counts.sort_unstable();
+        let at = |index: usize| counts.get(index).copied().unwrap_or(0);
+        let last = counts.len().saturating_sub(1);
+        Self {
+            median: at(counts.len() / 2),
+            p95: at((counts.len() * 95).div_ceil(100).saturating_sub(1)),
+            max: at(last),
+        }
+    }
+}
+
+/// The tracker on this side, reading the very file that the firmware reads.
+struct Host {
+    tracker: Box<Tracker>,
+    frames: BufReader<File>,
+    frame: GrayFrame,
+}
+
+impl Host {
+    fn lock(header: Header, radius: u16, folder: &Path) -> Result<Self> {
+        let mut config = Config::paper();
+        config.window = Radius { x: radius, y: radius };
+        config.window_limit = config.window;
+        let mut frames = BufReader::new(File::open(folder.join(protocol::FRAMES))?);
+        frames.read_exact(&mut header.bytes())?;
+        let pixels = vec![0; usize::from(header.width) * usize::from(header.height)];
+        let frame = GrayFrame { width: header.width, height: header.height, pixels };
+        let mut host = Self { tracker: Box::new(Tracker::new(config)?), frames, frame };
+        host.read()?;
+        host.tracker.lock(&host.frame.frame(), header.target)?;
+        Ok(host)
+    }
+
+    fn read(&mut self) -> Result<()> {
+        self.frames.read_exact(&mut self.frame.pixels).with_context(|| format!("cannot read {} back", protocol::FRAMES))
+    }
+
+    fn update(&mut self) -> Result<Answered> {
+        self.read()?;
+        let answer = self.tracker.update(&self.frame.frame())?;
+        Ok(Answered::of(&answer, &self.tracker))
+    }
+}
+
+/// `answers.smr`, read while the firmware writes it.
+struct Answers<'a> {
+    file: Option<File>,
+    folder: &'a Path,
+}
+
+impl Answers<'_> {
+    /// Waits for the next record.
+    fn next(&mut self, qemu: &mut Qemu) -> Result<Record> {
+        let mut bytes = [0; protocol::RECORD];
+        let mut filled = 0;
+        qemu.wait_for("an answer of the firmware", || {
+            if self.file.is_none() {
+                self.file = File::open(self.folder.join(protocol::ANSWERS)).ok();
+            }
+            let Some(file) = &mut self.file else { return Ok(false) };
+            filled += file.read(&mut bytes[filled..])?;
+            Ok(filled == bytes.len())
+        })?;
+        Record::read(&bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_and_the_95th_of_a_hundred() {
+        let expected = Instructions { median: 51, p95: 95, max: 100 };
+        assert_eq!(Instructions::of((1..=100).rev().collect()), expected);
+        assert_eq!(Instructions::of(vec![7]), Instructions { median: 7, p95: 7, max: 7 });
+        assert_eq!(Instructions::of(Vec::new()), Instructions::default());
+    }
+}

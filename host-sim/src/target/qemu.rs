@@ -1,0 +1,204 @@
+//! QEMU as a process: started with firmware, watched, and ended whatever happens.
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use clap::ValueEnum;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The boards that firmware runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Machine {
+    /// Cortex-M4
+    #[value(name = "mps2-an386")]
+    Mps2An386,
+    /// Cortex-M7
+    #[value(name = "mps2-an500")]
+    Mps2An500,
+    /// Cortex-M55, with Helium
+    #[value(name = "mps3-an547")]
+    Mps3An547,
+}
+
+impl Machine {
+    /// As QEMU calls it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mps2An386 => "mps2-an386",
+            Self::Mps2An500 => "mps2-an500",
+            Self::Mps3An547 => "mps3-an547",
+        }
+    }
+
+    /// The compiler's target for it, and the processor where that is more than the target says.
+    #[must_use]
+    pub const fn target(self) -> (&'static str, Option<&'static str>) {
+        match self {
+            Self::Mps2An386 | Self::Mps2An500 => ("thumbv7em-none-eabihf", None),
+            Self::Mps3An547 => ("thumbv8m.main-none-eabihf", Some("cortex-m55")),
+        }
+    }
+}
+
+/// How QEMU is to be run.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// `qemu-system-arm`, or another path to it.
+    pub program: String,
+    pub machine: Machine,
+    /// How long nothing may happen.
+    pub patience: Duration,
+}
+
+/// A running QEMU. Dropped, it is ended and reaped.
+pub struct Qemu {
+    process: Child,
+    last_words: Receiver<String>,
+    setup: Setup,
+}
+
+impl Qemu {
+    /// Starts `elf` with `folder` as the place for the firmware's files; what it logs goes to `log`. An instruction is a
+    /// nanosecond of the emulated time.
+    ///
+    /// # Errors
+    /// There is no QEMU, or no such file.
+    pub fn start(setup: &Setup, elf: &Path, folder: &Path, log: Stdio) -> Result<Self> {
+        let elf = elf.canonicalize().with_context(|| format!("cannot open the firmware {}", elf.display()))?;
+        end_with_signals();
+        let program = &setup.program;
+        let mut command = Command::new(program);
+        command.args(["-machine", setup.machine.name(), "-icount", "shift=0"]);
+        command.args(["-display", "none", "-monitor", "none", "-serial", "null", "-chardev", "stdio,id=log"]);
+        command.args(["-semihosting-config", "enable=on,target=native,chardev=log", "-kernel"]).arg(elf);
+        command.current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(Stdio::piped());
+        let mut process = match command.spawn() {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                bail!("there is no {program}: install QEMU for Arm (Debian: qemu-system-arm), or name it with --qemu")
+            }
+            other => other.with_context(|| format!("cannot start {program}"))?,
+        };
+        let complaints = process.stderr.take().context("QEMU's standard error is piped")?;
+        let (sender, last_words) = channel();
+        thread::spawn(move || sender.send(last_line(complaints)));
+        Ok(Self { process, last_words, setup: setup.clone() })
+    }
+
+    /// What the firmware logs, if that was piped.
+    pub fn log(&mut self) -> Option<ChildStdout> {
+        self.process.stdout.take()
+    }
+
+    /// Asks `there` again and again until it says yes. `what` is what is waited for.
+    ///
+    /// # Errors
+    /// QEMU has ended before, it took longer than the setup's patience, or the user does not want any more.
+    pub fn wait_for(&mut self, what: &str, mut there: impl FnMut() -> Result<bool>) -> Result<()> {
+        let start = Instant::now();
+        loop {
+            // First whether it has ended, then what it has left behind: nothing is missed in between.
+            let ended = self.process.try_wait().context("cannot wait for QEMU")?;
+            if there()? {
+                return Ok(());
+            }
+            if let Some(status) = ended {
+                return Err(self.ended(status)).with_context(|| format!("while waiting for {what}"));
+            }
+            self.check_patience(start, what)?;
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// # Errors
+    /// It has been too long since `start`, or the user does not want any more.
+    pub fn check_patience(&self, start: Instant, what: &str) -> Result<()> {
+        check_interrupted()?;
+        let (program, patience) = (&self.setup.program, self.setup.patience);
+        let waited = start.elapsed() > patience;
+        ensure!(!waited, "{program} hangs: {what} has not come within {} s (see --timeout)", patience.as_secs());
+        Ok(())
+    }
+
+    /// Waits for the end of firmware that has nothing more to say.
+    ///
+    /// # Errors
+    /// It does not end, or not well.
+    pub fn finish(&mut self) -> Result<()> {
+        let status = self.exit_status()?;
+        if status.success() { Ok(()) } else { Err(self.ended(status)) }
+    }
+
+    /// The firmware's verdict: true if it ended with 0.
+    ///
+    /// # Errors
+    /// It does not end, or it is QEMU itself that has failed.
+    pub fn verdict(&mut self) -> Result<bool> {
+        let status = self.exit_status()?;
+        let words = self.last_words();
+        ensure!(status.success() || words.is_empty() && status.code().is_some(), self.failed(status, &words));
+        Ok(status.success())
+    }
+
+    fn exit_status(&mut self) -> Result<ExitStatus> {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.process.try_wait().context("cannot wait for QEMU")? {
+                return Ok(status);
+            }
+            self.check_patience(start, "the end of the firmware")?;
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn ended(&self, status: ExitStatus) -> anyhow::Error {
+        let words = self.last_words();
+        anyhow!(self.failed(status, &words))
+    }
+
+    fn failed(&self, status: ExitStatus, words: &str) -> String {
+        let reason = if words.is_empty() { String::new() } else { format!(": {words}") };
+        format!("{} with {} ended ({status}){reason}", self.setup.program, self.setup.machine.name())
+    }
+
+    /// What QEMU said last; it has ended, but a child of its own may keep standard error open.
+    fn last_words(&self) -> String {
+        self.last_words.recv_timeout(Duration::from_secs(1)).unwrap_or_default()
+    }
+}
+
+impl Drop for Qemu {
+    fn drop(&mut self) {
+        // Both fail only if the process has ended and been reaped.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From here on Ctrl-C and its like do not end this program at once, but make [`check_interrupted`] fail: so QEMU is
+/// ended and the temporary folder removed on the way out.
+fn end_with_signals() {
+    static ONCE: Once = Once::new();
+    // Without the handler a signal ends this program only; QEMU then ends with the recording.
+    ONCE.call_once(|| drop(ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed))));
+}
+
+fn check_interrupted() -> Result<()> {
+    ensure!(!INTERRUPTED.load(Ordering::Relaxed), "interrupted");
+    Ok(())
+}
+
+/// The last line that is not blank. Everything is read, or the writer would block.
+fn last_line(mut stream: impl Read) -> String {
+    let mut bytes = Vec::new();
+    let _ = stream.read_to_end(&mut bytes);
+    let text = String::from_utf8_lossy(&bytes);
+    text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
+}

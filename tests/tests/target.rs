@@ -1,0 +1,181 @@
+//! `host-sim target` when something is wrong: one clear line, within a bounded time, and no process left behind.
+//!
+//! In QEMU's place stand small programs that do what it does when it is broken. That the real one runs the real firmware
+//! is checked by `.ci/targets`.
+
+#![cfg(unix)]
+
+mod program;
+
+use program::PROGRAM;
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A folder with something that passes for firmware, and a shell script in QEMU's place.
+struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn new(script: &str) -> Self {
+        let bench = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        fs::write(bench.path("firmware"), least_firmware()).expect("a file can be written");
+        fs::write(bench.path("qemu"), format!("#!/bin/sh\n{script}\n")).expect("a file can be written");
+        fs::set_permissions(bench.path("qemu"), fs::Permissions::from_mode(0o755)).expect("a mode can be set");
+        bench
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Has the script answer with these records.
+    fn answering(records: &[&[u32]], then: &str) -> Self {
+        let bench = Self::new("");
+        let mut bytes = Vec::new();
+        for record in records {
+            let mut padded = record.to_vec();
+            padded.resize(16, 0);
+            bytes.extend(padded.iter().flat_map(|word| word.to_le_bytes()));
+        }
+        fs::write(bench.path("records"), bytes).expect("a file can be written");
+        let script = format!("#!/bin/sh\ncp '{}' answers.smr\n{then}\n", bench.path("records").display());
+        fs::write(bench.path("qemu"), script).expect("a file can be written");
+        bench
+    }
+
+    fn start(&self, arguments: &[&str]) -> Child {
+        Command::new(&*PROGRAM)
+            .args(["target", "synthetic", "--frames", "3", "--elf"])
+            .arg(self.path("firmware"))
+            .arg("--qemu")
+            .arg(self.path("qemu"))
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("host-sim runs")
+    }
+
+    /// Exit code, standard output, standard error.
+    fn run(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
+        let output = self.start(arguments).wait_with_output().expect("host-sim ends");
+        let text = |bytes| String::from_utf8(bytes).expect("host-sim writes UTF-8");
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    }
+
+    #[track_caller]
+    fn refuses(&self, arguments: &[&str], words: &str) {
+        let (code, _, err) = self.run(arguments);
+        assert_eq!((code, err.lines().count()), (Some(2), 1), "{err}");
+        assert!(err.contains(words), "`{words}` is not in: {err}");
+    }
+}
+
+/// An ELF header and one section of code: as much as is read of a firmware before it runs.
+fn least_firmware() -> Vec<u8> {
+    let mut elf = b"\x7fELF\x01\x01\x01".to_vec();
+    elf.resize(16, 0);
+    let half = |elf: &mut Vec<u8>, value: u16| elf.extend(value.to_le_bytes());
+    let word = |elf: &mut Vec<u8>, value: u32| elf.extend(value.to_le_bytes());
+    for value in [2, 40] {
+        half(&mut elf, value); // an executable for Arm
+    }
+    for value in [1, 0, 0, 52, 0] {
+        word(&mut elf, value); // version, entry, no program headers, sections after this header, flags
+    }
+    for value in [52, 32, 0, 40, 3, 2] {
+        half(&mut elf, value); // sizes and numbers of headers; the names are in section 2
+    }
+    elf.resize(52 + 40, 0);
+    for value in [0, 1, 2, 0, 172, 4, 0, 0, 4, 0] {
+        word(&mut elf, value); // code: PROGBITS, ALLOC
+    }
+    for value in [0, 3, 0, 0, 172, 1, 0, 0, 1, 0] {
+        word(&mut elf, value); // names: one, empty
+    }
+    elf.resize(176, 0);
+    elf
+}
+
+const HELLO: &[u32] = &[1, 1, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000];
+
+#[test]
+fn a_qemu_that_is_missing_is_asked_for() {
+    let bench = Bench::new("");
+    fs::remove_file(bench.path("qemu")).expect("a file can be removed");
+    bench.refuses(&[], "/qemu: install QEMU for Arm");
+}
+
+#[test]
+fn a_qemu_that_crashes_is_quoted() {
+    let bench = Bench::new("echo 'qemu: unsupported machine type' >&2; exit 1");
+    bench.refuses(&[], "ended (exit status: 1): qemu: unsupported machine type");
+    Bench::new("sleep 5 & echo gone >&2; exit 1").refuses(&[], "ended (exit status: 1)");
+    Bench::new("kill -SEGV $$").refuses(&[], "ended (signal: 11");
+    Bench::new("exit 0").refuses(&[], "while waiting for an answer of the firmware");
+}
+
+#[test]
+fn a_qemu_that_hangs_is_ended() {
+    let start = Instant::now();
+    let bench = Bench::new("echo $$ > \"$0.id\"; exec sleep 600");
+    bench.refuses(&["--timeout", "1"], "hangs: an answer of the firmware has not come within 1 s");
+    assert!(start.elapsed() < Duration::from_secs(60));
+    assert!(!is_running(&bench));
+}
+
+#[test]
+fn a_signal_ends_qemu_as_well() {
+    let bench = Bench::new("echo $$ > \"$0.id\"; exec sleep 600");
+    let child = bench.start(&[]);
+    while !bench.path("qemu.id").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let signal = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(signal.success());
+    let output = child.wait_with_output().expect("host-sim ends");
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "error: interrupted\n");
+    assert!(!is_running(&bench));
+}
+
+fn is_running(bench: &Bench) -> bool {
+    let id = fs::read_to_string(bench.path("qemu.id")).expect("the script wrote its process id");
+    let asked = Command::new("kill").args(["-0", id.trim()]).stderr(Stdio::null()).status().expect("kill runs");
+    asked.success()
+}
+
+#[test]
+fn what_the_firmware_refuses_is_said_in_words() {
+    let bench = Bench::answering(&[HELLO], "exec sleep 600");
+    bench.refuses(&["--init", "10,10,65,64"], "the box is too big for the firmware: 65x64 is 4160 pixels");
+    bench.refuses(&["--init", "10,10,130,30"], "more than the 9216 pixels of its buffer");
+    Bench::answering(&[HELLO, &[4, 2, 5]], "").refuses(&[], "synthetic, frame 2: the firmware cannot search the frame");
+    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 1");
+}
+
+#[test]
+fn another_answer_is_a_failed_check() {
+    let bench = Bench::answering(&[HELLO, &[2, 2, 1, 2, 0]], "exec sleep 600");
+    let (code, out, err) = bench.run(&[]);
+    assert_eq!((code, err.as_str()), (Some(1), ""));
+    assert!(out.contains("FAILED in frame 2: box's position\n    target: (1, 2)\n    host:   ("), "{out}");
+    let (code, out, _) = bench.run(&["--json"]);
+    assert_eq!(code, Some(1));
+    let json: serde_json::Value = serde_json::from_str(&out).expect("standard output is JSON");
+    assert_eq!((&json["difference"]["frame"], &json["difference"]["target"]), (&2.into(), &"(1, 2)".into()));
+}
+
+#[test]
+fn firmware_that_is_none_is_refused() {
+    let bench = Bench::new("");
+    fs::write(bench.path("firmware"), "text").expect("a file can be written");
+    bench.refuses(&[], "is not firmware: expected an ELF file of 32 bits");
+    fs::remove_file(bench.path("firmware")).expect("a file can be removed");
+    bench.refuses(&[], "cannot open the firmware");
+    assert!(!Path::new("answers.smr").exists());
+}
