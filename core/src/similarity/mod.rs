@@ -28,7 +28,6 @@ use crate::image::{Frame, Image, Rect};
 /// # Ok::<(), smr_core::ImageError>(())
 /// ```
 #[must_use]
-#[inline]
 pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
     match frame.patch(target) {

@@ -104,7 +104,7 @@ impl Scorer {
 
     /// The score of two pictures of the same size, as [`scalar::score`] gives it.
     #[must_use]
-    #[inline]
+    #[inline(always)] // where there is only the plain loop, nothing is to be left of this but the call
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
         match &self.ready {
             Ready::Scalar => scalar::score(patch, template, self.table, self.threshold),
