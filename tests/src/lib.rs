@@ -55,7 +55,7 @@ impl Hex<'_> {
 /// An answer, number by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Expected<'a> {
-    /// Left and top of the box, then of the peak.
+    /// Left and top of the box.
     pub position: (i32, i32),
     pub state: &'a str,
     pub ratio: u16,

@@ -77,6 +77,18 @@ fn check_reports_as_json() {
 }
 
 #[test]
+fn a_reader_that_goes_away_does_not_change_the_verdict() {
+    for arguments in [&["check", "periodic"][..], &["check", "periodic", "--json"], &["track", "periodic"]] {
+        let (reader, writer) = std::io::pipe().expect("a pipe can be made");
+        drop(reader);
+        let mut command = Command::new(&*PROGRAM);
+        let output = command.args(arguments).stdout(writer).output().expect("host-sim runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), said.as_ref()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+#[test]
 fn eval_of_the_written_recording_is_that_of_the_built_in_one() {
     let folder = tempfile::tempdir().unwrap();
     let written = folder.path().join("synthetic");

@@ -1,12 +1,13 @@
 //! `host-sim check`: smr-core against the reference, on recordings or on the built-in ones.
 
-use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
+use super::{Outcome, say};
 use crate::check::{Check as Run, Report};
 use crate::sequence;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -33,13 +34,14 @@ impl Check {
         let result = self.sequences.iter().try_for_each(|path| {
             let report = self.check(path)?;
             if !self.json {
-                print_report(&report);
+                say(|out| describe(&report, out))?;
             }
             reports.push(report);
             Ok(())
         });
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&reports)?);
+            let json = serde_json::to_string_pretty(&reports)?;
+            say(|out| writeln!(out, "{json}"))?;
         }
         result.map(|()| if reports.iter().all(Report::holds) { Outcome::Holds } else { Outcome::CheckFailed })
     }
@@ -77,29 +79,33 @@ fn progress(name: &str, length: Option<usize>) -> ProgressBar {
     bar.with_message(name.to_owned())
 }
 
-fn print_report(report: &Report) {
+fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
     let Report { sequence, frames, scores, largest_difference, bound, .. } = report;
-    println!("{sequence}: {frames} frames, {scores} scores");
+    writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
     if let Some(violation) = &report.violation {
-        println!("  FAILED in frame {}: {}", violation.frame, violation.what);
-        println!("    smr-core:  {}", violation.core);
-        println!("    reference: {}", violation.reference);
+        writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
+        writeln!(out, "    smr-core:  {}", violation.core)?;
+        writeln!(out, "    reference: {}", violation.reference)?;
     } else {
-        println!("  equal, bit for bit: scores, peaks, runners-up, alpha, boxes, states, templates");
+        writeln!(out, "  equal, bit for bit: scores, peaks, runners-up, alpha, boxes, states, templates")?;
     }
-    println!(
+    writeln!(
+        out,
         "  largest difference from an exact score: {largest_difference:.1} of at most {bound:.1} units of 1/65535"
-    );
+    )?;
     match report.other_peaks.as_slice() {
-        [] => println!("  exact sums have the same arg max in every frame"),
+        [] => writeln!(out, "  exact sums have the same arg max in every frame"),
         others => {
-            println!(
-                "  exact sums have another arg max in {} frames, none by more than the bound allows:",
-                others.len()
-            );
+            writeln!(
+                out,
+                "  exact sums have another arg max in {} frames, where {:.1} units are allowed:",
+                others.len(),
+                2.0 * bound
+            )?;
             for other in others {
-                println!("    frame {}: by {:.1} units", other.frame, other.margin);
+                writeln!(out, "    frame {}: by {:.1} units", other.frame, other.margin)?;
             }
+            Ok(())
         }
     }
 }

@@ -14,6 +14,7 @@ mod vectors;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use std::io::{self, ErrorKind, StdoutLock};
 use std::process::ExitCode;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
@@ -84,8 +85,16 @@ impl HostSim {
     }
 }
 
+/// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
+fn say(report: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
+    match report(&mut io::stdout().lock()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
 /// `host-sim track ... | head` is not an error.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let io = error.chain().find_map(|cause| cause.downcast_ref::<std::io::Error>());
-    io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+    let io = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>());
+    io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)
 }

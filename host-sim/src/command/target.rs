@@ -1,13 +1,14 @@
 //! `host-sim target`: the real firmware in QEMU on a recording, every answer compared with the host's.
 
-use super::Outcome;
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
+use super::{Outcome, say};
 use crate::target::firmware::{self, Sizes};
 use crate::target::qemu::Qemu;
 use crate::target::{Recording, Report};
 use anyhow::{Context, Result};
 use serde::Serialize;
+use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -61,30 +62,32 @@ impl Target {
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
         let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram };
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&measured)?);
+            let json = serde_json::to_string_pretty(&measured)?;
+            say(|out| writeln!(out, "{json}"))?;
         } else {
-            print(&measured);
+            say(|out| describe(&measured, out))?;
         }
         Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
     }
 }
 
-fn print(measured: &Measured<'_>) {
+fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
     let Measured { machine, report, sizes, ram } = measured;
     let Report { sequence, frames, tracker, instructions, .. } = report;
-    println!("{sequence} on {machine}: {frames} frames answered as on the host, bit for bit");
+    writeln!(out, "{sequence} on {machine}: {frames} frames answered as on the host, bit for bit")?;
     if let Some(difference) = &report.difference {
-        println!("  FAILED in frame {}: {}", difference.frame, difference.what);
-        println!("    target: {}", difference.target);
-        println!("    host:   {}", difference.host);
+        writeln!(out, "  FAILED in frame {}: {}", difference.frame, difference.what)?;
+        writeln!(out, "    target: {}", difference.target)?;
+        writeln!(out, "    host:   {}", difference.host)?;
     }
     if let (Some(ram), Some(stack)) = (ram, report.stack) {
-        println!(
+        writeln!(
+            out,
             "  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})",
             sizes.static_ram, stack.used, stack.room
-        );
+        )?;
     }
-    println!("  flash: {} bytes; a tracker: {tracker} bytes", sizes.flash);
+    writeln!(out, "  flash: {} bytes; a tracker: {tracker} bytes", sizes.flash)?;
     let [median, p95, max] = [instructions.median, instructions.p95, instructions.max];
-    println!("  instructions of an update: median {median}, 95 % below {p95}, at most {max}");
+    writeln!(out, "  instructions of an update: median {median}, 95 % below {p95}, at most {max}")
 }
