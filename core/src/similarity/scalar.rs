@@ -1,4 +1,5 @@
-//! The plain loop: the specification of a score (steps 2 to 4 of the method). Every faster way gives the same integer.
+//! The plain loops: the specification of a score (steps 2 to 4 of the method), and of the two coarser measures that the
+//! search excludes offsets with. Every faster way gives the same integers.
 
 use super::Table;
 use crate::image::Image;
@@ -21,6 +22,35 @@ pub fn score(patch: Image<'_>, template: Image<'_>, table: &Table, threshold: u1
     patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table, threshold)).sum()
 }
 
+/// The same score if it is at least `floor`; `None` as soon as the rest of the pixels cannot lift it there.
+#[must_use]
+pub(super) fn score_at_least(
+    patch: Image<'_>,
+    template: Image<'_>,
+    table: &Table,
+    threshold: u16,
+    floor: u32,
+) -> Option<u32> {
+    let mut reachable = most(patch, template);
+    for (f, g) in patch.rows().zip(template.rows()) {
+        reachable -= full(f.len().min(g.len())) - row_score(f, g, table, threshold);
+        if reachable < floor {
+            return None;
+        }
+    }
+    Some(reachable)
+}
+
+/// The score of a patch that equals the template.
+pub(super) fn most(patch: Image<'_>, template: Image<'_>) -> u32 {
+    full(usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height())))
+}
+
+/// The score of so many equal pixels; exact for up to [`Table::MAX_PIXELS`].
+pub(super) fn full(pixels: usize) -> u32 {
+    u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(Table::ONE))
+}
+
 fn row_score(patch: &[u8], template: &[u8], table: &Table, threshold: u16) -> u32 {
     patch.iter().zip(template).map(|(&f, &g)| pixel(f, g, table, threshold)).sum()
 }
@@ -30,6 +60,52 @@ fn row_score(patch: &[u8], template: &[u8], table: &Table, threshold: u16) -> u3
 fn pixel(f: u8, g: u8, table: &Table, threshold: u16) -> u32 {
     let difference = f.abs_diff(g);
     if u16::from(difference) < threshold { u32::from(table.similarity(difference)) } else { 0 }
+}
+
+/// The sum of absolute differences (SAD). Once it is more than `enough`, the rows that are left may be left out: what is
+/// given then is more than `enough`, and at most the SAD.
+///
+/// ```
+/// use smr_core::{Image, similarity::scalar};
+/// let (patch, template) = ([10, 20, 30, 40], [13, 20, 20, 90]);
+/// let (patch, template) = (Image::new(&patch, 2, 2)?, Image::new(&template, 2, 2)?);
+/// assert_eq!(scalar::distance(patch, template, u32::MAX), 3 + 10 + 50);
+/// assert_eq!(scalar::distance(patch, template, 2), 3);
+/// # Ok::<(), smr_core::ImageError>(())
+/// ```
+#[must_use]
+pub fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+    let mut sum = 0;
+    for (f, g) in patch.rows().zip(template.rows()) {
+        sum += f.iter().zip(g).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
+        if sum > enough {
+            break;
+        }
+    }
+    sum
+}
+
+/// The mean of each column of eight rows, by three rounds of halving that round down: it is up to 1.5 too small, and never
+/// too large.
+///
+/// ```
+/// use smr_core::similarity::scalar;
+/// let rows = [[8], [8], [8], [8], [8], [8], [8], [16]];
+/// let mut means = [0];
+/// scalar::means(&rows.each_ref().map(|row| &row[..]), &mut means);
+/// assert_eq!(means, [9]);
+/// ```
+pub fn means(rows: &[&[u8]; 8], means: &mut [u8]) {
+    let [a, b, c, d, e, f, g, h] = rows;
+    let columns = a.iter().zip(*b).zip(*c).zip(*d).zip(*e).zip(*f).zip(*g).zip(*h);
+    for (mean, (((((((a, b), c), d), e), f), g), h)) in means.iter_mut().zip(columns) {
+        *mean = half(half(half(*a, *b), half(*c, *d)), half(half(*e, *f), half(*g, *h)));
+    }
+}
+
+/// (a + b) / 2, rounded down, without a wider number.
+const fn half(a: u8, b: u8) -> u8 {
+    (a & b) + ((a ^ b) >> 1)
 }
 
 /// The score of the part of `template` outside `seen` against the padding, which is all zeroes.

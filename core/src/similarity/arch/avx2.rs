@@ -5,12 +5,16 @@
 //! 2. Entries at the threshold and beyond are stored as zero, so the lookup is the test d < threshold, too.
 //! 3. `psadbw` against zero adds eight bytes exactly; a plane's sum over 65537 pixels is below 2^25.
 
-use super::super::Table;
+use super::super::{Table, scalar};
+use super::Kernels;
 use crate::image::Image;
 use core::arch::x86_64::*;
 
 /// Pixels in a register.
 const LANES: usize = 32;
+
+/// So many rows are added before it is looked whether the floor can still be reached.
+const ROWS_A_LOOK: usize = 4;
 
 /// The live part of a table in segments of 16 entries, low bytes and high bytes apart.
 pub(super) struct Lookup {
@@ -24,6 +28,13 @@ pub(super) fn is_available() -> bool {
     return std::is_x86_feature_detected!("avx2");
     #[cfg(not(feature = "std"))]
     return cfg!(target_feature = "avx2");
+}
+
+impl Kernels for Lookup {
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        // SAFETY: a `Lookup` exists only where AVX2 does.
+        unsafe { self.sum_at_least(patch, template, floor) }
+    }
 }
 
 impl Lookup {
@@ -41,17 +52,14 @@ impl Lookup {
         Some(lookup)
     }
 
-    pub(super) fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
-        // SAFETY: a `Lookup` exists only where AVX2 does.
-        unsafe { self.sum(patch, template) }
-    }
-
     #[target_feature(enable = "avx2")]
-    fn sum(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
+    fn sum_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let width = usize::from(patch.width().min(template.width()));
         let mut low = _mm256_setzero_si256();
         let mut high = _mm256_setzero_si256();
-        for (f, g) in patch.rows_and_rest().zip(template.rows_and_rest()) {
+        let mut left = scalar::most(patch, template);
+        let of_a_row = scalar::full(width);
+        for (row, (f, g)) in patch.rows_and_rest().zip(template.rows_and_rest()).enumerate() {
             let mut at = 0;
             while at < width {
                 let planes = self.similarities(load(f, at), load(g, at));
@@ -60,8 +68,12 @@ impl Lookup {
                 high = _mm256_add_epi64(high, total(_mm256_and_si256(planes.1, valid)));
                 at += LANES;
             }
+            left -= of_a_row;
+            if row % ROWS_A_LOOK == ROWS_A_LOOK - 1 && across(low) + (across(high) << 8) + left < floor {
+                return None;
+            }
         }
-        across(low) + (across(high) << 8)
+        Some(across(low) + (across(high) << 8)).filter(|&score| score >= floor)
     }
 
     /// The similarities of 32 pairs of pixels, low bytes and high bytes.

@@ -3,12 +3,16 @@
 //! One permutation looks up 64 entries of a byte plane, one of two registers 128; the test d < threshold is the mask that
 //! it is done under. Masked loads touch no byte outside a row.
 
-use super::super::Table;
+use super::super::{Table, scalar};
+use super::Kernels;
 use crate::image::Image;
 use core::arch::x86_64::*;
 
 /// Pixels in a register.
 const LANES: usize = 64;
+
+/// So many rows are added before it is looked whether the floor can still be reached.
+const ROWS_A_LOOK: usize = 4;
 
 /// The first 128 entries of a table, low bytes and high bytes apart.
 pub(super) struct Lookup {
@@ -22,6 +26,19 @@ pub(super) fn is_available() -> bool {
     return std::is_x86_feature_detected!("avx512bw") && std::is_x86_feature_detected!("avx512vbmi");
     #[cfg(not(feature = "std"))]
     return cfg!(all(target_feature = "avx512bw", target_feature = "avx512vbmi"));
+}
+
+impl Kernels for Lookup {
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        // SAFETY: a `Lookup` exists only where AVX-512 BW and VBMI do.
+        unsafe {
+            if self.threshold <= 64 {
+                self.sum_at_least::<false>(patch, template, floor)
+            } else {
+                self.sum_at_least::<true>(patch, template, floor)
+            }
+        }
+    }
 }
 
 impl Lookup {
@@ -39,20 +56,15 @@ impl Lookup {
         Some(lookup)
     }
 
-    pub(super) fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
-        // SAFETY: a `Lookup` exists only where AVX-512 BW and VBMI do.
-        unsafe {
-            if self.threshold <= 64 { self.sum::<false>(patch, template) } else { self.sum::<true>(patch, template) }
-        }
-    }
-
     #[target_feature(enable = "avx512bw,avx512vbmi")]
-    fn sum<const WIDE: bool>(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
+    fn sum_at_least<const WIDE: bool>(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let (low, high) = (halves(&self.low), halves(&self.high));
         let threshold = _mm512_set1_epi8(self.threshold.cast_signed());
         let zero = _mm512_setzero_si512();
         let (mut low_sum, mut high_sum) = (zero, zero);
-        for (f, g) in patch.rows().zip(template.rows()) {
+        let mut left = scalar::most(patch, template);
+        for (row, (f, g)) in patch.rows().zip(template.rows()).enumerate() {
+            left -= scalar::full(f.len().min(g.len()));
             for (f, g) in f.chunks(LANES).zip(g.chunks(LANES)) {
                 let valid = u64::MAX >> (LANES - f.len().min(g.len()));
                 let (f, g) = (load(f, valid), load(g, valid));
@@ -68,11 +80,20 @@ impl Lookup {
                 low_sum = _mm512_add_epi64(low_sum, _mm512_sad_epu8(look_up(low), zero));
                 high_sum = _mm512_add_epi64(high_sum, _mm512_sad_epu8(look_up(high), zero));
             }
+            if row % ROWS_A_LOOK == ROWS_A_LOOK - 1 && across(low_sum, high_sum) + left < floor {
+                return None;
+            }
         }
-        // The whole sum fits a u32 for as many pixels as a template may have.
-        let sum = _mm512_reduce_add_epi64(_mm512_add_epi64(low_sum, _mm512_slli_epi64(high_sum, 8)));
-        u32::try_from(sum).unwrap_or(u32::MAX)
+        Some(across(low_sum, high_sum)).filter(|&score| score >= floor)
     }
+}
+
+/// The sum of both planes, which fits a `u32` for as many pixels as a template may have.
+#[inline]
+#[target_feature(enable = "avx512bw")]
+fn across(low: __m512i, high: __m512i) -> u32 {
+    let sum = _mm512_reduce_add_epi64(_mm512_add_epi64(low, _mm512_slli_epi64(high, 8)));
+    u32::try_from(sum).unwrap_or(u32::MAX)
 }
 
 /// The pixels that `valid` names, which are those of `row`; zero in the other lanes.

@@ -1,4 +1,4 @@
-//! The score of `scalar.rs`, faster: one file an instruction set, and the choice between them.
+//! The loops of `scalar.rs`, faster: one file an instruction set, and the choice between them.
 //!
 //! | file | instruction set | used when | tested |
 //! |---|---|---|---|
@@ -71,6 +71,20 @@ impl Backend {
     }
 }
 
+/// What a backend computes; the function of the same name in `scalar.rs` says what. What a backend does not have of its
+/// own it takes from there.
+trait Kernels {
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
+
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        scalar::distance(patch, template, enough)
+    }
+
+    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
+        scalar::means(rows, means);
+    }
+}
+
 /// A table, cut off at a threshold, made ready for a backend. It is made once for all scores of a frame.
 pub struct Scorer {
     table: &'static Table,
@@ -80,11 +94,36 @@ pub struct Scorer {
 
 #[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
 enum Ready {
-    Scalar,
+    Scalar(Plain),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
     #[cfg(target_arch = "x86_64")]
     Avx512(avx512::Lookup),
+}
+
+/// The plain loops.
+struct Plain {
+    table: &'static Table,
+    threshold: u16,
+}
+
+impl Kernels for Plain {
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        scalar::score_at_least(patch, template, self.table, self.threshold, floor)
+    }
+}
+
+/// Calls the backend that a scorer was made for.
+macro_rules! dispatch {
+    ($scorer:ident, $kernels:ident => $call:expr) => {
+        match &$scorer.ready {
+            Ready::Scalar($kernels) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Ready::Avx2($kernels) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Ready::Avx512($kernels) => $call,
+        }
+    };
 }
 
 impl Scorer {
@@ -99,25 +138,50 @@ impl Scorer {
             Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
             _ => None,
         };
-        Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar) }
+        Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar(Plain { table, threshold })) }
     }
 
     /// The score of two pictures of the same size, as [`scalar::score`] gives it.
     #[must_use]
     #[inline(always)] // where there is only the plain loop, nothing is to be left of this but the call
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
-        match &self.ready {
-            Ready::Scalar => scalar::score(patch, template, self.table, self.threshold),
-            #[cfg(target_arch = "x86_64")]
-            Ready::Avx2(lookup) => lookup.score(patch, template),
-            #[cfg(target_arch = "x86_64")]
-            Ready::Avx512(lookup) => lookup.score(patch, template),
-        }
+        // Every score is at least 0.
+        self.score_at_least(patch, template, 0).unwrap_or(0)
+    }
+
+    /// The same score if it is at least `floor`; `None`, as soon as that is certain, if it is less.
+    #[must_use]
+    #[inline(always)]
+    pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        dispatch!(self, kernels => kernels.score_at_least(patch, template, floor))
+    }
+
+    /// The SAD, as [`scalar::distance`] gives it; once it is more than `enough`, any part of it that is.
+    #[must_use]
+    #[inline(always)]
+    pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        dispatch!(self, kernels => kernels.distance(patch, template, enough))
+    }
+
+    /// The means of columns of eight rows, as [`scalar::means`] gives them.
+    #[inline(always)]
+    pub fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
+        dispatch!(self, kernels => kernels.means(rows, means));
     }
 
     /// The score of what lies on the padding; see [`scalar::score_on_padding`].
     #[must_use]
     pub(super) fn score_on_padding(&self, template: Image<'_>, seen: crate::Rect) -> u32 {
         scalar::score_on_padding(template, seen, self.table, self.threshold)
+    }
+
+    /// s such that a pixel of difference d loses at least s * d of its 65535, for every d: the largest such integer.
+    #[must_use]
+    pub(crate) fn loss_per_level(&self) -> u32 {
+        let one = u32::from(Table::ONE);
+        let entries = (0u16..).zip(self.table.entries()).skip(1);
+        let counting = entries.take_while(|&(d, _)| d < self.threshold);
+        // A pixel that does not count loses all, and that is least a level where the difference is largest.
+        counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d)).min().unwrap_or(one).min(one / 255)
     }
 }
