@@ -79,6 +79,6 @@ mod tracker;
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
-pub use config::{Config, ConfigError, Fraction, Gate, Radius};
+pub use config::{Config, ConfigError, Fraction, Gate, Radius, RunnerUp};
 pub use image::{Frame, FrameError, Image, ImageError, Rect};
-pub use tracker::{Answer, LockError, State, Tracker, UpdateError};
+pub use tracker::{Answer, LockError, State, Tracker, Update, UpdateError};

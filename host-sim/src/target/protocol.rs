@@ -4,7 +4,7 @@ use anyhow::{Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, Rect, State};
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The file that the firmware reads.
 pub const FRAMES: &str = "frames.smr";
@@ -157,11 +157,13 @@ pub struct Answered {
     position: (i32, i32),
     state: State,
     ratio: u32,
+    /// 0 where it was not asked for, as the score.
     runner_up_ratio: u32,
     alpha: u32,
     peak: (i32, i32),
     score: u32,
     runner_up: u32,
+    has_runner_up: u32,
     template_hash: u32,
 }
 
@@ -181,6 +183,7 @@ impl Answered {
             peak: (word().cast_signed(), word().cast_signed()),
             score: word(),
             runner_up: word(),
+            has_runner_up: word(),
             template_hash: word(),
         })
     }
@@ -194,11 +197,12 @@ impl Answered {
             position: (answer.bbox.x, answer.bbox.y),
             state: answer.state,
             ratio: answer.ratio.into(),
-            runner_up_ratio: answer.runner_up_ratio.into(),
+            runner_up_ratio: answer.runner_up_ratio.unwrap_or(0).into(),
             alpha: answer.alpha.into(),
             peak: (answer.found.peak.x, answer.found.peak.y),
             score: answer.found.peak.score,
-            runner_up: answer.found.runner_up,
+            runner_up: answer.found.runner_up.unwrap_or(0),
+            has_runner_up: answer.found.runner_up.is_some().into(),
             // FNV-1a
             template_hash: pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193)),
         }
@@ -206,7 +210,7 @@ impl Answered {
 
     /// Every value, by the name that people read.
     #[must_use]
-    pub fn described(&self) -> [(&'static str, String); 9] {
+    pub fn described(&self) -> [(&'static str, String); 10] {
         [
             ("box's position", format!("{:?}", self.position)),
             ("state", format!("{:?}", self.state)),
@@ -216,6 +220,7 @@ impl Answered {
             ("peak's position", format!("{:?}", self.peak)),
             ("peak's score", self.score.to_string()),
             ("runner-up's score", self.runner_up.to_string()),
+            ("whether there is a runner-up", self.has_runner_up.to_string()),
             ("template's hash", format!("{:08x}", self.template_hash)),
         ]
     }
@@ -251,7 +256,7 @@ mod tests {
 
     #[test]
     fn other_versions_and_kinds_are_errors() {
-        assert!(error(Record::read(&record(&[1, 2]))).contains("version 2 of the protocol: expected 1"));
+        assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 2"));
         assert!(error(Record::read(&record(&[9]))).contains("kind 9"));
         assert!(error(Record::read(&record(&[2, 2, 0, 0, 3]))).contains("state 3"));
         assert!(error(Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
@@ -272,7 +277,7 @@ mod tests {
 
     #[test]
     fn negative_positions_are_read() {
-        let words = [2, 7, u32::MAX, 5, 1, 6, 7, 8, u32::MAX - 1, 4, 9, 10, 11, 12];
+        let words = [2, 7, u32::MAX, 5, 1, 6, 7, 8, u32::MAX - 1, 4, 9, 10, 1, 11, 12];
         let Ok(Record::Answer { frame, answered, ticks }) = Record::read(&record(&words)) else { panic!("an answer") };
         assert_eq!((frame, answered.position, answered.peak, ticks), (7, (-1, 5), (-2, 4), 12));
         assert_eq!(answered.state, State::Leaving);
