@@ -186,12 +186,10 @@ impl<'a> Image<'a> {
             .map(move |row| row.get(..width).unwrap_or_default())
     }
 
-    /// All rows from the top, each to the end of the slice: what follows a row's last pixel belongs to somebody else, but
-    /// may be read.
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for backends that load more than they need
-    pub(crate) fn rows_and_rest(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let Self { pixels, stride, .. } = *self;
-        (0..usize::from(self.height)).map(move |y| pixels.get(y * stride..).unwrap_or_default())
+    /// The slice and the stride: row y of `width` pixels starts at byte y * stride, and all rows lie within the slice.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for backends that go by addresses
+    pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
+        (self.pixels, self.stride)
     }
 
     /// The part of the picture that `rect` covers, in the image's own coordinates; `None` if it reaches outside.

@@ -14,6 +14,8 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod rows;
 
 #[cfg(test)]
 mod tests;
@@ -178,10 +180,7 @@ impl Scorer {
     /// s such that a pixel of difference d loses at least s * d of its 65535, for every d: the largest such integer.
     #[must_use]
     pub(crate) fn loss_per_level(&self) -> u32 {
-        let one = u32::from(Table::ONE);
-        let entries = (0u16..).zip(self.table.entries()).skip(1);
-        let counting = entries.take_while(|&(d, _)| d < self.threshold);
         // A pixel that does not count loses all, and that is least a level where the difference is largest.
-        counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d)).min().unwrap_or(one).min(one / 255)
+        scalar::chord(self.table, self.threshold).min(u32::from(Table::ONE) / 255)
     }
 }
