@@ -1,13 +1,73 @@
-//! The linker scripts of the firmware in `examples/`. For whoever only uses the crate this does nothing.
+//! The linker scripts of the firmware in `examples/`, and which of Arm's instructions the processor has: cfg `smr_dsp` and
+//! `smr_helium`.
 //!
-//! Not in `.cargo/config.toml`: its flags would be those of every other firmware in this repository, too.
+//! The scripts are not in `.cargo/config.toml`: its flags would be those of every other firmware in this repository, too.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    let is = |key: &str, value: &str| std::env::var(key).is_ok_and(|actual| actual == value);
+    println!("cargo::rustc-check-cfg=cfg(smr_dsp, smr_helium)");
+    let is = |key: &str, value: &str| variable(key) == value;
     if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
         // cortex-m-rt's, which takes memory.x from the workspace's folder, where the linker starts; and defmt's.
         println!("cargo::rustc-link-arg-examples=-Tlink.x");
         println!("cargo::rustc-link-arg-examples=-Tdefmt.x");
+        let processor = Processor::read();
+        if processor.has_dsp() {
+            println!("cargo::rustc-cfg=smr_dsp");
+        }
+        if processor.has_helium() {
+            println!("cargo::rustc-cfg=smr_helium");
+        }
     }
+}
+
+/// What is compiled for. A stable compiler says nothing of features that it does not have names for: what a processor
+/// has is then told from its name, or from the target's.
+struct Processor {
+    target: String,
+    flags: Vec<String>,
+    features: Vec<String>,
+}
+
+impl Processor {
+    fn read() -> Self {
+        let list = |text: String, separator: char| text.split(separator).map(str::to_owned).collect();
+        Self {
+            target: variable("TARGET"),
+            flags: list(variable("CARGO_ENCODED_RUSTFLAGS"), '\x1f'),
+            features: list(variable("CARGO_CFG_TARGET_FEATURE"), ','),
+        }
+    }
+
+    /// The DSP extension of Armv7E-M and Armv8-M.
+    fn has_dsp(&self) -> bool {
+        let known = self.target.starts_with("thumbv7em") || self.features.iter().any(|feature| feature == "dsp");
+        let named = self.is_one_of(&["cortex-m33", "cortex-m35p", "cortex-m52", "cortex-m55", "cortex-m85"]);
+        self.switched("dsp").unwrap_or(known || named)
+    }
+
+    /// The integer vectors of Armv8.1-M (MVE).
+    fn has_helium(&self) -> bool {
+        let named = self.is_one_of(&["cortex-m52", "cortex-m55", "cortex-m85"]);
+        self.switched("mve").or(self.switched("mve.fp")).unwrap_or(named)
+    }
+
+    fn is_one_of(&self, names: &[&str]) -> bool {
+        self.flags.iter().filter_map(|flag| flag.rsplit_once("target-cpu=")).any(|(_, name)| names.contains(&name))
+    }
+
+    /// What the last `-C target-feature` that names `feature` says of it.
+    fn switched(&self, feature: &str) -> Option<bool> {
+        let lists = self.flags.iter().filter_map(|flag| flag.rsplit_once("target-feature="));
+        let switches = lists.flat_map(|(_, list)| list.split(','));
+        switches
+            .filter_map(|switch| Some((switch.chars().next()?, switch.get(1..)?)))
+            .filter(|&(_, name)| name == feature)
+            .next_back()
+            .map(|(sign, _)| sign == '+')
+    }
+}
+
+fn variable(key: &str) -> String {
+    std::env::var(key).unwrap_or_default()
 }

@@ -1,7 +1,7 @@
 //! The firmware: locks, then reads a window, updates and answers, frame after frame.
 
 use crate::host_file::HostFile;
-use crate::measure::{Timer, stack};
+use crate::measure::{Timer, spin, stack};
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m_rt::entry;
@@ -59,7 +59,7 @@ fn main() -> ! {
 /// `at` is the frame that it is busy with, from 1.
 fn replay(buffer: &mut [u8], timer: SYST, answers: &mut HostFile, at: &mut u32) -> Result<(), Refusal> {
     let mut timer = Timer::new(timer);
-    let ticks = timer.measure(|| cortex_m::asm::delay(CALIBRATION)).1;
+    let ticks = timer.measure(|| spin(CALIBRATION)).1;
     #[allow(clippy::cast_possible_truncation)] // usize is u32 here
     let [pixels, span, room, size] =
         [TEMPLATE_PIXELS as u32, SPAN as u32, BUFFER_PIXELS as u32, size_of::<Replayed>() as u32];

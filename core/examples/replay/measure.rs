@@ -2,6 +2,7 @@
 
 #![allow(unsafe_code)] // the stack's paint is no Rust object
 
+use core::arch::asm;
 use core::ptr::addr_of;
 use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
@@ -28,6 +29,14 @@ impl Timer {
         compiler_fence(Ordering::SeqCst);
         // It counts down.
         (result, start.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF)
+    }
+}
+
+/// Takes so many instructions, to find out how many a tick is; `cortex_m::asm::delay` takes as many as its version likes.
+pub fn spin(instructions: u32) {
+    // SAFETY: it counts down in a register, by two instructions a round.
+    unsafe {
+        asm!("2:", "subs {rounds}, #1", "bne 2b", rounds = inout(reg) instructions / 2 => _, options(nomem, nostack));
     }
 }
 

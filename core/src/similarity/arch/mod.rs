@@ -4,17 +4,22 @@
 //! |---|---|---|---|
 //! | `avx512.rs` | AVX-512 BW and VBMI | found at run time (`std`) or compiled for | where the machine has it |
 //! | `avx2.rs` | AVX2 | the same | where the machine has it |
+//! | `armv7em.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | (`scalar.rs`) | any | everywhere else | always |
 //!
 //! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
 
 #![allow(unsafe_code)] // intrinsics; each block says why it is sound
 
+#[cfg(smr_dsp)]
+mod armv7em;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(smr_dsp, smr_helium))]
+mod filter;
+#[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))]
 mod rows;
 
 #[cfg(test)]
@@ -40,10 +45,12 @@ pub enum Backend {
     Avx2,
     /// x86-64 with AVX-512 BW and VBMI: 64 pixels at a time.
     Avx512,
+    /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
+    Dsp,
 }
 
 impl Backend {
-    const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Scalar];
+    const ALL: [Self; 4] = [Self::Avx512, Self::Avx2, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -69,6 +76,7 @@ impl Backend {
             Self::Avx512 => avx512::is_available(),
             #[cfg(not(target_arch = "x86_64"))]
             Self::Avx2 | Self::Avx512 => false,
+            Self::Dsp => cfg!(smr_dsp),
         }
     }
 }
@@ -101,6 +109,8 @@ enum Ready {
     Avx2(avx2::Lookup),
     #[cfg(target_arch = "x86_64")]
     Avx512(avx512::Lookup),
+    #[cfg(smr_dsp)]
+    Dsp(armv7em::Dsp),
 }
 
 /// The plain loops.
@@ -124,6 +134,8 @@ macro_rules! dispatch {
             Ready::Avx2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Avx512($kernels) => $call,
+            #[cfg(smr_dsp)]
+            Ready::Dsp($kernels) => $call,
         }
     };
 }
@@ -138,6 +150,8 @@ impl Scorer {
             Backend::Avx2 => avx2::Lookup::new(table, threshold).map(Ready::Avx2),
             #[cfg(target_arch = "x86_64")]
             Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
+            #[cfg(smr_dsp)]
+            Backend::Dsp => Some(Ready::Dsp(armv7em::Dsp::new(table, threshold))),
             _ => None,
         };
         Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar(Plain { table, threshold })) }

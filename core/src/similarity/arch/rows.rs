@@ -9,10 +9,10 @@ use core::ops::Range;
 /// so here are addresses: kernels read `width` bytes from each, and may not read more.
 #[derive(Clone, Copy)]
 pub(super) struct Rows {
-    patch: *const u8,
-    template: *const u8,
-    patch_stride: usize,
-    template_stride: usize,
+    pub(super) patch: *const u8,
+    pub(super) template: *const u8,
+    pub(super) patch_stride: usize,
+    pub(super) template_stride: usize,
     /// Bytes in a row of both.
     pub(super) width: usize,
     /// Rows of both.
@@ -39,6 +39,18 @@ impl Rows {
     pub(super) fn blocks(&self, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
         let height = self.height;
         (0..height).step_by(size).map(move |first| first..height.min(first + size))
+    }
+
+    /// Gives `compare` the addresses of each two rows, from the top and as long as it says true.
+    #[inline(always)]
+    #[cfg_attr(target_arch = "x86_64", allow(dead_code))] // there, rows are looked at in blocks
+    pub(super) fn each(&self, mut compare: impl FnMut(*const u8, *const u8) -> bool) {
+        for y in 0..self.height {
+            let (f, g) = self.row(y);
+            if !compare(f, g) {
+                return;
+            }
+        }
     }
 
     /// Where row `y` of both begins: as long as the pictures live, there are `width` readable bytes if `y` < `height`.

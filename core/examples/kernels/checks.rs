@@ -1,0 +1,147 @@
+//! What is compared: every kernel, with its specification in `scalar.rs`.
+
+use crate::memory::{Memory, ROOM};
+use smr_core::Image;
+use smr_core::similarity::{Backend, Scorer, Table, scalar};
+
+/// The kernels of a backend, and how often they were compared.
+pub struct Checks {
+    pub backend: Backend,
+    pub compared: u32,
+}
+
+/// What was not as the plain loop has it.
+pub struct Difference {
+    pub what: &'static str,
+    pub width: u16,
+    pub height: u16,
+    pub threshold: u16,
+}
+
+type Outcome = Result<(), Difference>;
+
+/// A size, and the bytes from one row to the next in either picture.
+#[derive(Clone, Copy)]
+struct Shape {
+    width: u16,
+    height: u16,
+    strides: (usize, usize),
+}
+
+impl Checks {
+    pub fn all(&mut self, memory: &mut Memory) -> Outcome {
+        noise(memory.end, memory.other_end, memory.start);
+        for width in 1..=70 {
+            for height in [1, 2, 3, 8, 13] {
+                self.size(width, height, memory)?;
+            }
+        }
+        for width in [127, 128, 129, 255, 256, 257, 1000, 1021, 1024, 4099] {
+            self.size(width, 3, memory)?;
+        }
+        for threshold in 0..=256 {
+            self.alignments(threshold, memory)?;
+        }
+        (0..=200).try_for_each(|columns| self.means(columns, memory))
+    }
+
+    /// At the ends of the memory and at its start, with and without a gap between the rows.
+    fn size(&mut self, width: u16, height: u16, memory: &Memory) -> Outcome {
+        let threshold = 1 + (width * 7 + height * 13) % 255;
+        for gap in 0..3 {
+            let strides = (usize::from(width) + gap, usize::from(width) + 2 * gap);
+            let shape = Shape { width, height, strides };
+            self.pair(memory.end, memory.other_end, true, shape, threshold)?;
+            self.pair(memory.start, memory.end, false, shape, threshold)?;
+            self.pair(memory.end, memory.start, false, shape, threshold)?;
+        }
+        Ok(())
+    }
+
+    fn alignments(&mut self, threshold: u16, memory: &Memory) -> Outcome {
+        for (from, other) in (0..4).flat_map(|from| (0..4).map(move |other| (from, other))) {
+            let shape = Shape { width: 21 + threshold % 4, height: 3, strides: (31, 40) };
+            let (patch, template) = (memory.end.get(from..), memory.other_end.get(other..));
+            self.pair(patch.unwrap_or_default(), template.unwrap_or_default(), false, shape, threshold)?;
+        }
+        Ok(())
+    }
+
+    /// Pictures at the end of what they are in (`last`), or at its start.
+    fn pair(&mut self, patch: &[u8], template: &[u8], last: bool, shape: Shape, threshold: u16) -> Outcome {
+        let wrong = |what| Difference { what, width: shape.width, height: shape.height, threshold };
+        let view = |memory, stride| picture(memory, stride, shape, last).ok_or(wrong("no picture"));
+        let (patch, template) = (view(patch, shape.strides.0)?, view(template, shape.strides.1)?);
+        let scorer = Scorer::new(self.backend, &Table::PAPER, threshold);
+        let score = scalar::score(patch, template, &Table::PAPER, threshold);
+        let most = u32::from(shape.width) * u32::from(shape.height) * u32::from(Table::ONE);
+        for floor in [0, 1, score / 2, score.saturating_sub(1), score, score + 1, score.midpoint(most), most, u32::MAX]
+        {
+            let expected = Some(score).filter(|&score| score >= floor);
+            self.compare(scorer.score_at_least(patch, template, floor) == expected).ok_or(wrong("score"))?;
+        }
+        let distance = scalar::distance(patch, template, u32::MAX);
+        for enough in [0, distance / 3, distance.saturating_sub(1), distance, distance + 1, u32::MAX] {
+            let answer = scorer.distance(patch, template, enough);
+            let right = if distance <= enough { answer == distance } else { answer > enough && answer <= distance };
+            self.compare(right).ok_or(wrong("distance"))?;
+        }
+        Ok(())
+    }
+
+    /// One of the eight rows, and what is written, at the edge; every row at another alignment.
+    fn means(&mut self, columns: u16, memory: &mut Memory) -> Outcome {
+        let wrong = |what| Difference { what, width: columns, height: 8, threshold: 0 };
+        let scorer = Scorer::new(self.backend, &Table::PAPER, 13);
+        let columns = usize::from(columns);
+        let mut expected = [0; 256];
+        for at_edge in 0..8 {
+            let mut rows: [&[u8]; 8] = core::array::from_fn(|row| {
+                memory.other_end.get(row * 301..).and_then(|row| row.get(..columns)).unwrap_or_default()
+            });
+            if let Some(row) = rows.get_mut(at_edge) {
+                *row = memory.end.get(ROOM - columns..).unwrap_or_default();
+            }
+            let expected = expected.get_mut(..columns).ok_or(wrong("no room"))?;
+            scalar::means(&rows, expected);
+            // At the start nothing can be before it, and after it the noise stays as it is.
+            let before: [u8; 256] = memory.start.first_chunk().copied().ok_or(wrong("no room"))?;
+            scorer.means(&rows, memory.start.get_mut(..columns).ok_or(wrong("no room"))?);
+            let right = memory.start.starts_with(expected) && memory.start.get(columns..256) == before.get(columns..);
+            self.compare(right).ok_or(wrong("means"))?;
+        }
+        Ok(())
+    }
+
+    fn compare(&mut self, right: bool) -> Option<()> {
+        self.compared += 1;
+        right.then_some(())
+    }
+}
+
+fn picture(memory: &[u8], stride: usize, shape: Shape, last: bool) -> Option<Image<'_>> {
+    let bytes = (usize::from(shape.height) - 1) * stride + usize::from(shape.width);
+    let from = if last { memory.len().checked_sub(bytes)? } else { 0 };
+    Image::with_stride(memory.get(from..)?, shape.width, shape.height, stride).ok()
+}
+
+/// Bytes that look random, the same in every run. The second memory is close to the first and the third, byte by byte
+/// from its start, so that differences lie on both sides of any threshold.
+fn noise(first: &mut [u8], second: &mut [u8], third: &mut [u8]) {
+    let mut state = 1u32;
+    let mut next = || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        state
+    };
+    for ((first, second), third) in first.iter_mut().zip(second).zip(third) {
+        let [base, offset, other, sign] = next().to_le_bytes();
+        // Small differences are frequent, large ones there are.
+        let [near, far] =
+            [offset % (2 + other % 64), other].map(|by| if sign & 1 == 0 { by } else { by.wrapping_neg() });
+        *first = base;
+        *second = base.wrapping_add(near);
+        *third = if sign > 200 { base.wrapping_add(far) } else { base.wrapping_sub(near) };
+    }
+}

@@ -1,0 +1,82 @@
+//! What the kernels take: instructions a call, and a thousandth of an instruction a byte.
+
+use crate::measure::{Timer, spin};
+use crate::memory::Memory;
+use core::hint::black_box;
+use defmt::{Debug2Format, info};
+use smr_core::Image;
+use smr_core::similarity::{Backend, Scorer, Table};
+
+const CALIBRATION: u32 = 2_000_000;
+const REPEATED: u32 = 1000;
+/// The paper's usual threshold.
+const THRESHOLD: u16 = 13;
+
+/// Counts the instructions of work that is repeated: single ticks of the timer are too long.
+pub struct Counter {
+    timer: Timer,
+    ticks: u32,
+}
+
+impl Counter {
+    pub fn new(mut timer: Timer) -> Self {
+        let ticks = timer.measure(|| spin(CALIBRATION)).1.max(1);
+        Self { timer, ticks }
+    }
+
+    /// Instructions of one call of `work`, with the call.
+    fn count<T>(&mut self, mut work: impl FnMut() -> T) -> u32 {
+        let ((), ticks) = self.timer.measure(|| (0..REPEATED).for_each(|_| drop(black_box(work()))));
+        let instructions = u64::from(ticks) * u64::from(CALIBRATION) / u64::from(self.ticks);
+        u32::try_from(instructions).unwrap_or(u32::MAX) / REPEATED
+    }
+}
+
+/// Prints one line for each backend, kernel and size.
+pub fn print(counter: &mut Counter, memory: &mut Memory) {
+    for backend in Backend::available() {
+        for (width, height) in [(24, 8), (64, 8), (64, 64)] {
+            if compared(counter, memory, backend, width, height).is_none() {
+                info!("no room for {=u16}x{=u16}", width, height);
+            }
+        }
+    }
+}
+
+fn compared(counter: &mut Counter, memory: &mut Memory, backend: Backend, width: u16, height: u16) -> Option<()> {
+    // Equal but for the last pixel: so the last row is what decides.
+    let last = usize::from(height - 1) * 96 + usize::from(width) - 1;
+    memory.end.fill(7);
+    memory.other_end.fill(7);
+    *memory.end.get_mut(1 + last)? = 255;
+    let patch = Image::with_stride(memory.end.get(1..)?, width, height, 96).ok()?;
+    let template = Image::with_stride(memory.other_end, width, height, 96).ok()?;
+    let scorer = Scorer::new(backend, &Table::PAPER, THRESHOLD);
+    let pixels = u32::from(width) * u32::from(height);
+    let line = |what: &str, taken| {
+        info!(
+            "{} {=str} {=u16}x{=u16}: {=u32}, {=u32}",
+            Debug2Format(&backend),
+            what,
+            width,
+            height,
+            taken,
+            taken * 1000 / pixels
+        )
+    };
+
+    line("distance", counter.count(|| scorer.distance(black_box(patch), black_box(template), u32::MAX)));
+    let floor = (pixels - 1) * u32::from(Table::ONE) + 1;
+    line(
+        "score below the floor",
+        counter.count(|| scorer.score_at_least(black_box(patch), black_box(template), floor)),
+    );
+    line("score", counter.count(|| scorer.score(black_box(patch), black_box(template))));
+    if height == 8 {
+        let mut rows = patch.rows();
+        let rows: [&[u8]; 8] = core::array::from_fn(|_| rows.next().unwrap_or_default());
+        let means = memory.start.get_mut(..usize::from(width))?;
+        line("means", counter.count(|| scorer.means(black_box(&rows), black_box(means))));
+    }
+    Some(())
+}

@@ -1,0 +1,253 @@
+//! The kernels by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
+//!
+//! - `usada8` adds the four absolute differences of two registers to a third.
+//! - `uhadd8` halves four sums, rounding down: `means` is three rounds of it.
+//! - `uqsub8` subtracts and stops at zero: what is left of a threshold after a difference.
+//!
+//! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
+//! spills for want of registers. Rows begin at any address: these processors load words from there, unless firmware has
+//! set `UNALIGN_TRP`, which compilers for them do not allow for either.
+
+use super::super::{Table, scalar};
+use super::Kernels;
+use super::filter::{Compared, Filter};
+use super::rows::Rows;
+use crate::image::Image;
+use core::arch::asm;
+
+/// Pixels in a register.
+const LANES: usize = 4;
+
+/// The columns that `distance` goes down at a time: the words for which its loop is unrolled.
+const STRIP: usize = 32 * LANES;
+
+/// Distances of that many pixels are below 2^30.
+const MAX_PIXELS: usize = 1 << 22;
+
+pub(super) struct Dsp(Filter);
+
+impl Dsp {
+    pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
+        Self(Filter::new(table, threshold))
+    }
+}
+
+impl Kernels for Dsp {
+    #[inline(never)]
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let compare = |f, g, width, threshold| {
+            // SAFETY: the filter gives addresses of `width` bytes each, at least four.
+            unsafe { compared(f, g, width, threshold) }
+        };
+        self.0.score_at_least::<LANES>(patch, template, floor, compare)
+    }
+
+    #[inline(never)]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let pair = Rows::of(patch, template);
+        if pair.width < LANES || pair.width * pair.height > MAX_PIXELS {
+            return few_or_many(patch, template, enough);
+        }
+        // Below zero as long as it is not more than enough; and all differences can be added without overflow.
+        let start = !enough.min(1 << 30).cast_signed();
+        let mut sum = start;
+        let mut column = 0;
+        while column < pair.width && sum < 0 {
+            let width = STRIP.min(pair.width - column);
+            // SAFETY: the strip is a part of the pair, which has at least four columns.
+            unsafe { sum = strip(&pair, column, width, sum) };
+            column += STRIP;
+        }
+        sum.wrapping_sub(start).cast_unsigned()
+    }
+
+    #[inline(never)]
+    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
+        let columns = rows.iter().fold(means.len(), |columns, row| columns.min(row.len()));
+        if columns < LANES {
+            return scalar::means(rows, means);
+        }
+        let addresses = rows.each_ref().map(|row| row.as_ptr());
+        // SAFETY: all eight rows, and what is written, have that many columns: at least four.
+        unsafe { means_at(&addresses, means.as_mut_ptr(), columns) }
+    }
+}
+
+/// Apart, so that what it needs does not burden the usual case.
+#[cold]
+#[inline(never)]
+fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+    scalar::distance(patch, template, enough)
+}
+
+/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, until that is not negative any more.
+///
+/// # Safety
+/// The pair has these columns, and at least four.
+#[inline(always)]
+unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
+    let left = width % LANES;
+    // The last columns are the upper part of the last word, which begins in the columns before. 0 if there are none.
+    let last = if left == 0 { 0 } else { width.wrapping_sub(LANES) };
+    // SAFETY: of each row, whole words and the last word of `width` are read; nothing is written.
+    unsafe {
+        asm!(
+            ".p2align 2", // for adr; from here to 4 it is whole words
+            "adr.w {words}, 4f",
+            "sub {words}, {words}, r2, lsl #3", // eight bytes of code for each word
+            "2:",
+            "cbz r5, 3f",
+            "ldr.n r2, [r0, r5]",
+            "ldr.n r3, [r1, r5]",
+            "lsr r2, r2, {none}",
+            "lsr r3, r3, {none}",
+            "usada8 {sum}, r2, r3, {sum}",
+            "3:",
+            "mov pc, {words}",
+            ".irp offset,124,120,116,112,108,104,100,96,92,88,84,80,76,72,68,64,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
+            "ldr.n r2, [r0, #\\offset]",
+            "ldr.n r3, [r1, #\\offset]",
+            "usada8 {sum}, r2, r3, {sum}",
+            ".endr",
+            "4:",
+            "add r0, r0, {f_stride}",
+            "add r1, r1, {g_stride}",
+            "adds {rows}, {rows}, #1",
+            "tst {rows}, {sum}", // negative if both are
+            "bmi.w 2b",
+            words = out(reg) _,
+            inout("r0") pair.patch.wrapping_add(column) => _,
+            inout("r1") pair.template.wrapping_add(column) => _,
+            inout("r2") width / LANES => _,
+            out("r3") _,
+            in("r5") last,
+            none = in(reg) 8 * (LANES - left),
+            f_stride = in(reg) pair.patch_stride,
+            g_stride = in(reg) pair.template_stride,
+            rows = inout(reg) pair.height.wrapping_neg() => _,
+            sum = inout(reg) sum,
+            options(readonly, nostack),
+        );
+    }
+    sum
+}
+
+/// # Safety
+/// At all `rows` and at `means` there are `columns` bytes, at least four.
+#[inline(always)]
+unsafe fn means_at(rows: &[*const u8; 8], means: *mut u8, columns: usize) {
+    // SAFETY: four columns at a time, from the last ones down; the first four may be some of those before again.
+    unsafe {
+        asm!(
+            "2:",
+            "ldrd {a}, {b}, [{rows}]",
+            "ldr {a}, [{a}, {at}]",
+            "ldr {b}, [{b}, {at}]",
+            "ldrd {c}, {d}, [{rows}, #8]",
+            "ldr {c}, [{c}, {at}]",
+            "ldr {d}, [{d}, {at}]",
+            "uhadd8 {a}, {a}, {b}",
+            "uhadd8 {c}, {c}, {d}",
+            "uhadd8 {a}, {a}, {c}",
+            "ldrd {b}, {c}, [{rows}, #16]",
+            "ldr {b}, [{b}, {at}]",
+            "ldr {c}, [{c}, {at}]",
+            "ldrd {d}, {e}, [{rows}, #24]",
+            "ldr {d}, [{d}, {at}]",
+            "ldr {e}, [{e}, {at}]",
+            "uhadd8 {b}, {b}, {c}",
+            "uhadd8 {d}, {d}, {e}",
+            "uhadd8 {b}, {b}, {d}",
+            "uhadd8 {a}, {a}, {b}",
+            "str {a}, [{means}, {at}]",
+            "subs {at}, {at}, #4",
+            "bpl 2b",
+            "adds {at}, {at}, #4", // of the columns before, there are that many left
+            "it ne",
+            "movne {at}, #0",
+            "bne 2b",
+            a = out(reg) _,
+            b = out(reg) _,
+            c = out(reg) _,
+            d = out(reg) _,
+            e = out(reg) _,
+            rows = in(reg) rows,
+            means = in(reg) means,
+            at = inout(reg) columns - LANES => _,
+            options(nostack),
+        );
+    }
+}
+
+/// Compares two rows of `width` pixels.
+///
+/// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, or as 0. So the
+/// sum over min(difference, threshold) is that of `usada8`; without the one over min(difference, threshold - 1) it is the
+/// number of pixels that do not count.
+///
+/// # Safety
+/// At `f` and `g`, `width` bytes can be read, at least four.
+#[inline(always)]
+unsafe fn compared(f: *const u8, g: *const u8, width: usize, threshold: u8) -> Compared {
+    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
+    let (up_to_threshold, up_to_one_less): (u32, u32);
+    // SAFETY: whole words of `width` are read, then the word that ends with the row.
+    unsafe {
+        asm!(
+            "lsrs {n}, {n}, #1",
+            "bcs 3f", // an odd one
+            "b 4f",
+            "2:",
+            "ldr {a}, [{f}], #4",
+            "ldr {b}, [{g}], #4",
+            "uqsub8 {d}, {a}, {b}",
+            "uqsub8 {a}, {b}, {a}",
+            "orr {a}, {a}, {d}",
+            "uqsub8 {d}, {threshold}, {a}",
+            "uqsub8 {a}, {one_less}, {a}",
+            "usada8 {sum}, {threshold}, {d}, {sum}",
+            "usada8 {less}, {one_less}, {a}, {less}",
+            "3:",
+            "ldr {a}, [{f}], #4",
+            "ldr {b}, [{g}], #4",
+            "5:",
+            "uqsub8 {d}, {a}, {b}",
+            "uqsub8 {a}, {b}, {a}",
+            "orr {a}, {a}, {d}",
+            "uqsub8 {d}, {threshold}, {a}",
+            "uqsub8 {a}, {one_less}, {a}",
+            "usada8 {sum}, {threshold}, {d}, {sum}",
+            "usada8 {less}, {one_less}, {a}, {less}",
+            "4:",
+            "subs {n}, {n}, #1",
+            "bpl 2b",
+            "cbz r0, 6f",
+            "add {f}, {f}, r0",
+            "add {g}, {g}, r0",
+            "ldr {a}, [{f}, #-4]",
+            "ldr {b}, [{g}, #-4]",
+            "rsb {d}, r0, #4",
+            "lsl {d}, {d}, #3",
+            "lsr {a}, {a}, {d}",
+            "lsr {b}, {b}, {d}",
+            "movs r0, #0",
+            "mov {n}, #0",
+            "b 5b",
+            "6:",
+            f = inout(reg) f => _,
+            g = inout(reg) g => _,
+            a = out(reg) _,
+            b = out(reg) _,
+            d = out(reg) _,
+            n = inout(reg) width / LANES => _,
+            inout("r0") width % LANES => _,
+            threshold = in(reg) in_lanes(threshold),
+            one_less = in(reg) in_lanes(threshold - 1),
+            sum = inout(reg) 0 => up_to_threshold,
+            less = inout(reg) 0 => up_to_one_less,
+            options(readonly, nostack),
+        );
+    }
+    let different = up_to_threshold - up_to_one_less;
+    Compared { different, differences: up_to_threshold - different * u32::from(threshold) }
+}
