@@ -202,6 +202,13 @@ impl<'a> Image<'a> {
         Some(Self { pixels: self.pixels.get(start..)?, width: rect.width, height: rect.height, stride: self.stride })
     }
 
+    /// Every `step`-th row from row `first` on; `None` if there is none.
+    pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
+        let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
+        let height = u16::try_from(rows).ok().filter(|&rows| rows > 0)?;
+        Some(Self { pixels: self.pixels.get(first * self.stride..)?, height, stride: self.stride * step, ..*self })
+    }
+
     fn rest(&self, start: usize, len: usize) -> &'a [u8] {
         self.pixels.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
     }

@@ -55,9 +55,8 @@ impl<const SPAN: usize> Leaders<SPAN> {
         needed.saturating_add(u32::from(ties))
     }
 
-    /// Takes note of a score; true if less than before may now matter.
-    pub(super) fn note(&mut self, window: &Window, candidate: Peak) -> bool {
-        let before = self.needed();
+    /// Takes note of a score.
+    pub(super) fn note(&mut self, window: &Window, candidate: Peak) {
         if let (Some(runner_up), Some(best)) = (&mut self.runner_up, &self.best)
             && candidate.is_further_than(2 * u32::from(runner_up.neighbourhood), best)
         {
@@ -69,7 +68,6 @@ impl<const SPAN: usize> Leaders<SPAN> {
         if self.best.is_none_or(|best| window.rank(&candidate) > window.rank(&best)) {
             self.best = Some(candidate);
         }
-        self.needed() != before
     }
 
     pub(super) fn found(&self, window: &Window) -> Option<Found> {

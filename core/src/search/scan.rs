@@ -1,11 +1,11 @@
 //! The search: every offset of the window scored or excluded, in steps of as little work as is asked for.
 //!
-//! First the last position and a descent from it, to have a good score early; then tile by tile, phase by phase (see
-//! `boxes.rs`), row by row. An offset is excluded by its boxes, or scored until it cannot reach what is needed; the
-//! answer does not depend on the order.
+//! First the last position and a descent from it, to have a good score early; then tile by tile, pass by pass (see
+//! `ranges.rs`). An offset is excluded together with its group, or scored until it cannot reach what is needed; the answer
+//! does not depend on the order.
 
-use super::boxes::{Boxes, HEIGHT, Tile};
 use super::leaders::Leaders;
+use super::ranges::{Ranges, SIDE};
 use super::{Found, Peak, Window};
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{self, Scorer};
@@ -21,34 +21,34 @@ pub(crate) struct Scene<'a> {
 /// How far a search is, and its working memory.
 pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     leaders: Leaders<SPAN>,
-    boxes: Boxes<PIXELS>,
+    ranges: Ranges<PIXELS, SPAN>,
     stage: Stage,
     pruning: bool,
-    /// The largest distance of the boxes with which an offset can still matter.
-    enough: u32,
     work: u64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
-    /// The next row of the template's boxes.
-    Template(u16),
     /// The last position itself.
     Start,
     Descent(Descent),
-    /// The next row of a phase's boxes.
-    Shrink(Place, u16),
-    /// The next offset: row in the phase, and column.
-    Offsets(Place, usize, usize),
+    /// The next row of ranges of a pass.
+    Spread(Place, usize),
+    /// The next group.
+    Exclude(Place, usize),
+    /// The next offset of a group that is left.
+    Refine(Place, usize, usize),
+    /// Without groups: the next offset.
+    Offsets(usize, usize),
     Done,
 }
 
-/// First offset of the tile, and the phase.
+/// First offset of the tile, and the pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Place {
     column: usize,
     row: usize,
-    phase: u16,
+    pass: usize,
 }
 
 /// The way down the SAD, from the last position: the best of nine, then of nine half as far away.
@@ -60,89 +60,80 @@ struct Descent {
     step: i32,
 }
 
-/// How far the first step of the descent goes.
-const FIRST_STEP: i32 = 8;
+/// How far the first step of the descent goes. Each step costs eight offsets: no more of them than a sixteenth of the
+/// window.
+fn first_step(window: &Window) -> i32 {
+    let (columns, rows) = window.size();
+    match columns * rows / 128 {
+        0 => 0,
+        steps => 1 << (steps - 1).min(MOST_STEPS - 1),
+    }
+}
+
+/// From 8 pixels on the descent finds what the ranges would find soon after.
+const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     pub(crate) const fn new() -> Self {
-        Self {
-            leaders: Leaders::new(),
-            boxes: Boxes::new(),
-            stage: Stage::Done,
-            pruning: false,
-            enough: u32::MAX,
-            work: 0,
-        }
+        Self { leaders: Leaders::new(), ranges: Ranges::new(), stage: Stage::Done, pruning: false, work: 0 }
     }
 
     /// Starts anew. Without pruning every offset is scored to its last pixel; with a neighbourhood the runner-up is
     /// looked for, too.
     pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, neighbourhood: Option<u16>) {
         self.leaders.reset(&scene.window, neighbourhood);
-        self.boxes.reset(&scene.window, Some(scene.template).filter(|_| pruning));
         self.pruning = pruning;
-        self.enough = u32::MAX;
         self.work = 0;
-        self.stage = if pruning { Stage::Template(0) } else { FIRST_PLACE };
+        self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };
     }
 
     /// Goes through the window once more, for the runner-up; the peak is known.
     pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
         let peak = self.leaders.best();
         self.leaders.reset(&scene.window, Some(neighbourhood));
-        self.enough = u32::MAX;
         if let Some(peak) = peak {
-            self.note(scene, peak);
+            self.leaders.note(&scene.window, peak);
         }
-        self.stage = FIRST_PLACE;
+        self.stage = self.first(scene);
     }
 
-    /// Goes on until `work` comparisons have been made, or a few more: those of a row of boxes or of an offset. True when
-    /// the whole window has been gone through.
+    /// Goes on until `work` comparisons have been made, or a few more: those of a row of ranges, of a group, of an offset
+    /// or of a step of the descent. True when the whole window has been gone through.
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u64) -> bool {
         let end = self.work.saturating_add(work);
         while self.stage != Stage::Done && self.work < end {
             self.stage = match self.stage {
-                Stage::Template(row) => self.template(scene, row),
                 Stage::Start => self.start(scene),
                 Stage::Descent(descent) => self.descend(scene, descent),
-                Stage::Shrink(place, row) => self.shrink(scene, place, row),
-                Stage::Offsets(place, row, column) => self.offsets(scene, place, row, column, end),
+                Stage::Spread(place, row) => self.spread(scene, place, row),
+                Stage::Exclude(place, group) => self.exclude(scene, place, group),
+                Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset),
+                Stage::Offsets(column, row) => self.offset(scene, column, row),
                 Stage::Done => Stage::Done,
             };
         }
         self.stage == Stage::Done
     }
 
-    /// Comparisons of pixels or of boxes since the search began, at most: what scoring left out is counted, too.
+    /// Comparisons of bytes since the search began, at most: what was left out of an offset's or a group's score is
+    /// counted, too.
     pub(crate) const fn work(&self) -> u64 {
         self.work
     }
 
-    pub(crate) fn is_done(&self) -> bool {
-        self.stage == Stage::Done
-    }
-
     /// What was found; `None` before the search is done.
     pub(crate) fn found(&self, window: &Window) -> Option<Found> {
-        if self.is_done() { self.leaders.found(window) } else { None }
-    }
-
-    fn template(&mut self, scene: &Scene<'_>, row: u16) -> Stage {
-        if row >= self.boxes.rows() {
-            return Stage::Start;
-        }
-        self.boxes.shrink_template(scene.template, row, scene.scorer);
-        self.work += u64::from(scene.template.width());
-        Stage::Template(row + 1)
+        if self.stage == Stage::Done { self.leaders.found(window) } else { None }
     }
 
     fn start(&mut self, scene: &Scene<'_>) -> Stage {
         let (x, y) = scene.window.centre();
         self.score(scene, x, y);
         match sad(scene, x, y, u32::MAX) {
-            Some(distance) => Stage::Descent(Descent { x, y, distance, step: FIRST_STEP }),
-            None => FIRST_PLACE,
+            Some(distance) if first_step(&scene.window) > 0 => {
+                Stage::Descent(Descent { x, y, distance, step: first_step(&scene.window) })
+            }
+            _ => self.first(scene),
         }
     }
 
@@ -163,57 +154,89 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             return Stage::Descent(best);
         }
         self.score(scene, best.x, best.y);
-        FIRST_PLACE
+        self.first(scene)
     }
 
-    fn shrink(&mut self, scene: &Scene<'_>, place: Place, row: u16) -> Stage {
-        let tile = self.boxes.tile(&scene.window, place.column, place.row);
-        if self.boxes.rows() == 0 || row >= self.boxes.rows_of(&tile, place.phase) {
-            return Stage::Offsets(place, 0, 0);
-        }
-        let boxes = self.boxes.shrink_window(&scene.frame, &scene.window, &tile, place.phase, row, scene.scorer);
-        self.work += boxes as u64;
-        Stage::Shrink(place, row + 1)
-    }
-
-    /// The offsets of one row, from `column` on.
-    fn offsets(&mut self, scene: &Scene<'_>, place: Place, row: usize, column: usize, end: u64) -> Stage {
-        let tile = self.boxes.tile(&scene.window, place.column, place.row);
-        if row >= tile.rows_in(place.phase) {
-            return self.next(scene, &tile, place);
-        }
-        let first_row = tile.row + usize::from(place.phase) + row * usize::from(HEIGHT);
-        for column in column..tile.columns {
-            if self.work >= end {
-                return Stage::Offsets(place, row, column);
-            }
-            if !self.is_excluded(scene, &tile, column, row) {
-                let (x, y) = scene.window.position(tile.column + column, first_row);
-                self.score(scene, x, y);
-            }
-        }
-        Stage::Offsets(place, row + 1, 0)
-    }
-
-    /// The next phase, or the next tile.
-    fn next(&self, scene: &Scene<'_>, tile: &Tile, place: Place) -> Stage {
-        let (columns, rows) = scene.window.size();
-        let next = if place.phase + 1 < HEIGHT {
-            Place { phase: place.phase + 1, ..place }
-        } else if tile.column + tile.columns < columns {
-            Place { column: tile.column + tile.columns, row: place.row, phase: 0 }
+    /// What the window begins with.
+    fn first(&mut self, scene: &Scene<'_>) -> Stage {
+        if self.pruning && self.ranges.divide(&scene.window, scene.template) {
+            Stage::Spread(Place { column: 0, row: 0, pass: 0 }, 0)
         } else {
-            Place { column: 0, row: tile.row + tile.rows, phase: 0 }
-        };
-        if next.row < rows { Stage::Shrink(next, 0) } else { Stage::Done }
+            Stage::Offsets(0, 0)
+        }
     }
 
-    fn is_excluded(&mut self, scene: &Scene<'_>, tile: &Tile, column: usize, row: usize) -> bool {
-        if self.enough >= self.boxes.largest_distance() {
-            return false;
+    fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize) -> Stage {
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        if row == 0 && place.pass == 0 {
+            self.ranges.start(&tile, area(scene));
         }
-        self.work += u64::from(self.boxes.boxes());
-        self.boxes.distance(tile, column, row, self.enough, scene.scorer) > self.enough
+        if row >= self.ranges.rows(&tile, place.pass) {
+            return Stage::Exclude(place, 0);
+        }
+        let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
+        self.work += 2 * ranges as u64;
+        Stage::Spread(place, row + 1)
+    }
+
+    fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize) -> Stage {
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        let needed = self.leaders.needed();
+        if group >= tile.groups() {
+            return if place.pass + 1 < self.ranges.passes() {
+                Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
+            } else {
+                Stage::Refine(place, 0, 0)
+            };
+        }
+        if !self.ranges.is_excluded(group, needed) {
+            self.ranges.may_reach(scene.template, &tile, place.pass, group, needed, scene.scorer);
+            self.work += u64::from(area(scene)) / self.ranges.passes() as u64 + 1;
+        }
+        Stage::Exclude(place, group + 1)
+    }
+
+    fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize) -> Stage {
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        if group >= tile.groups() {
+            return self.next(scene, place);
+        }
+        if offset >= SIDE * SIDE || self.ranges.is_excluded(group, self.leaders.needed()) {
+            return Stage::Refine(place, group + 1, 0);
+        }
+        let (column, row) = tile.group(group);
+        let (column, row) = (column + offset % SIDE, row + offset / SIDE);
+        let (first_column, first_row) = tile.new_in_group(group);
+        let is_new = column >= first_column && row >= first_row;
+        let (column, row) = (tile.column + column, tile.row + row);
+        if is_new && column >= place.column && row >= place.row {
+            let (x, y) = scene.window.position(column, row);
+            self.score(scene, x, y);
+        }
+        Stage::Refine(place, group, offset + 1)
+    }
+
+    /// The next tile.
+    fn next(&self, scene: &Scene<'_>, place: Place) -> Stage {
+        let (columns, rows) = scene.window.size();
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        if tile.column + tile.columns < columns {
+            Stage::Spread(Place { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
+        } else if tile.row + tile.rows < rows {
+            Stage::Spread(Place { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
+        } else {
+            Stage::Done
+        }
+    }
+
+    fn offset(&mut self, scene: &Scene<'_>, column: usize, row: usize) -> Stage {
+        let (columns, rows) = scene.window.size();
+        if row >= rows {
+            return Stage::Done;
+        }
+        let (x, y) = scene.window.position(column, row);
+        self.score(scene, x, y);
+        if column + 1 < columns { Stage::Offsets(column + 1, row) } else { Stage::Offsets(0, row + 1) }
     }
 
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
@@ -221,19 +244,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
         let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
         if let Some(score) = score {
-            self.note(scene, Peak { x, y, score });
-        }
-    }
-
-    fn note(&mut self, scene: &Scene<'_>, candidate: Peak) {
-        if self.leaders.note(&scene.window, candidate) {
-            let loss_per_level = scene.scorer.loss_per_level();
-            self.enough = self.boxes.enough(area(scene), self.leaders.needed(), loss_per_level);
+            self.leaders.note(&scene.window, Peak { x, y, score });
         }
     }
 }
-
-const FIRST_PLACE: Stage = Stage::Shrink(Place { column: 0, row: 0, phase: 0 }, 0);
 
 const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
 

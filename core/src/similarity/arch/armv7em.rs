@@ -1,7 +1,6 @@
 //! The kernels by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
 //!
 //! - `usada8` adds the four absolute differences of two registers to a third.
-//! - `uhadd8` halves four sums, rounding down: `means` is three rounds of it.
 //! - `uqsub8` subtracts and stops at zero: what is left of a threshold after a difference.
 //!
 //! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
@@ -59,17 +58,6 @@ impl Kernels for Dsp {
             column += STRIP;
         }
         sum.wrapping_sub(start).cast_unsigned()
-    }
-
-    #[inline(never)]
-    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        let columns = rows.iter().fold(means.len(), |columns, row| columns.min(row.len()));
-        if columns < LANES {
-            return scalar::means(rows, means);
-        }
-        let addresses = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: all eight rows, and what is written, have that many columns: at least four.
-        unsafe { means_at(&addresses, means.as_mut_ptr(), columns) }
     }
 }
 
@@ -130,53 +118,6 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
         );
     }
     sum
-}
-
-/// # Safety
-/// At all `rows` and at `means` there are `columns` bytes, at least four.
-#[inline(always)]
-unsafe fn means_at(rows: &[*const u8; 8], means: *mut u8, columns: usize) {
-    // SAFETY: four columns at a time, from the last ones down; the first four may be some of those before again.
-    unsafe {
-        asm!(
-            "2:",
-            "ldrd {a}, {b}, [{rows}]",
-            "ldr {a}, [{a}, {at}]",
-            "ldr {b}, [{b}, {at}]",
-            "ldrd {c}, {d}, [{rows}, #8]",
-            "ldr {c}, [{c}, {at}]",
-            "ldr {d}, [{d}, {at}]",
-            "uhadd8 {a}, {a}, {b}",
-            "uhadd8 {c}, {c}, {d}",
-            "uhadd8 {a}, {a}, {c}",
-            "ldrd {b}, {c}, [{rows}, #16]",
-            "ldr {b}, [{b}, {at}]",
-            "ldr {c}, [{c}, {at}]",
-            "ldrd {d}, {e}, [{rows}, #24]",
-            "ldr {d}, [{d}, {at}]",
-            "ldr {e}, [{e}, {at}]",
-            "uhadd8 {b}, {b}, {c}",
-            "uhadd8 {d}, {d}, {e}",
-            "uhadd8 {b}, {b}, {d}",
-            "uhadd8 {a}, {a}, {b}",
-            "str {a}, [{means}, {at}]",
-            "subs {at}, {at}, #4",
-            "bpl 2b",
-            "adds {at}, {at}, #4", // of the columns before, there are that many left
-            "it ne",
-            "movne {at}, #0",
-            "bne 2b",
-            a = out(reg) _,
-            b = out(reg) _,
-            c = out(reg) _,
-            d = out(reg) _,
-            e = out(reg) _,
-            rows = in(reg) rows,
-            means = in(reg) means,
-            at = inout(reg) columns - LANES => _,
-            options(nostack),
-        );
-    }
 }
 
 /// Compares two rows of `width` pixels.

@@ -73,11 +73,6 @@ impl Kernels for Lookup {
             }
         }
     }
-
-    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        // SAFETY: a `Lookup` exists only where AVX2 does.
-        unsafe { halve(rows, means) }
-    }
 }
 
 impl Lookup {
@@ -275,24 +270,6 @@ unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32
     across(sum)
 }
 
-/// See [`scalar::means`].
-#[target_feature(enable = "avx2")]
-fn halve(rows: &[&[u8]; 8], means: &mut [u8]) {
-    let columns = rows.iter().map(|row| row.len()).min().unwrap_or(0).min(means.len());
-    let Some(last) = columns.checked_sub(LANES) else {
-        return scalar::means(rows, means);
-    };
-    for at in (0..last).step_by(LANES).chain([last]) {
-        let [a, b, c, d, e, f, g, h] = rows.map(|row| row.as_ptr().wrapping_add(at));
-        // SAFETY: at + 32 is at most `columns`, which no row is shorter than, nor `means`.
-        unsafe {
-            let upper = _mm256_avg_epu8(inverse_mean(a, b), inverse_mean(c, d));
-            let lower = _mm256_avg_epu8(inverse_mean(e, f), inverse_mean(g, h));
-            _mm256_storeu_si256(means.as_mut_ptr().wrapping_add(at).cast(), inverse(_mm256_avg_epu8(upper, lower)));
-        }
-    }
-}
-
 /// The end of a row: the 1 to 31 pixels that are left where whole registers have been taken off.
 ///
 /// Two loads of the same size, one from the first and one to the last pixel, hold a row of up to twice that size; of the
@@ -365,25 +342,6 @@ const fn lanes(first: usize, second: usize) -> [u8; LANES] {
         lane += 1;
     }
     lanes
-}
-
-/// 255 minus the means of two rows: `pavgb` rounds up, and 255 minus that is rounded down.
-///
-/// # Safety
-/// There are 32 readable bytes at both.
-#[inline]
-#[target_feature(enable = "avx2")]
-unsafe fn inverse_mean(a: *const u8, b: *const u8) -> __m256i {
-    // SAFETY: the caller has seen to it.
-    let (a, b) = unsafe { (load(a), load(b)) };
-    _mm256_avg_epu8(inverse(a), inverse(b))
-}
-
-/// 255 minus each byte.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn inverse(bytes: __m256i) -> __m256i {
-    _mm256_xor_si256(bytes, _mm256_set1_epi8(-1))
 }
 
 /// # Safety

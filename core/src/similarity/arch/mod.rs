@@ -90,8 +90,8 @@ trait Kernels {
         scalar::distance(patch, template, enough)
     }
 
-    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        scalar::means(rows, means);
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        scalar::spread(rows, low, high);
     }
 }
 
@@ -179,22 +179,28 @@ impl Scorer {
         dispatch!(self, kernels => kernels.distance(patch, template, enough))
     }
 
-    /// The means of columns of eight rows, as [`scalar::means`] gives them.
+    /// The score of a patch of which only bounds are known, as [`scalar::score_between_at_least`] gives it.
+    #[must_use]
     #[inline(always)]
-    pub fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        dispatch!(self, kernels => kernels.means(rows, means));
+    pub fn score_between_at_least(
+        &self,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor)
+    }
+
+    /// The lowest and the highest of each block of 4x4 pixels, as [`scalar::spread`] gives them.
+    #[inline(always)]
+    pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        dispatch!(self, kernels => kernels.spread(rows, low, high));
     }
 
     /// The score of what lies on the padding; see [`scalar::score_on_padding`].
     #[must_use]
     pub(super) fn score_on_padding(&self, template: Image<'_>, seen: crate::Rect) -> u32 {
         scalar::score_on_padding(template, seen, self.table, self.threshold)
-    }
-
-    /// s such that a pixel of difference d loses at least s * d of its 65535, for every d: the largest such integer.
-    #[must_use]
-    pub(crate) fn loss_per_level(&self) -> u32 {
-        // A pixel that does not count loses all, and that is least a level where the difference is largest.
-        scalar::chord(self.table, self.threshold).min(u32::from(Table::ONE) / 255)
     }
 }
