@@ -202,7 +202,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         }
         let backend = self.config.backend.unwrap_or_else(Backend::best);
         let scorer = Scorer::new(backend, self.config.table, self.template.threshold());
-        Ok(Update { tracker: self, frame: *frame, window, scorer, track })
+        Ok(Update { tracker: self, frame: *frame, window, scorer, track, work: 0 })
     }
 }
 
@@ -216,26 +216,27 @@ pub struct Update<'a, const PIXELS: usize, const SPAN: usize> {
     window: Window,
     scorer: Scorer,
     track: Track,
+    work: u64,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most eight times the
     /// template's pixels. True when nothing is left to do but [`Update::finish`].
     pub fn step(&mut self, work: u32) -> bool {
-        self.advance(work.into())
+        self.advance(work)
     }
 
-    /// How many comparisons of bytes have been made since the update began, at most: what could be left out of scoring an
-    /// offset is counted, too.
+    /// How many comparisons of bytes have been made since the update was begun or resumed, at most: what could be left out
+    /// of a score is counted, too.
     #[must_use]
     pub const fn work(&self) -> u64 {
-        self.tracker.search.work()
+        self.work
     }
 
     /// Does what is left, and gives the answer.
     #[must_use]
     pub fn finish(mut self) -> Answer {
-        while !self.advance(u64::MAX) {}
+        while !self.advance(u32::MAX) {}
         self.tracker.begun = false;
         let found = self.tracker.search.found(&self.window).unwrap_or(NOTHING);
         self.tracker.decide(&self.frame, self.track, found)
@@ -250,11 +251,12 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
         *begun = true;
     }
 
-    fn advance(&mut self, work: u64) -> bool {
+    fn advance(&mut self, work: u32) -> bool {
         let Tracker { search, template, config, .. } = &mut *self.tracker;
         let Some(template) = template.image() else { return true };
         let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
-        if !search.step(&scene, work) {
+        self.work = self.work.saturating_add(search.step(&scene, work).into());
+        if !search.is_done() {
             return false;
         }
         match search.found(&self.window) {

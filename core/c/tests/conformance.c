@@ -283,6 +283,17 @@ static smr_tracker *start(smr_storage *storage, const smr_config *config, const 
     return tracker;
 }
 
+/* In steps of less than any frame needs, and the tracker is left alone between them. */
+static void update_in_steps(smr_tracker *tracker, const smr_frame *frame, smr_answer *answer)
+{
+    uint8_t done = 0;
+    must(smr_begin(tracker, frame));
+    while (!done) {
+        must(smr_step(tracker, frame, 50, &done));
+    }
+    must(smr_finish(tracker, frame, answer));
+}
+
 static void update_both(smr_tracker *whole, smr_tracker *part, smr_answer answers[2])
 {
     smr_frame frame = whole_frame();
@@ -290,7 +301,7 @@ static void update_both(smr_tracker *whole, smr_tracker *part, smr_answer answer
     must(smr_update(whole, &frame, &answers[0]));
     must(smr_window(part, &window));
     frame = part_of_frame(&window);
-    must(smr_update(part, &frame, &answers[1]));
+    update_in_steps(part, &frame, &answers[1]);
 }
 
 static void run(unsigned *cases, unsigned *compared)
@@ -306,7 +317,7 @@ static void run(unsigned *cases, unsigned *compared)
         if (keyword[0] == '\0' || keyword[0] == '#') {
             skip_line(last);
         } else if (strcmp(keyword, "smr-vectors") == 0) {
-            if (number(10) != 1) {
+            if (number(10) != 2) {
                 stop("another version of the vectors");
             }
         } else if (strcmp(keyword, "case") == 0) {

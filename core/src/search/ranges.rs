@@ -113,19 +113,19 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         pass: usize,
         row: usize,
         scorer: &Scorer,
-    ) -> usize {
+    ) -> u32 {
         let width = self.shape.columns_of(tile.columns);
         let (low, high) = self.bytes.split_at_mut(PIXELS / 2);
         let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let (x, y) = window.position(tile.column, tile.row + pass + row * self.shape.passes);
         spread(frame, x, y, scorer, low, high);
-        width
+        u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Adds a pass to what is known of a group. Without any more to come, true if it may hold an offset that reaches
-    /// `needed`; false, for this and all passes that follow, if it cannot.
-    pub(super) fn may_reach(
+    /// Adds a pass to what is known of a group, which must then still be able to reach `needed`. Returns how many pixels were
+    /// compared, at most.
+    pub(super) fn look(
         &mut self,
         template: Image<'_>,
         tile: &Tile,
@@ -133,28 +133,30 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         group: usize,
         needed: u32,
         scorer: &Scorer,
-    ) -> bool {
-        let Some(reach) = self.reach.as_flattened_mut().get_mut(group) else { return true };
-        let passes = self.shape.passes;
+    ) -> u32 {
         let (column, row) = tile.group(group);
         // The rows of the template that meet the rows of this pass, and the first row of ranges that they meet.
+        let passes = self.shape.passes;
         let first = (pass + passes - row % passes) % passes;
-        let Some(template) = template.every(first, passes) else { return *reach >= needed.max(1) };
         let stride = self.shape.columns_of(tile.columns);
         let start = (row + first) / passes * stride + column;
         let (low, high) = self.bytes.split_at(PIXELS / 2);
-        let (width, height) = (template.width(), template.height());
-        let low = Image::with_stride(low.get(start..).unwrap_or_default(), width, height, stride);
-        let high = Image::with_stride(high.get(start..).unwrap_or_default(), width, height, stride);
-        let (Ok(low), Ok(high)) = (low, high) else { return true };
-        // Of what the group can reach, the similarities of these rows are replaced by what their ranges allow.
-        let others = *reach - u32::from(width) * u32::from(height) * u32::from(Table::ONE);
-        let score = scorer.score_between_at_least(low, high, template, needed.max(1).saturating_sub(others));
-        *reach = score.map_or(0, |score| others + score);
-        score.is_some()
+        let look = |reach: &mut u32| {
+            let template = template.every(first, passes)?;
+            let size = (template.width(), template.height());
+            let low = Image::with_stride(low.get(start..)?, size.0, size.1, stride).ok()?;
+            let high = Image::with_stride(high.get(start..)?, size.0, size.1, stride).ok()?;
+            let pixels = u32::from(template.width()) * u32::from(template.height());
+            // Of what the group can reach, the similarities of these rows are replaced by what their ranges allow.
+            let others = *reach - pixels * u32::from(Table::ONE);
+            let score = scorer.score_between_at_least(low, high, template, needed.max(1).saturating_sub(others));
+            *reach = score.map_or(0, |score| others + score);
+            Some(pixels)
+        };
+        self.reach.as_flattened_mut().get_mut(group).and_then(look).unwrap_or(0)
     }
 
-    /// What [`Ranges::may_reach`] has found in the passes so far.
+    /// True if no offset of a group reaches `needed`, or 1, as far as has been looked.
     pub(super) fn is_excluded(&self, group: usize, needed: u32) -> bool {
         self.reach.as_flattened().get(group).is_some_and(|&reach| reach < needed.max(1))
     }

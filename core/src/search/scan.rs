@@ -24,7 +24,8 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     ranges: Ranges<PIXELS, SPAN>,
     stage: Stage,
     pruning: bool,
-    work: u64,
+    /// Comparisons in the present step.
+    work: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -83,7 +84,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, neighbourhood: Option<u16>) {
         self.leaders.reset(&scene.window, neighbourhood);
         self.pruning = pruning;
-        self.work = 0;
         self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };
     }
 
@@ -98,10 +98,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Goes on until `work` comparisons have been made, or a few more: those of a row of ranges, of a group, of an offset
-    /// or of a step of the descent. True when the whole window has been gone through.
-    pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u64) -> bool {
-        let end = self.work.saturating_add(work);
-        while self.stage != Stage::Done && self.work < end {
+    /// or of a step of the descent. What comparisons were left out of a score is counted, too; the count is returned.
+    pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
+        self.work = 0;
+        while self.stage != Stage::Done && self.work < work {
             self.stage = match self.stage {
                 Stage::Start => self.start(scene),
                 Stage::Descent(descent) => self.descend(scene, descent),
@@ -112,18 +112,21 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Done => Stage::Done,
             };
         }
+        self.work
+    }
+
+    /// True when the whole window has been gone through.
+    pub(crate) fn is_done(&self) -> bool {
         self.stage == Stage::Done
     }
 
-    /// Comparisons of bytes since the search began, at most: what was left out of an offset's or a group's score is
-    /// counted, too.
-    pub(crate) const fn work(&self) -> u64 {
-        self.work
+    fn spend(&mut self, comparisons: u32) {
+        self.work = self.work.saturating_add(comparisons);
     }
 
     /// What was found; `None` before the search is done.
     pub(crate) fn found(&self, window: &Window) -> Option<Found> {
-        if self.stage == Stage::Done { self.leaders.found(window) } else { None }
+        if self.is_done() { self.leaders.found(window) } else { None }
     }
 
     fn start(&mut self, scene: &Scene<'_>) -> Stage {
@@ -148,7 +151,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 best = Descent { x, y, distance, ..best };
             }
         }
-        self.work += 8 * u64::from(area(scene));
+        self.spend(8 * area(scene));
         best.step = from.step / 2;
         if best.step > 0 {
             return Stage::Descent(best);
@@ -175,7 +178,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             return Stage::Exclude(place, 0);
         }
         let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
-        self.work += 2 * ranges as u64;
+        self.spend(2 * ranges);
         Stage::Spread(place, row + 1)
     }
 
@@ -190,8 +193,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             };
         }
         if !self.ranges.is_excluded(group, needed) {
-            self.ranges.may_reach(scene.template, &tile, place.pass, group, needed, scene.scorer);
-            self.work += u64::from(area(scene)) / self.ranges.passes() as u64 + 1;
+            let compared = self.ranges.look(scene.template, &tile, place.pass, group, needed, scene.scorer);
+            self.spend(compared);
         }
         Stage::Exclude(place, group + 1)
     }
@@ -240,7 +243,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
-        self.work += u64::from(area(scene));
+        self.spend(area(scene));
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
         let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
         if let Some(score) = score {

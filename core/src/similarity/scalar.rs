@@ -143,6 +143,19 @@ pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
+/// c such that a pixel that counts and has the difference d loses at least c * d of its 65535: the largest such integer.
+///
+/// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
+/// table. No slope of a convex p is looked for, all differences below `threshold` are gone through; for a table of exp the
+/// largest of them decides, as the chord from p(0) to it is then the flattest.
+#[cfg_attr(not(any(smr_dsp, smr_helium, test)), allow(dead_code))] // for backends that filter by it
+#[must_use]
+pub(super) fn chord(table: &Table, threshold: u16) -> u32 {
+    let one = u32::from(Table::ONE);
+    let counting = (0u16..).zip(table.entries()).skip(1).take_while(|&(d, _)| d < threshold);
+    counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d)).min().unwrap_or(one)
+}
+
 /// The score of the part of `template` outside `seen` against the padding, which is all zeroes.
 ///
 /// `seen` is in the template's own coordinates; empty if the whole template lies on the padding.
