@@ -77,8 +77,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         shape.is_some()
     }
 
-    pub(super) const fn passes(&self) -> usize {
-        self.shape.passes
+    pub(super) fn passes(&self) -> usize {
+        self.shape.passes.max(1) // it is; said here, it removes the check for 0 from divisions
     }
 
     /// The tile that holds the offset at (`column`, `row`) and all that follow it, as far as it reaches.
@@ -101,7 +101,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// Rows of ranges that a pass of `tile` needs.
     pub(super) fn rows(&self, tile: &Tile, pass: usize) -> usize {
-        (self.shape.rows_of(tile.rows)).saturating_sub(pass).div_ceil(self.shape.passes)
+        (self.shape.rows_of(tile.rows)).saturating_sub(pass).div_ceil(self.passes())
     }
 
     /// Computes a row of ranges; returns how many there are in it.
@@ -115,10 +115,10 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer,
     ) -> u32 {
         let width = self.shape.columns_of(tile.columns);
+        let (x, y) = window.position(tile.column, tile.row + pass + row * self.passes());
         let (low, high) = self.bytes.split_at_mut(PIXELS / 2);
         let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
-        let (x, y) = window.position(tile.column, tile.row + pass + row * self.shape.passes);
         spread(frame, x, y, scorer, low, high);
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
@@ -136,7 +136,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     ) -> u32 {
         let (column, row) = tile.group(group);
         // The rows of the template that meet the rows of this pass, and the first row of ranges that they meet.
-        let passes = self.shape.passes;
+        let passes = self.passes();
         let first = (pass + passes - row % passes) % passes;
         let stride = self.shape.columns_of(tile.columns);
         let start = (row + first) / passes * stride + column;
@@ -185,7 +185,7 @@ impl Shape {
 
     fn fits(&self, capacity: usize, groups: usize) -> bool {
         let tile = Tile { column: 0, row: 0, columns: self.columns, rows: self.rows };
-        let ranges = self.columns_of(self.columns) * self.rows_of(self.rows).div_ceil(self.passes);
+        let ranges = self.columns_of(self.columns) * self.rows_of(self.rows).div_ceil(self.passes.max(1));
         ranges <= capacity / 2 && tile.groups() <= groups
     }
 
@@ -207,17 +207,17 @@ impl Shape {
 
 /// The ranges of the blocks whose first pixels are at (`x`..., `y`) of the frame; what lies outside it is zeroes.
 fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
-    let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
-    if let Some(pixels) = frame.patch(Rect::new(x, y, columns, SIDE as u16)) {
-        return scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high);
-    }
+    const ROWS: [u16; SIDE] = [0, 1, 2, 3];
     const PART: usize = 64;
+    let place = |x: i32, columns: usize| Rect::new(x, y, u16::try_from(columns).unwrap_or(u16::MAX), 4);
+    if let Some(pixels) = frame.patch(place(x, low.len() + SIDE - 1)) {
+        return scorer.spread(&ROWS.map(|row| pixels.row(row)), low, high);
+    }
     let mut x = x;
     for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
         let columns = low.len() + SIDE - 1;
         let mut copy = [[0; PART + SIDE - 1]; SIDE];
-        let place = Rect::new(x, y, u16::try_from(columns).unwrap_or(0), SIDE as u16);
-        let seen = place.intersection(frame.bounds());
+        let seen = place(x, columns).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
             let down = usize::try_from(seen.y.saturating_sub(y)).unwrap_or(0);
@@ -227,6 +227,6 @@ fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], hi
         }
         let rows = copy.each_ref().map(|row| row.get(..columns).unwrap_or_default());
         scorer.spread(&rows, low, high);
-        x = x.saturating_add(PART as i32);
+        x = x.saturating_add(64);
     }
 }
