@@ -33,7 +33,8 @@ struct Shape {
     /// Offsets of the largest tile.
     columns: usize,
     rows: usize,
-    passes: usize,
+    /// There are 2 to the power of this many passes: 1, 2 or 4.
+    halvings: u32,
 }
 
 /// Offsets that are gone through together, counted from the window's first.
@@ -66,7 +67,7 @@ impl Tile {
 
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) const fn new() -> Self {
-        let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, passes: 1 };
+        let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
         Self { bytes: [0; PIXELS], reach: [[0; SPAN]; 3], shape }
     }
 
@@ -77,8 +78,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         shape.is_some()
     }
 
-    pub(super) fn passes(&self) -> usize {
-        self.shape.passes.max(1) // it is; said here, it removes the check for 0 from divisions
+    pub(super) const fn passes(&self) -> usize {
+        1 << self.shape.halvings
     }
 
     /// The tile that holds the offset at (`column`, `row`) and all that follow it, as far as it reaches.
@@ -101,7 +102,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// Rows of ranges that a pass of `tile` needs.
     pub(super) fn rows(&self, tile: &Tile, pass: usize) -> usize {
-        (self.shape.rows_of(tile.rows)).saturating_sub(pass).div_ceil(self.passes())
+        (self.shape.rows_of(tile.rows) + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings
     }
 
     /// Computes a row of ranges; returns how many there are in it.
@@ -137,9 +138,9 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let (column, row) = tile.group(group);
         // The rows of the template that meet the rows of this pass, and the first row of ranges that they meet.
         let passes = self.passes();
-        let first = (pass + passes - row % passes) % passes;
+        let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.columns_of(tile.columns);
-        let start = (row + first) / passes * stride + column;
+        let start = ((row + first) >> self.shape.halvings) * stride + column;
         let (low, high) = self.bytes.split_at(PIXELS / 2);
         let look = |reach: &mut u32| {
             let template = template.every(first, passes)?;
@@ -167,13 +168,13 @@ impl Shape {
     /// there are none, or if they could cost more than they save.
     fn of(template: Image<'_>, (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.width()), usize::from(template.height()));
-        let mut shape = Self { width, height, columns, rows, passes: 1 };
+        let mut shape = Self { width, height, columns, rows, halvings: 0 };
         while shape.columns >= SIDE && shape.rows >= SIDE {
             if shape.fits(capacity, groups) {
                 return Some(shape).filter(Self::pays);
             }
-            if shape.passes < SIDE {
-                shape.passes *= 2;
+            if shape.halvings < 2 {
+                shape.halvings += 1;
             } else if shape.columns > shape.rows {
                 shape.columns = (shape.columns - 1) / 2 + 1;
             } else {
@@ -185,7 +186,7 @@ impl Shape {
 
     fn fits(&self, capacity: usize, groups: usize) -> bool {
         let tile = Tile { column: 0, row: 0, columns: self.columns, rows: self.rows };
-        let ranges = self.columns_of(self.columns) * self.rows_of(self.rows).div_ceil(self.passes.max(1));
+        let ranges = self.columns_of(self.columns) * ((self.rows_of(self.rows) >> self.halvings) + 1);
         ranges <= capacity / 2 && tile.groups() <= groups
     }
 

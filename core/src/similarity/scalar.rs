@@ -153,7 +153,7 @@ pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 pub(super) fn chord(table: &Table, threshold: u16) -> u32 {
     let one = u32::from(Table::ONE);
     let counting = (0u16..).zip(table.entries()).skip(1).take_while(|&(d, _)| d < threshold);
-    counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d)).min().unwrap_or(one)
+    counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d.max(1))).min().unwrap_or(one)
 }
 
 /// The score of the part of `template` outside `seen` against the padding, which is all zeroes.
