@@ -12,15 +12,16 @@
 use super::Window;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Scorer, Table};
+use heapless::Vec;
 
 /// Offsets of a group in a row, and in a column.
 pub(super) const SIDE: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     /// The lowest of each block, row by row, then the highest.
-    bytes: [u8; PIXELS],
+    bytes: Vec<u8, PIXELS>,
     /// The most that the offsets of each group can still score; 0 if that is not enough.
-    reach: [[u32; SPAN]; 3],
+    reach: Vec<[u32; 3], SPAN>,
     shape: Shape,
 }
 
@@ -68,11 +69,13 @@ impl Tile {
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
-        Self { bytes: [0; PIXELS], reach: [[0; SPAN]; 3], shape }
+        Self { bytes: Vec::new(), reach: Vec::new(), shape }
     }
 
     /// Divides a window for a template. False if it cannot be: a window of less than four rows or columns has no groups.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
+        // Once; the first time rather than in `new`, which would move so many zeroes about. Neither can fail.
+        let _ = (self.bytes.resize(PIXELS, 0), self.reach.resize(SPAN, [0; 3]));
         let shape = Shape::of(template, window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
         shape.is_some()
@@ -117,7 +120,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     ) -> u32 {
         let width = self.shape.columns_of(tile.columns);
         let (x, y) = window.position(tile.column, tile.row + pass + row * self.passes());
-        let (low, high) = self.bytes.split_at_mut(PIXELS / 2);
+        let (low, high) = self.bytes.split_at_mut_checked(PIXELS / 2).unwrap_or_default();
         let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         spread(frame, x, y, scorer, low, high);
@@ -141,7 +144,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.columns_of(tile.columns);
         let start = ((row + first) >> self.shape.halvings) * stride + column;
-        let (low, high) = self.bytes.split_at(PIXELS / 2);
+        let (low, high) = self.bytes.split_at_checked(PIXELS / 2).unwrap_or_default();
         let look = |reach: &mut u32| {
             let template = template.every(first, passes)?;
             let size = (template.width(), template.height());
