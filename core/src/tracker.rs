@@ -190,6 +190,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         self.update_of(frame)
     }
 
+    #[inline(never)] // one copy in flash
     fn update_of<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         let track = self.track.ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
@@ -251,6 +252,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
         *begun = true;
     }
 
+    #[inline(never)] // one copy in flash
     fn advance(&mut self, work: u32) -> bool {
         let Tracker { search, template, config, .. } = &mut *self.tracker;
         let Some(template) = template.image() else { return true };
@@ -317,6 +319,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     }
 
     /// What follows from what was found: state, box, template.
+    #[inline(never)] // one copy in flash
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold) = (track.target.area(), self.template.threshold());
         let track = track.after(&found, &self.config);

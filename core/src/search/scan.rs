@@ -99,6 +99,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     /// Goes on until `work` comparisons have been made, or a few more: those of a row of ranges, of a group, of an offset
     /// or of a step of the descent. What comparisons were left out of a score is counted, too; the count is returned.
+    #[inline(never)] // one copy in flash
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
         self.work = 0;
         while self.stage != Stage::Done && self.work < work {
@@ -129,6 +130,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
+    #[inline(never)] // one copy in flash
     fn start(&mut self, scene: &Scene<'_>) -> Stage {
         let (x, y) = scene.window.centre();
         self.score(scene, x, y);
@@ -140,6 +142,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
+    #[inline(never)] // one copy in flash
     fn descend(&mut self, scene: &Scene<'_>, from: Descent) -> Stage {
         let mut best = from;
         for (dx, dy) in AROUND {
@@ -161,6 +164,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// What the window begins with.
+    #[inline(never)] // one copy in flash
     fn first(&mut self, scene: &Scene<'_>) -> Stage {
         if self.pruning && self.ranges.divide(&scene.window, scene.template) {
             Stage::Spread(Place { column: 0, row: 0, pass: 0 }, 0)
@@ -169,6 +173,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
+    #[inline(never)] // one copy in flash
     fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize) -> Stage {
         let tile = self.ranges.tile(&scene.window, place.column, place.row);
         if row == 0 && place.pass == 0 {
@@ -242,6 +247,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if column + 1 < columns { Stage::Offsets(column + 1, row) } else { Stage::Offsets(0, row + 1) }
     }
 
+    #[inline(never)] // one copy in flash
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
         self.spend(area(scene));
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
@@ -255,6 +261,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
 
 /// The SAD of a box wholly inside the frame; any part of it that is more than `enough`, once it is more.
+#[inline(never)] // one copy in flash
 fn sad(scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
     let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
     Some(scene.scorer.distance(patch, scene.template, enough))
