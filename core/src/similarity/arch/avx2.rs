@@ -129,9 +129,8 @@ impl Lookup {
         let end = End::of(rows.width);
         let (low, high) = (plane::<SEGMENTS>(&self.low), plane::<SEGMENTS>(&self.high));
         let mut sums = Sums { low: _mm256_setzero_si256(), high: _mm256_setzero_si256() };
-        let mut reachable = scalar::full(rows.width * rows.height);
         for block in rows.blocks(ROWS_A_LOOK) {
-            reachable -= scalar::full(rows.width * block.len());
+            let left = rows.full_after(block.end);
             for y in block {
                 let (f, g) = rows.row(y);
                 for at in (0..whole).map(|register| register * LANES) {
@@ -146,7 +145,7 @@ impl Lookup {
                     sums.add((_mm256_and_si256(planes.0, end.valid), _mm256_and_si256(planes.1, end.valid)));
                 }
             }
-            if sums.score() + reachable < floor {
+            if left < floor && sums.score() + left < floor {
                 return None;
             }
         }
@@ -253,22 +252,20 @@ unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32
     let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
     let end = End::of(rows.width);
     let mut sum = _mm256_setzero_si256();
-    for block in rows.blocks(ROWS_A_LOOK) {
-        for y in block {
-            let (f, g) = rows.row(y);
-            for at in (0..whole).map(|register| register * LANES) {
-                // SAFETY: at + 32 is at most the width.
-                let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
-                sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
-            }
-            if END {
-                // SAFETY: the row is as wide as `end` was made for.
-                let (f, g) = unsafe { (end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
-                let (f, g) = (_mm256_and_si256(f, end.valid), _mm256_and_si256(g, end.valid));
-                sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
-            }
+    for y in 0..rows.height {
+        let (f, g) = rows.row(y);
+        for at in (0..whole).map(|register| register * LANES) {
+            // SAFETY: at + 32 is at most the width.
+            let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
         }
-        if across(sum) > enough {
+        if END {
+            // SAFETY: the row is as wide as `end` was made for.
+            let (f, g) = unsafe { (end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
+            let (f, g) = (_mm256_and_si256(f, end.valid), _mm256_and_si256(g, end.valid));
+            sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
+        }
+        if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && across(sum) > enough {
             break;
         }
     }

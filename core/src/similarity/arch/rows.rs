@@ -1,5 +1,6 @@
 //! The rows of two pictures side by side, as cheap to go through as two addresses.
 
+use super::super::Table;
 use crate::image::Image;
 use core::ops::Range;
 
@@ -39,6 +40,14 @@ impl Rows {
     pub(super) fn blocks(&self, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
         let height = self.height;
         (0..height).step_by(size).map(move |first| first..height.min(first + size))
+    }
+
+    /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
+    #[inline]
+    pub(super) fn full_after(&self, y: usize) -> u32 {
+        let pixels = self.width.wrapping_mul(self.height.wrapping_sub(y));
+        #[allow(clippy::cast_possible_truncation)] // at most Table::MAX_PIXELS
+        u32::from(Table::ONE).wrapping_mul(pixels as u32)
     }
 
     /// Where row `y` of both begins: as long as the pictures live, there are `width` readable bytes if `y` < `height`.
