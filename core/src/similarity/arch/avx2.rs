@@ -44,6 +44,7 @@ pub(super) fn is_available() -> bool {
 }
 
 impl Kernels for Lookup {
+    #[inline]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::of(patch, template);
         // SAFETY: a `Lookup` exists only where AVX2 does, and both pictures are borrowed.
@@ -59,6 +60,7 @@ impl Kernels for Lookup {
         }
     }
 
+    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         // SAFETY: a `Lookup` exists only where AVX2 does, and both pictures are borrowed.
@@ -74,6 +76,7 @@ impl Kernels for Lookup {
         }
     }
 
+    #[inline]
     fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
         // SAFETY: a `Lookup` exists only where AVX2 does.
         unsafe { halve(rows, means) }
@@ -99,7 +102,6 @@ impl Lookup {
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed.
-    #[inline]
     #[target_feature(enable = "avx2")]
     unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
         // SAFETY: as the caller has seen to.

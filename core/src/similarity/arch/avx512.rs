@@ -33,6 +33,7 @@ pub(super) fn is_available() -> bool {
 }
 
 impl Kernels for Lookup {
+    #[inline]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::of(patch, template);
         // SAFETY: a `Lookup` exists only where these instructions do, and both pictures are borrowed.
@@ -46,6 +47,7 @@ impl Kernels for Lookup {
         }
     }
 
+    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         // SAFETY: a `Lookup` exists only where these instructions do, and both pictures are borrowed.
@@ -58,6 +60,7 @@ impl Kernels for Lookup {
         }
     }
 
+    #[inline]
     fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
         // SAFETY: a `Lookup` exists only where these instructions do.
         unsafe { halve(rows, means) }
