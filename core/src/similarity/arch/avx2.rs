@@ -127,31 +127,54 @@ impl Lookup {
         rows: &Rows,
         floor: u32,
     ) -> Option<u32> {
-        let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
-        let end = End::of(rows.width);
-        let (low, high) = (plane::<SEGMENTS>(&self.low), plane::<SEGMENTS>(&self.high));
+        let walk = Walk {
+            rows,
+            whole: if WHOLE == ANY { rows.width / LANES } else { WHOLE },
+            end: End::of(rows.width),
+            low: plane::<SEGMENTS>(&self.low),
+            high: plane::<SEGMENTS>(&self.high),
+        };
         let mut sums = Sums { low: _mm256_setzero_si256(), high: _mm256_setzero_si256() };
-        for block in rows.blocks(ROWS_A_LOOK) {
-            let left = rows.full_after(block.end);
-            for y in block {
-                let (f, g) = rows.row(y);
-                for at in (0..whole).map(|register| register * LANES) {
-                    // SAFETY: at + 32 is at most the width.
-                    let difference = unsafe { difference(load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
-                    sums.add(look_up::<SEGMENTS>(&low, &high, difference));
+        for y in (0..rows.height).step_by(2) {
+            walk.add_row::<SEGMENTS, WHOLE, END>(y, &mut sums);
+            if y + 1 < rows.height {
+                walk.add_row::<SEGMENTS, WHOLE, END>(y + 1, &mut sums);
+                let left = rows.full_after(y + 2);
+                if left < floor && y % ROWS_A_LOOK == ROWS_A_LOOK - 2 && sums.score() + left < floor {
+                    return None;
                 }
-                if END {
-                    // SAFETY: the row is as wide as `end` was made for.
-                    let difference = unsafe { difference(end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
-                    let planes = look_up::<SEGMENTS>(&low, &high, difference);
-                    sums.add((_mm256_and_si256(planes.0, end.valid), _mm256_and_si256(planes.1, end.valid)));
-                }
-            }
-            if left < floor && sums.score() + left < floor {
-                return None;
             }
         }
         Some(sums.score()).filter(|&score| score >= floor)
+    }
+}
+
+/// A [`Lookup`] in registers, and what it is to look up.
+struct Walk<'a> {
+    rows: &'a Rows,
+    whole: usize,
+    end: End,
+    low: Plane,
+    high: Plane,
+}
+
+impl Walk<'_> {
+    /// Adds the similarities of row `y`, which is below the height.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn add_row<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(&self, y: usize, sums: &mut Sums) {
+        let (f, g) = self.rows.row(y);
+        for at in (0..self.whole).map(|register| register * LANES) {
+            // SAFETY: at + 32 is at most the width.
+            let difference = unsafe { difference(load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sums.add(look_up::<SEGMENTS>(&self.low, &self.high, difference));
+        }
+        if END {
+            // SAFETY: the row is as wide as `end` was made for.
+            let difference = unsafe { difference(self.end.load::<WHOLE>(f), self.end.load::<WHOLE>(g)) };
+            let planes = look_up::<SEGMENTS>(&self.low, &self.high, difference);
+            sums.add((_mm256_and_si256(planes.0, self.end.valid), _mm256_and_si256(planes.1, self.end.valid)));
+        }
     }
 }
 

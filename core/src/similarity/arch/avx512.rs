@@ -88,39 +88,72 @@ impl Lookup {
     /// The pictures that `rows` were made of are borrowed.
     #[target_feature(enable = "avx512bw,avx512vbmi,avx512vnni")]
     unsafe fn sum_at_least<const WIDE: bool, const WHOLE: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
-        let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
-        let end = lanes(rows.width % LANES);
-        let (low, high) = (Plane::of(&self.low), Plane::of(&self.high));
-        let threshold = _mm512_set1_epi8(self.threshold.cast_signed());
-        let mut sums = Sums { low: _mm512_setzero_si512(), high: _mm512_setzero_si512() };
-        for block in rows.blocks(ROWS_A_LOOK) {
-            let left = rows.full_after(block.end);
-            for y in block {
-                let (f, g) = rows.row(y);
-                for at in (0..whole).map(|register| register * LANES) {
-                    // SAFETY: at + 64 is at most the width.
-                    let difference = unsafe { difference(f.wrapping_add(at), g.wrapping_add(at), u64::MAX) };
-                    let counts = _mm512_cmplt_epu8_mask(difference, threshold);
-                    sums.add(low.look_up::<WIDE>(counts, difference), high.look_up::<WIDE>(counts, difference));
+        let walk = Walk {
+            rows,
+            whole: if WHOLE == ANY { rows.width / LANES } else { WHOLE },
+            end: lanes(rows.width % LANES),
+            low: Plane::of(&self.low),
+            high: Plane::of(&self.high),
+            threshold: _mm512_set1_epi8(self.threshold.cast_signed()),
+        };
+        // Two sums, so that a row need not wait for the one before it.
+        let (mut even, mut odd) = (Sums::zero(), Sums::zero());
+        for y in (0..rows.height).step_by(2) {
+            walk.add_row::<WIDE>(y, &mut even);
+            if y + 1 < rows.height {
+                walk.add_row::<WIDE>(y + 1, &mut odd);
+                let left = rows.full_after(y + 2);
+                if left < floor && y % ROWS_A_LOOK == ROWS_A_LOOK - 2 && score(&even, &odd) + left < floor {
+                    return None;
                 }
-                if end > 0 {
-                    let at = whole * LANES;
-                    // SAFETY: `end` has no lane that is not below the width.
-                    let difference = unsafe { difference(f.wrapping_add(at), g.wrapping_add(at), end) };
-                    let counts = _mm512_mask_cmplt_epu8_mask(end, difference, threshold);
-                    sums.add(low.look_up::<WIDE>(counts, difference), high.look_up::<WIDE>(counts, difference));
-                }
-            }
-            if left < floor && sums.score() + left < floor {
-                return None;
             }
         }
-        Some(sums.score()).filter(|&score| score >= floor)
+        Some(score(&even, &odd)).filter(|&score| score >= floor)
     }
 }
 
 /// Whatever number of registers a row fills.
 const ANY: usize = usize::MAX;
+
+/// A [`Lookup`] in registers, and what it is to look up.
+struct Walk<'a> {
+    rows: &'a Rows,
+    whole: usize,
+    end: u64,
+    low: Plane,
+    high: Plane,
+    threshold: __m512i,
+}
+
+impl Walk<'_> {
+    /// Adds the similarities of row `y`, which is below the height.
+    #[inline]
+    #[target_feature(enable = "avx512bw,avx512vbmi,avx512vnni")]
+    fn add_row<const WIDE: bool>(&self, y: usize, sums: &mut Sums) {
+        let (f, g) = self.rows.row(y);
+        for at in (0..self.whole).map(|register| register * LANES) {
+            // SAFETY: at + 64 is at most the width.
+            let difference = unsafe { difference(f.wrapping_add(at), g.wrapping_add(at), u64::MAX) };
+            self.add::<WIDE>(difference, u64::MAX, sums);
+        }
+        if self.end > 0 {
+            let at = self.whole * LANES;
+            // SAFETY: `end` has no lane that is not below the width.
+            let difference = unsafe { difference(f.wrapping_add(at), g.wrapping_add(at), self.end) };
+            self.add::<WIDE>(difference, self.end, sums);
+        }
+    }
+
+    /// Adds the similarities in the lanes of `valid`.
+    #[inline]
+    #[target_feature(enable = "avx512bw,avx512vbmi,avx512vnni")]
+    fn add<const WIDE: bool>(&self, difference: __m512i, valid: u64, sums: &mut Sums) {
+        let counts = _mm512_mask_cmplt_epu8_mask(valid, difference, self.threshold);
+        let (low, high) = (self.low.look_up::<WIDE>(counts, difference), self.high.look_up::<WIDE>(counts, difference));
+        sums.low = _mm512_dpbusd_epi32(sums.low, low, _mm512_set1_epi8(1));
+        sums.high = _mm512_dpbusd_epi32(sums.high, high, _mm512_set1_epi8(1));
+    }
+}
 
 /// 128 entries of one byte plane of a table.
 struct Plane {
@@ -156,18 +189,19 @@ struct Sums {
 
 impl Sums {
     #[inline]
-    #[target_feature(enable = "avx512vnni")]
-    fn add(&mut self, low: __m512i, high: __m512i) {
-        self.low = _mm512_dpbusd_epi32(self.low, low, _mm512_set1_epi8(1));
-        self.high = _mm512_dpbusd_epi32(self.high, high, _mm512_set1_epi8(1));
+    #[target_feature(enable = "avx512f")]
+    fn zero() -> Self {
+        Self { low: _mm512_setzero_si512(), high: _mm512_setzero_si512() }
     }
+}
 
-    /// The sum of the similarities, which fits a `u32` for as many pixels as a template may have.
-    #[inline]
-    #[target_feature(enable = "avx512bw")]
-    fn score(&self) -> u32 {
-        _mm512_reduce_add_epi32(_mm512_add_epi32(self.low, _mm512_slli_epi32(self.high, 8))).cast_unsigned()
-    }
+/// The sum of the similarities, which fits a `u32` for as many pixels as a template may have.
+#[inline]
+#[target_feature(enable = "avx512bw")]
+fn score(even: &Sums, odd: &Sums) -> u32 {
+    let low = _mm512_add_epi32(even.low, odd.low);
+    let high = _mm512_slli_epi32(_mm512_add_epi32(even.high, odd.high), 8);
+    _mm512_reduce_add_epi32(_mm512_add_epi32(low, high)).cast_unsigned()
 }
 
 /// See [`scalar::distance`](super::super::scalar::distance); `WHOLE` is as for [`Lookup::sum_at_least`].
