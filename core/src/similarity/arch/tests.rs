@@ -100,6 +100,8 @@ macro_rules! stamp {
 
 stamp! {
     scalar_loop: Scalar;
+    sse2: Sse2;
     avx2: Avx2;
     avx512: Avx512;
+    neon: Neon;
 }
