@@ -2,9 +2,19 @@
 //!
 //! | file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `avx512.rs` | AVX-512 BW and VBMI | found at run time (`std`) or compiled for | where the machine has it |
-//! | `avx2.rs` | AVX2 | the same | where the machine has it |
+//! | `avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
+//! | `avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
+//! | `sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
+//! | `neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
 //! | (`scalar.rs`) | any | everywhere else | always |
+//!
+//! `rows.rs` is what the kernels go through pictures by, `verify.rs` the plain loops beside them (feature `verify`).
+//!
+//! # Where weights would be added
+//!
+//! A weight for each pixel of the template, a small integer, would multiply what is looked up before it is added: in
+//! `scalar::pixel`, which specifies it, and in the one function of each file that adds a register's similarities. The
+//! lookup and its tables stay as they are. Bounds then take the sum of the weights for the number of pixels.
 //!
 //! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
 
@@ -21,6 +31,11 @@ mod rows;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 
+#[cfg(any(test, feature = "verify"))]
+mod verify;
+
+#[cfg(test)]
+mod guard;
 #[cfg(test)]
 mod tests;
 
@@ -179,20 +194,28 @@ impl Scorer {
     #[must_use]
     #[inline(always)]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        dispatch!(self, kernels => kernels.score_at_least(patch, template, floor))
+        let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score(score, (patch, template), (self.table, self.threshold), floor);
+        score
     }
 
     /// The SAD, as [`scalar::distance`] gives it; once it is more than `enough`, any part of it that is.
     #[must_use]
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        dispatch!(self, kernels => kernels.distance(patch, template, enough))
+        let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
+        #[cfg(feature = "verify")]
+        verify::distance(distance, (patch, template), enough);
+        distance
     }
 
     /// The means of columns of eight rows, as [`scalar::means`] gives them.
     #[inline(always)]
     pub fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
         dispatch!(self, kernels => kernels.means(rows, means));
+        #[cfg(feature = "verify")]
+        verify::means(rows, means);
     }
 
     /// The score of what lies on the padding; see [`scalar::score_on_padding`].

@@ -2,7 +2,6 @@
 
 use super::super::Table;
 use crate::image::Image;
-use core::ops::Range;
 
 /// The common top left part of two pictures.
 ///
@@ -33,13 +32,6 @@ impl Rows {
             width: usize::from(patch.width().min(template.width())),
             height: usize::from(patch.height().min(template.height())),
         }
-    }
-
-    /// All rows in blocks of `size`, the last of which may be smaller.
-    #[inline]
-    pub(super) fn blocks(&self, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
-        let height = self.height;
-        (0..height).step_by(size).map(move |first| first..height.min(first + size))
     }
 
     /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
