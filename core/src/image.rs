@@ -187,7 +187,7 @@ impl<'a> Image<'a> {
     }
 
     /// The slice and the stride: row y of `width` pixels starts at byte y * stride, and all rows lie within the slice.
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for backends that go by addresses
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that go by addresses
     pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
         (self.pixels, self.stride)
     }

@@ -54,6 +54,7 @@
 //! # Features
 //!
 //! - `std`: asks the machine at run time which instruction sets it has; see [`similarity::Backend`].
+//! - `verify`: runs the plain loops beside every call of a faster backend, and panics where they differ.
 //! - `defmt`: the public types implement `defmt::Format`.
 //! - `pursuit`: module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 

@@ -9,7 +9,7 @@
 //!    byte outside a row is read, whatever its width.
 
 use super::super::{Table, scalar};
-use super::{Kernels, rows::Rows};
+use super::{Kernels, Plain, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
 use core::slice;
@@ -44,21 +44,30 @@ pub(super) fn is_available() -> bool {
 }
 
 impl Kernels for Lookup {
+    #[inline]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let rows = Rows::of(patch, template);
-        // SAFETY: a `Lookup` exists only where AVX2 does, and both pictures are borrowed.
-        unsafe {
-            match self.segments {
-                0..=1 => self.sum_by_width::<1>(&rows, floor),
-                2 => self.sum_by_width::<2>(&rows, floor),
-                3 => self.sum_by_width::<3>(&rows, floor),
-                4 => self.sum_by_width::<4>(&rows, floor),
-                5..=8 => self.sum_by_width::<8>(&rows, floor),
-                _ => self.sum_by_width::<16>(&rows, floor),
-            }
-        }
+        self.sum(&Rows::of(patch, template), floor)
     }
 
+    #[inline]
+    fn score_between_at_least(
+        &self,
+        _: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        self.sum(&Rows::between(low, high, template), floor)
+    }
+
+    #[inline]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        // SAFETY: a `Lookup` exists only where AVX2 does.
+        unsafe { spread(rows, low, high) }
+    }
+
+    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         // SAFETY: a `Lookup` exists only where AVX2 does, and both pictures are borrowed.
@@ -90,11 +99,26 @@ impl Lookup {
         Some(Self { low: differences(&planes.0), high: differences(&planes.1), segments })
     }
 
+    /// The score of rows whose pictures are borrowed.
+    #[inline]
+    fn sum(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        // SAFETY: a `Lookup` exists only where AVX2 does, and the pictures are borrowed.
+        unsafe {
+            match self.segments {
+                0..=1 => self.sum_by_width::<1>(rows, floor),
+                2 => self.sum_by_width::<2>(rows, floor),
+                3 => self.sum_by_width::<3>(rows, floor),
+                4 => self.sum_by_width::<4>(rows, floor),
+                5..=8 => self.sum_by_width::<8>(rows, floor),
+                _ => self.sum_by_width::<16>(rows, floor),
+            }
+        }
+    }
+
     /// The usual widths have a loop of their own.
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed.
-    #[inline]
     #[target_feature(enable = "avx2")]
     unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
         // SAFETY: as the caller has seen to.
@@ -120,32 +144,56 @@ impl Lookup {
         rows: &Rows,
         floor: u32,
     ) -> Option<u32> {
-        let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
-        let end = End::of(rows.width);
-        let (low, high) = (plane::<SEGMENTS>(&self.low), plane::<SEGMENTS>(&self.high));
+        let walk = Walk {
+            rows,
+            whole: if WHOLE == ANY { rows.width / LANES } else { WHOLE },
+            end: End::of(rows.width),
+            low: plane::<SEGMENTS>(&self.low),
+            high: plane::<SEGMENTS>(&self.high),
+        };
         let mut sums = Sums { low: _mm256_setzero_si256(), high: _mm256_setzero_si256() };
-        let mut reachable = scalar::full(rows.width * rows.height);
-        for block in rows.blocks(ROWS_A_LOOK) {
-            reachable -= scalar::full(rows.width * block.len());
-            for y in block {
-                let (f, g) = rows.row(y);
-                for at in (0..whole).map(|register| register * LANES) {
-                    // SAFETY: at + 32 is at most the width.
-                    let difference = unsafe { difference(load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
-                    sums.add(look_up::<SEGMENTS>(&low, &high, difference));
+        for y in (0..rows.height).step_by(2) {
+            walk.add_row::<SEGMENTS, WHOLE, END>(y, &mut sums);
+            if y + 1 < rows.height {
+                walk.add_row::<SEGMENTS, WHOLE, END>(y + 1, &mut sums);
+                let left = rows.full_after(y + 2);
+                if left < floor && y % ROWS_A_LOOK == ROWS_A_LOOK - 2 && sums.score() + left < floor {
+                    return None;
                 }
-                if END {
-                    // SAFETY: the row is as wide as `end` was made for.
-                    let difference = unsafe { difference(end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
-                    let planes = look_up::<SEGMENTS>(&low, &high, difference);
-                    sums.add((_mm256_and_si256(planes.0, end.valid), _mm256_and_si256(planes.1, end.valid)));
-                }
-            }
-            if sums.score() + reachable < floor {
-                return None;
             }
         }
         Some(sums.score()).filter(|&score| score >= floor)
+    }
+}
+
+/// A [`Lookup`] in registers, and what it is to look up.
+struct Walk<'a> {
+    rows: &'a Rows,
+    whole: usize,
+    end: End,
+    low: Plane,
+    high: Plane,
+}
+
+impl Walk<'_> {
+    /// Adds the similarities of row `y`, which is below the height.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn add_row<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(&self, y: usize, sums: &mut Sums) {
+        let ((f, g), h) = (self.rows.row(y), self.rows.high_row(y));
+        for at in (0..self.whole).map(|register| register * LANES) {
+            // SAFETY: at + 32 is at most the width.
+            let difference =
+                unsafe { outside(load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sums.add(look_up::<SEGMENTS>(&self.low, &self.high, difference));
+        }
+        if END {
+            // SAFETY: the row is as wide as `end` was made for.
+            let difference =
+                unsafe { outside(self.end.load::<WHOLE>(f), self.end.load::<WHOLE>(h), self.end.load::<WHOLE>(g)) };
+            let planes = look_up::<SEGMENTS>(&self.low, &self.high, difference);
+            sums.add((_mm256_and_si256(planes.0, self.end.valid), _mm256_and_si256(planes.1, self.end.valid)));
+        }
     }
 }
 
@@ -248,26 +296,50 @@ unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32
     let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
     let end = End::of(rows.width);
     let mut sum = _mm256_setzero_si256();
-    for block in rows.blocks(ROWS_A_LOOK) {
-        for y in block {
-            let (f, g) = rows.row(y);
-            for at in (0..whole).map(|register| register * LANES) {
-                // SAFETY: at + 32 is at most the width.
-                let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
-                sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
-            }
-            if END {
-                // SAFETY: the row is as wide as `end` was made for.
-                let (f, g) = unsafe { (end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
-                let (f, g) = (_mm256_and_si256(f, end.valid), _mm256_and_si256(g, end.valid));
-                sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
-            }
+    for y in 0..rows.height {
+        let (f, g) = rows.row(y);
+        for at in (0..whole).map(|register| register * LANES) {
+            // SAFETY: at + 32 is at most the width.
+            let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
         }
-        if across(sum) > enough {
+        if END {
+            // SAFETY: the row is as wide as `end` was made for.
+            let (f, g) = unsafe { (end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
+            let (f, g) = (_mm256_and_si256(f, end.valid), _mm256_and_si256(g, end.valid));
+            sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
+        }
+        if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && across(sum) > enough {
             break;
         }
     }
     across(sum)
+}
+
+/// See [`scalar::spread`].
+#[target_feature(enable = "avx2")]
+fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
+    let Some(last) = columns.checked_sub(LANES) else {
+        return scalar::spread(rows, low, high);
+    };
+    // The last columns are done together with some before them, which come out the same again.
+    for at in (0..last).step_by(LANES).chain([last]) {
+        let rows = rows.map(|row| row.as_ptr().wrapping_add(at));
+        // SAFETY: at + 32 is at most `columns`; no row is shorter than that and three, nor are `low` and `high` shorter.
+        unsafe {
+            let (mut lowest, mut highest) = (_mm256_set1_epi8(-1), _mm256_setzero_si256());
+            for row in rows {
+                for column in 0..4 {
+                    let pixels = load(row.wrapping_add(column));
+                    lowest = _mm256_min_epu8(lowest, pixels);
+                    highest = _mm256_max_epu8(highest, pixels);
+                }
+            }
+            _mm256_storeu_si256(low.as_mut_ptr().wrapping_add(at).cast(), lowest);
+            _mm256_storeu_si256(high.as_mut_ptr().wrapping_add(at).cast(), highest);
+        }
+    }
 }
 
 /// The end of a row: the 1 to 31 pixels that are left where whole registers have been taken off.
@@ -360,11 +432,11 @@ fn load_half(pixels: &[u8; 16]) -> __m128i {
     unsafe { _mm_loadu_si128(pixels.as_ptr().cast()) }
 }
 
-/// |f - g| of 32 pairs of pixels.
+/// By how much 32 pixels lie outside their ranges: |f - g| where a range is one pixel.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn difference(f: __m256i, g: __m256i) -> __m256i {
-    _mm256_sub_epi8(_mm256_max_epu8(f, g), _mm256_min_epu8(f, g))
+fn outside(low: __m256i, high: __m256i, g: __m256i) -> __m256i {
+    _mm256_or_si256(_mm256_subs_epu8(low, g), _mm256_subs_epu8(g, high))
 }
 
 /// The sum of the four parts.

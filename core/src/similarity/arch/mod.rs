@@ -2,10 +2,20 @@
 //!
 //! | file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `avx512.rs` | AVX-512 BW and VBMI | found at run time (`std`) or compiled for | where the machine has it |
-//! | `avx2.rs` | AVX2 | the same | where the machine has it |
+//! | `avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
+//! | `avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
+//! | `sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
+//! | `neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
 //! | `armv7em.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | (`scalar.rs`) | any | everywhere else | always |
+//!
+//! `rows.rs` is what the kernels go through pictures by, `verify.rs` the plain loops beside them (feature `verify`).
+//!
+//! # Where weights would be added
+//!
+//! A weight for each pixel of the template, a small integer, would multiply what is looked up before it is added: in
+//! `scalar::pixel`, which specifies it, and in the one function of each file that adds a register's similarities. The
+//! lookup and its tables stay as they are. Bounds then take the sum of the weights for the number of pixels.
 //!
 //! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
 
@@ -19,9 +29,18 @@ mod avx2;
 mod avx512;
 #[cfg(any(smr_dsp, smr_helium))]
 mod filter;
-#[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))]
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+mod neon;
+#[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 
+#[cfg(any(test, feature = "verify"))]
+mod verify;
+
+#[cfg(test)]
+mod guard;
 #[cfg(test)]
 mod tests;
 
@@ -41,16 +60,21 @@ use crate::image::Image;
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
+    /// x86-64 with no more than every one has: distances 16 pixels at a time; a score is the plain loop's, begun only where
+    /// a bound allows it to reach the floor.
+    Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
-    /// x86-64 with AVX-512 BW and VBMI: 64 pixels at a time.
+    /// x86-64 with AVX-512 BW, VBMI and VNNI: 64 pixels at a time.
     Avx512,
+    /// AArch64 with NEON: 16 pixels at a time.
+    Neon,
     /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
     Dsp,
 }
 
 impl Backend {
-    const ALL: [Self; 4] = [Self::Avx512, Self::Avx2, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 6] = [Self::Avx512, Self::Avx2, Self::Sse2, Self::Neon, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -71,11 +95,14 @@ impl Backend {
         match self {
             Self::Scalar => true,
             #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => sse2::is_available(),
+            #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => avx512::is_available(),
+            Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => false,
+            Self::Sse2 | Self::Avx2 | Self::Avx512 => false,
             Self::Dsp => cfg!(smr_dsp),
         }
     }
@@ -85,6 +112,18 @@ impl Backend {
 /// own it takes from there.
 trait Kernels {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
+
+    /// This one need not be as exact: what it gives may be more, never less.
+    fn score_between_at_least(
+        &self,
+        plain: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        scalar::score_between_at_least(low, high, template, plain.table, plain.threshold, floor)
+    }
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         scalar::distance(patch, template, enough)
@@ -97,20 +136,23 @@ trait Kernels {
 
 /// A table, cut off at a threshold, made ready for a backend. It is made once for all scores of a frame.
 pub struct Scorer {
-    table: &'static Table,
-    threshold: u16,
+    plain: Plain,
     ready: Ready,
 }
 
 #[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
 enum Ready {
-    Scalar(Plain),
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Sse2(sse2::Bound),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
     #[cfg(target_arch = "x86_64")]
     Avx512(avx512::Lookup),
     #[cfg(smr_dsp)]
     Dsp(armv7em::Dsp),
+    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    Neon(neon::Lookup),
 }
 
 /// The plain loops.
@@ -129,13 +171,20 @@ impl Kernels for Plain {
 macro_rules! dispatch {
     ($scorer:ident, $kernels:ident => $call:expr) => {
         match &$scorer.ready {
-            Ready::Scalar($kernels) => $call,
+            Ready::Scalar => {
+                let $kernels = &$scorer.plain;
+                $call
+            }
+            #[cfg(target_arch = "x86_64")]
+            Ready::Sse2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Avx2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Avx512($kernels) => $call,
             #[cfg(smr_dsp)]
             Ready::Dsp($kernels) => $call,
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Ready::Neon($kernels) => $call,
         }
     };
 }
@@ -147,14 +196,18 @@ impl Scorer {
     pub fn new(backend: Backend, table: &'static Table, threshold: u16) -> Self {
         let ready = match backend {
             #[cfg(target_arch = "x86_64")]
+            Backend::Sse2 => sse2::Bound::new(table, threshold).map(Ready::Sse2),
+            #[cfg(target_arch = "x86_64")]
             Backend::Avx2 => avx2::Lookup::new(table, threshold).map(Ready::Avx2),
             #[cfg(target_arch = "x86_64")]
             Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
             #[cfg(smr_dsp)]
             Backend::Dsp => Some(Ready::Dsp(armv7em::Dsp::new(table, threshold))),
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Backend::Neon => Some(Ready::Neon(neon::Lookup::new(table, threshold))),
             _ => None,
         };
-        Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar(Plain { table, threshold })) }
+        Self { plain: Plain { table, threshold }, ready: ready.unwrap_or(Ready::Scalar) }
     }
 
     /// The score of two pictures of the same size, as [`scalar::score`] gives it.
@@ -169,17 +222,24 @@ impl Scorer {
     #[must_use]
     #[inline(always)]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        dispatch!(self, kernels => kernels.score_at_least(patch, template, floor))
+        let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score(score, (patch, template), (self.plain.table, self.plain.threshold), floor);
+        score
     }
 
     /// The SAD, as [`scalar::distance`] gives it; once it is more than `enough`, any part of it that is.
     #[must_use]
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        dispatch!(self, kernels => kernels.distance(patch, template, enough))
+        let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
+        #[cfg(feature = "verify")]
+        verify::distance(distance, (patch, template), enough);
+        distance
     }
 
-    /// The score of a patch of which only bounds are known, as [`scalar::score_between_at_least`] gives it.
+    /// The score of a patch of which only bounds are known, as [`scalar::score_between_at_least`] gives it, or a little
+    /// more: no patch between the two has a larger one. `None` only if that of `scalar` is less than `floor`.
     #[must_use]
     #[inline(always)]
     pub fn score_between_at_least(
@@ -189,18 +249,23 @@ impl Scorer {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
-        scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor)
+        let score = dispatch!(self, kernels => kernels.score_between_at_least(&self.plain, low, high, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score_between(score, (low, high, template), (self.plain.table, self.plain.threshold), floor);
+        score
     }
 
     /// The lowest and the highest of each block of 4x4 pixels, as [`scalar::spread`] gives them.
     #[inline(always)]
     pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));
+        #[cfg(feature = "verify")]
+        verify::spread(rows, low, high);
     }
 
     /// The score of what lies on the padding; see [`scalar::score_on_padding`].
     #[must_use]
     pub(super) fn score_on_padding(&self, template: Image<'_>, seen: crate::Rect) -> u32 {
-        scalar::score_on_padding(template, seen, self.table, self.threshold)
+        scalar::score_on_padding(template, seen, self.plain.table, self.plain.threshold)
     }
 }

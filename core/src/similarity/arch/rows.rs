@@ -1,44 +1,54 @@
 //! The rows of two pictures side by side, as cheap to go through as two addresses.
 
+use super::super::Table;
 use crate::image::Image;
-use core::ops::Range;
 
-/// The common top left part of two pictures.
+/// The common top left part of a template and of a patch, or of the two pictures that a patch is between.
 ///
 /// [`Image::rows`] looks for the end of the slice in every row. Where a row is one register that costs as much as the row,
 /// so here are addresses: kernels read `width` bytes from each, and may not read more.
 #[derive(Clone, Copy)]
 pub(super) struct Rows {
     pub(super) patch: *const u8,
+    /// What the patch is at most; of a patch that is known, itself.
+    pub(super) high: *const u8,
     pub(super) template: *const u8,
     pub(super) patch_stride: usize,
+    pub(super) high_stride: usize,
     pub(super) template_stride: usize,
-    /// Bytes in a row of both.
+    /// Bytes in a row of all.
     pub(super) width: usize,
-    /// Rows of both.
+    /// Rows of all.
     pub(super) height: usize,
 }
 
 impl Rows {
     #[inline]
     pub(super) fn of(patch: Image<'_>, template: Image<'_>) -> Self {
-        let (f, patch_stride) = patch.parts();
-        let (g, template_stride) = template.parts();
+        Self::between(patch, patch, template)
+    }
+
+    #[inline]
+    pub(super) fn between(low: Image<'_>, high: Image<'_>, template: Image<'_>) -> Self {
+        let ((l, patch_stride), (h, high_stride), (g, template_stride)) = (low.parts(), high.parts(), template.parts());
         Self {
-            patch: f.as_ptr(),
+            patch: l.as_ptr(),
+            high: h.as_ptr(),
             template: g.as_ptr(),
             patch_stride,
+            high_stride,
             template_stride,
-            width: usize::from(patch.width().min(template.width())),
-            height: usize::from(patch.height().min(template.height())),
+            width: usize::from(low.width().min(high.width()).min(template.width())),
+            height: usize::from(low.height().min(high.height()).min(template.height())),
         }
     }
 
-    /// All rows in blocks of `size`, the last of which may be smaller.
+    /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
     #[inline]
-    pub(super) fn blocks(&self, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
-        let height = self.height;
-        (0..height).step_by(size).map(move |first| first..height.min(first + size))
+    pub(super) fn full_after(&self, y: usize) -> u32 {
+        let pixels = self.width.wrapping_mul(self.height.wrapping_sub(y));
+        #[allow(clippy::cast_possible_truncation)] // at most Table::MAX_PIXELS
+        u32::from(Table::ONE).wrapping_mul(pixels as u32)
     }
 
     /// Gives `compare` the addresses of each two rows, from the top and as long as it says true.
@@ -53,12 +63,23 @@ impl Rows {
         }
     }
 
-    /// Where row `y` of both begins: as long as the pictures live, there are `width` readable bytes if `y` < `height`.
+    /// Where row `y` of patch and template begins: as long as the pictures live, there are `width` readable bytes if `y` <
+    /// `height`.
     ///
     /// That is what [`Image::with_stride`] has checked.
     #[inline]
     pub(super) fn row(&self, y: usize) -> (*const u8, *const u8) {
-        let place = |first: *const u8, stride: usize| first.wrapping_add(y.wrapping_mul(stride));
-        (place(self.patch, self.patch_stride), place(self.template, self.template_stride))
+        (place(self.patch, self.patch_stride, y), place(self.template, self.template_stride, y))
     }
+
+    /// The same of what the patch is at most.
+    #[inline]
+    pub(super) fn high_row(&self, y: usize) -> *const u8 {
+        place(self.high, self.high_stride, y)
+    }
+}
+
+#[inline]
+fn place(first: *const u8, stride: usize, y: usize) -> *const u8 {
+    first.wrapping_add(y.wrapping_mul(stride))
 }
