@@ -172,11 +172,9 @@ proptest! {
             expected.runner_up = None;
         }
         let way = Way { pruning, runner_up, afterwards, work };
-        let mut worked = None;
         for backend in Backend::available() {
-            let (found, work) = search(&case, backend, frame, template, way);
+            let (found, _) = search(&case, backend, frame, template, way);
             prop_assert_eq!(found, expected, "{:?}, {:?}, {:?}", backend, way, &case);
-            prop_assert_eq!(*worked.get_or_insert(work), work, "the backends go the same way");
         }
     }
 

@@ -34,6 +34,8 @@ pub(super) struct Lookup {
     low: [[u8; SEGMENT]; 16],
     high: [[u8; SEGMENT]; 16],
     segments: usize,
+    /// The largest difference that counts, if there is one.
+    last: Option<u8>,
 }
 
 pub(super) fn is_available() -> bool {
@@ -58,7 +60,20 @@ impl Kernels for Lookup {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
-        self.sum(&Rows::between(low, high, template), floor)
+        let rows = Rows::between(low, high, template);
+        if rows.width < LANES {
+            return self.sum(&rows, floor);
+        }
+        // SAFETY: a `Lookup` exists only where AVX2 does, the pictures are borrowed, and a register's width is there.
+        unsafe {
+            match (rows.width / LANES, rows.width.is_multiple_of(LANES)) {
+                (1, true) => self.count_at_least::<1, false>(&rows, floor),
+                (1, false) => self.count_at_least::<1, true>(&rows, floor),
+                (2, true) => self.count_at_least::<2, false>(&rows, floor),
+                (_, true) => self.count_at_least::<ANY, false>(&rows, floor),
+                (_, false) => self.count_at_least::<ANY, true>(&rows, floor),
+            }
+        }
     }
 
     #[inline]
@@ -96,7 +111,8 @@ impl Lookup {
             [*low, *high] = entry.to_le_bytes();
         }
         let segments = usize::from(threshold).div_ceil(SEGMENT);
-        Some(Self { low: differences(&planes.0), high: differences(&planes.1), segments })
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        Some(Self { low: differences(&planes.0), high: differences(&planes.1), segments, last })
     }
 
     /// The score of rows whose pictures are borrowed.
@@ -113,6 +129,57 @@ impl Lookup {
                 _ => self.sum_by_width::<16>(rows, floor),
             }
         }
+    }
+
+    /// A bound of a score for half of its price: every pixel that counts is taken to be fully similar. `WHOLE` and `END` are as
+    /// for [`Lookup::sum_at_least`].
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed, and at least 32 pixels wide.
+    #[target_feature(enable = "avx2")]
+    unsafe fn count_at_least<const WHOLE: usize, const END: bool>(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
+        let (whole, end) = (if WHOLE == ANY { rows.width / LANES } else { WHOLE }, End::of(rows.width));
+        let last = _mm256_set1_epi8(last.cast_signed());
+        let mut counted = 0;
+        let mut y = 0;
+        while y < rows.height {
+            // Bytes that count up to 255: rows enough for a look are few registers.
+            let mut counts = _mm256_setzero_si256();
+            let until = rows.height.min(y + ROWS_A_LOOK);
+            let most_registers = 255 / ROWS_A_LOOK;
+            while y < until {
+                let ((f, g), h) = (rows.row(y), rows.high_row(y));
+                for at in (0..whole).map(|register| register * LANES) {
+                    // SAFETY: at + 32 is at most the width.
+                    let difference = unsafe {
+                        outside(load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at)))
+                    };
+                    // All bits, which is -1, where the difference is at most the last one that counts.
+                    counts = _mm256_sub_epi8(counts, _mm256_cmpeq_epi8(_mm256_min_epu8(difference, last), difference));
+                    if WHOLE == ANY && at / LANES % most_registers == most_registers - 1 {
+                        counted += total(counts);
+                        counts = _mm256_setzero_si256();
+                    }
+                }
+                if END {
+                    // SAFETY: the row is as wide as `end` was made for, and that is 32 at least.
+                    let difference = unsafe { outside(end.load::<1>(f), end.load::<1>(h), end.load::<1>(g)) };
+                    let counts_here = _mm256_cmpeq_epi8(_mm256_min_epu8(difference, last), difference);
+                    counts = _mm256_sub_epi8(counts, _mm256_and_si256(counts_here, end.valid));
+                }
+                if WHOLE == ANY {
+                    counted += total(counts);
+                    counts = _mm256_setzero_si256();
+                }
+                y += 1;
+            }
+            counted += total(counts);
+            if counted * u32::from(Table::ONE) + rows.full_after(y) < floor {
+                return None;
+            }
+        }
+        Some(counted * u32::from(Table::ONE))
     }
 
     /// The usual widths have a loop of their own.
@@ -437,6 +504,13 @@ fn load_half(pixels: &[u8; 16]) -> __m128i {
 #[target_feature(enable = "avx2")]
 fn outside(low: __m256i, high: __m256i, g: __m256i) -> __m256i {
     _mm256_or_si256(_mm256_subs_epu8(low, g), _mm256_subs_epu8(g, high))
+}
+
+/// The sum of the bytes.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn total(bytes: __m256i) -> u32 {
+    across(_mm256_sad_epu8(bytes, _mm256_setzero_si256()))
 }
 
 /// The sum of the four parts.

@@ -47,7 +47,15 @@ impl Kernels for Lookup {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
-        self.sum(&Rows::between(low, high, template), floor)
+        let rows = Rows::between(low, high, template);
+        // SAFETY: a `Lookup` exists only where these instructions do, and the pictures are borrowed.
+        unsafe {
+            match rows.width / LANES {
+                0 => self.count_at_least::<0>(&rows, floor),
+                1 => self.count_at_least::<1>(&rows, floor),
+                _ => self.count_at_least::<ANY>(&rows, floor),
+            }
+        }
     }
 
     #[inline]
@@ -97,6 +105,36 @@ impl Lookup {
                 (false, _) => self.sum_at_least::<true, ANY>(rows, floor),
             }
         }
+    }
+
+    /// A bound of a score for half of its price: every pixel that counts is taken to be fully similar.
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed.
+    #[target_feature(enable = "avx512bw,popcnt")]
+    unsafe fn count_at_least<const WHOLE: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
+        let end = lanes(rows.width % LANES);
+        let threshold = _mm512_set1_epi8(self.threshold.cast_signed());
+        let count = |difference, valid| _mm512_mask_cmplt_epu8_mask(valid, difference, threshold).count_ones();
+        let mut counted = 0;
+        for y in 0..rows.height {
+            let ((f, g), h) = (rows.row(y), rows.high_row(y));
+            for at in (0..whole).map(|register| register * LANES) {
+                // SAFETY: at + 64 is at most the width.
+                let difference = unsafe { outside([f, h, g].map(|row| row.wrapping_add(at)), u64::MAX) };
+                counted += count(difference, u64::MAX);
+            }
+            if end > 0 {
+                // SAFETY: `end` has no lane that is not below the width.
+                let difference = unsafe { outside([f, h, g].map(|row| row.wrapping_add(whole * LANES)), end) };
+                counted += count(difference, end);
+            }
+            if counted * u32::from(Table::ONE) + rows.full_after(y + 1) < floor {
+                return None;
+            }
+        }
+        Some(counted * u32::from(Table::ONE))
     }
 
     /// `WIDE`: for thresholds beyond 64. `WHOLE` is the number of registers that a row fills, or [`ANY`].
