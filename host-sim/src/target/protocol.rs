@@ -3,6 +3,7 @@
 use anyhow::{Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, Rect, State};
+use std::fmt;
 
 const VERSION: u32 = 2;
 
@@ -70,6 +71,18 @@ impl Record {
     }
 }
 
+/// The firmware has no room for the box, or for its window.
+#[derive(Debug)]
+pub struct TooBig(String);
+
+impl fmt::Display for TooBig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the box is too big for the firmware: {}", self.0)
+    }
+}
+
+impl std::error::Error for TooBig {}
+
 /// What the firmware has room for, and how fast its timer runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
@@ -126,16 +139,15 @@ impl Hello {
         let (width, height, radius) = (header.target.width, header.target.height, self.radius);
         match why {
             1 => anyhow!("the firmware cannot read {FRAMES}"),
-            2 => anyhow!(
-                "the box is too big for the firmware: {width}x{height} is {} pixels, its template has room for {}",
+            2 => Error::new(TooBig(format!(
+                "{width}x{height} is {} pixels, its template has room for {}",
                 header.target.area(),
                 self.template
-            ),
-            3 => anyhow!(
-                "the box is too big for the firmware: the window of +-{radius} around {width}x{height} is more than the \
-                 {} pixels of its buffer",
+            ))),
+            3 => Error::new(TooBig(format!(
+                "the window of +-{radius} around {width}x{height} is more than the {} pixels of its buffer",
                 self.buffer
-            ),
+            ))),
             4 => anyhow!("the firmware cannot lock on the box {:?}", header.target),
             5 => anyhow!("the firmware cannot search the frame"),
             6 => anyhow!("the firmware cannot write {ANSWERS}"),
@@ -238,7 +250,7 @@ mod tests {
         bytes
     }
 
-    fn error<T: std::fmt::Debug>(result: Result<T>) -> String {
+    fn error<T: fmt::Debug>(result: Result<T>) -> String {
         format!("{:#}", result.unwrap_err())
     }
 
