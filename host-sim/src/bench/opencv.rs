@@ -15,12 +15,14 @@ const SCRIPT: &str = include_str!("opencv.py");
 /// What is called, in tables.
 pub const CALL: &str = "matchTemplate(TM_CCOEFF_NORMED), 1 thread";
 
-/// What the script says.
+/// What the script says: either what is missing, or the rest.
 #[derive(Deserialize)]
-#[serde(untagged)]
-enum Answer {
-    Timed { version: String, seconds: Vec<f64> },
-    Missing { missing: String },
+struct Answer {
+    missing: Option<String>,
+    #[serde(default)]
+    version: String,
+    #[serde(default)]
+    seconds: Vec<f64>,
 }
 
 /// How long each search took, and OpenCV's version.
@@ -47,14 +49,20 @@ pub fn times(python: &str, searches: &[(GrayFrame, GrayFrame)], patience: Patien
     let said = String::from_utf8_lossy(&output.stderr);
     let last = said.lines().last().unwrap_or("it says nothing");
     ensure!(output.status.success(), "{python} failed: {last}");
-    match serde_json::from_slice(&output.stdout).with_context(|| format!("{python} does not answer in JSON"))? {
-        Answer::Missing { missing } => bail!("{python}: {missing}"),
-        Answer::Timed { version, seconds } => {
-            ensure!(seconds.len() == searches.len(), "{python} timed {} of {}", seconds.len(), searches.len());
-            let times: Result<Vec<_>, _> =
-                seconds.iter().map(|&seconds| Duration::try_from_secs_f64(seconds)).collect();
-            Ok(Times { version, times: times.with_context(|| format!("{python} answers no times"))? })
+    let answer: Answer =
+        serde_json::from_slice(&output.stdout).with_context(|| format!("{python} does not answer in JSON"))?;
+    answer.times(searches.len()).with_context(|| python.to_owned())
+}
+
+impl Answer {
+    fn times(self, expected: usize) -> Result<Times> {
+        let Self { missing, version, seconds } = self;
+        if let Some(missing) = missing {
+            bail!(missing);
         }
+        ensure!(seconds.len() == expected, "{} of {expected} searches were timed", seconds.len());
+        let times: Result<Vec<_>, _> = seconds.iter().map(|&seconds| Duration::try_from_secs_f64(seconds)).collect();
+        Ok(Times { version, times: times.context("expected seconds")? })
     }
 }
 
@@ -76,6 +84,17 @@ fn write(searches: &[(GrayFrame, GrayFrame)], folder: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_the_script_answers_is_read() {
+        let read = |json: &str| serde_json::from_str::<Answer>(json).unwrap().times(2);
+        let times = read(r#"{"version": "5.0.0", "seconds": [0.25, 1.5e-4]}"#).unwrap();
+        assert_eq!((times.version.as_str(), times.times[1]), ("5.0.0", Duration::from_micros(150)));
+        let error = |json| read(json).unwrap_err().to_string();
+        assert_eq!(error(r#"{"missing": "No module named 'cv2'"}"#), "No module named 'cv2'");
+        assert_eq!(error(r#"{"version": "5.0.0", "seconds": [0.25]}"#), "1 of 2 searches were timed");
+        assert_eq!(error(r#"{"version": "5.0.0", "seconds": [0.25, -1]}"#), "expected seconds");
+    }
 
     #[test]
     fn without_python_it_says_why() {

@@ -57,6 +57,13 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
+    /// The same, if that is its width: now the compiler knows it, too.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn of_width(self, width: usize) -> Self {
+        Self { width, ..self }
+    }
+
     #[inline(always)] // into the function that has AVX2
     fn iter(self) -> impl Iterator<Item = &'a [u8]> {
         self.pixels.chunks(self.stride).take(self.height).map(move |row| &row[..self.width])
@@ -110,13 +117,21 @@ mod psadbw {
 
         #[inline(always)] // pulp compiles for AVX2 what is inlined here
         fn call(self) -> Self::Output {
-            let simd = self.simd;
-            least(
-                self.crop,
-                self.template,
-                #[inline(always)]
-                |f, g| distance(simd, f, g),
-            )
+            let Self { simd, crop, template } = self;
+            match template.width {
+                64 => least(
+                    crop,
+                    template,
+                    #[inline(always)]
+                    |f, g| distance(simd, f.of_width(64), g.of_width(64)),
+                ),
+                _ => least(
+                    crop,
+                    template,
+                    #[inline(always)]
+                    |f, g| distance(simd, f, g),
+                ),
+            }
         }
     }
 
