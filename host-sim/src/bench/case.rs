@@ -134,7 +134,7 @@ fn tracker(backend: Backend, pruning: bool, radius: Radius) -> Result<Box<Tracke
     config.window = radius;
     config.window_limit = radius;
     config.backend = Some(backend);
-    let _ = pruning;
+    config.pruning = pruning;
     Ok(Box::new(Tracker::new(config)?))
 }
 

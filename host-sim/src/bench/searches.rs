@@ -167,13 +167,18 @@ fn update(case: &Case, backend: Backend, pruning: bool, patience: Patience) -> R
         answer = Some(result?);
         Ok(time)
     })?;
-    let work = if pruning { work(case, &mut tracker)? } else { Some(case.comparisons()) };
-    Ok(Done { time, spent: Duration::ZERO, work, answer, sum: None })
+    let work = if pruning { work(case, &mut tracker)? } else { case.comparisons() };
+    Ok(Done { time, spent: Duration::ZERO, work: Some(work), answer, sum: None })
 }
 
 /// Comparisons that an update makes.
-fn work(_case: &Case, _tracker: &mut Tracker) -> Result<Option<u64>> {
-    Ok(None)
+fn work(case: &Case, tracker: &mut Tracker) -> Result<u64> {
+    case.prepare(tracker)?;
+    let mut update = tracker.begin(&case.frame())?;
+    while !update.step(u32::MAX) {}
+    let work = update.work();
+    let _ = update.finish();
+    Ok(work)
 }
 
 fn least_sum(case: &Case, sad: Sad, patience: Patience) -> Result<Done> {
