@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(along(100, 20, 64, 16, 320), Some(78));
         assert_eq!(along(0, 20, 64, 16, 320), Some(24), "pushed in, with room to move");
         assert_eq!(along(310, 20, 64, 16, 320), Some(320 - 64 - 24));
-        assert_eq!(along(50, 20, 64, 16, 97), Some(16), "room for nothing but the window");
+        assert_eq!(along(50, 20, 64, 16, 97), Some(17), "room for little but the window");
         assert_eq!(along(50, 20, 64, 16, 95), None);
     }
 
