@@ -56,8 +56,8 @@ pub struct Bench {
     pub opencv: Option<Result<String, String>>,
 }
 
-/// Of the cases, every so many is one for [`Speeds`]: a tenth of an average frame's cost says enough there.
-const SPEEDS_EVERY: usize = 3;
+/// Of the cases, every so many is one for [`Speeds`], which has many combinations to time.
+const SPEEDS_EVERY: u32 = 3;
 
 impl Bench {
     /// About `expected` cases will come.
@@ -67,7 +67,7 @@ impl Bench {
         let expected = u32::try_from(expected).unwrap_or(u32::MAX);
         let searches = |&radius| Searches::new(radius, settings.template, &ways, settings.each, expected);
         let windows = settings.windows.iter().map(searches).collect();
-        let speeds = Speeds::new(settings.each / 4, expected.div_ceil(3));
+        let speeds = Speeds::new(settings.each / 4, expected.div_ceil(SPEEDS_EVERY));
         Self { settings, recordings: vec![], windows, speeds, opencv: None }
     }
 

@@ -19,6 +19,7 @@ pub fn text(report: &Report) -> String {
     parts.push(opencv(report));
     parts.push(ratios(&report.windows));
     parts.push(speeds(&report.speeds));
+    parts.push("instructions on this machine are not counted here: .ci/instructions does, with valgrind\n".to_owned());
     if !report.boards.is_empty() {
         parts.push(boards(report));
     }

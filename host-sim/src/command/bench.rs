@@ -77,11 +77,12 @@ impl Bench {
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let paths = found?.concat();
 
+        // First what can fail for want of a program.
+        let boards = self.boards(&paths)?;
         let run = self.time(&paths)?;
-        let boards: Result<Vec<Figures>> = self.machine.iter().map(|&machine| self.board(machine, &paths)).collect();
         let (evaluated, time) = timed(|| self.evaluate(&paths));
         evaluated?;
-        let report = Report::new(&run, boards?, Some(time));
+        let report = Report::new(&run, boards, Some(time));
         if let (Some(file), Some(form)) = (&self.plot, form) {
             let bytes = form.draw(&report.speeds)?;
             fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
@@ -102,7 +103,7 @@ impl Bench {
         }
         ensure!(expected > 0, "no frame to time: there must be ground truth, and two frames after it");
         let mut run = Run::new(self.settings(every), expected);
-        let bar = progress_bar(expected);
+        let bar = progress_bar("frames", expected);
         for path in paths {
             run.add(self.recording.open(path)?, || bar.inc(1))?;
         }
@@ -129,12 +130,20 @@ impl Bench {
         }
     }
 
-    fn board(&self, machine: Machine, paths: &[PathBuf]) -> Result<Figures> {
-        let mut board = Board::new(self.emulator.setup(machine))?;
-        for path in paths {
-            board.add(self.recording.open(path)?)?;
+    /// Instructions of an update on every board that is asked for, on the same recordings.
+    fn boards(&self, paths: &[PathBuf]) -> Result<Vec<Figures>> {
+        let bar = progress_bar("recordings on boards", self.machine.len() * paths.len());
+        let mut figures = Vec::new();
+        for &machine in &self.machine {
+            let mut board = Board::new(self.emulator.setup(machine))?;
+            for path in paths {
+                board.add(self.recording.open(path)?)?;
+                bar.inc(1);
+            }
+            figures.push(board.figures());
         }
-        Ok(board.figures())
+        bar.finish_and_clear();
+        Ok(figures)
     }
 
     /// What `host-sim eval` does, decoding included.
@@ -152,10 +161,11 @@ impl Bench {
     }
 }
 
-/// Searches done, on standard error; nothing is drawn if that is no terminal.
-fn progress_bar(searches: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");
-    ProgressBar::new(searches as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+/// What is done, on standard error; nothing is drawn if that is no terminal.
+fn progress_bar(what: &'static str, all: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}, {eta} left");
+    let bar = ProgressBar::new(all as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.with_message(what)
 }
 
 /// `64x64` or `own`

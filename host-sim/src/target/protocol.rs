@@ -255,7 +255,7 @@ mod tests {
     }
 
     fn hello() -> Hello {
-        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
+        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
         else {
             panic!("a hello")
         };
@@ -271,7 +271,7 @@ mod tests {
         assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 2"));
         assert!(error(Record::read(&record(&[9]))).contains("kind 9"));
         assert!(error(Record::read(&record(&[2, 2, 0, 0, 3]))).contains("state 3"));
-        assert!(error(Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
+        assert!(error(Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
     }
 
     #[test]
@@ -284,6 +284,7 @@ mod tests {
         assert!(hello().check(&header(64, 64)).is_ok());
         let expected = "the box is too big for the firmware: 65x64 is 4160 pixels, its template has room for 4096";
         assert_eq!(error(hello().check(&header(65, 64))), expected);
+        assert!(hello().check(&header(65, 64)).unwrap_err().is::<TooBig>());
         assert!(error(hello().check(&header(200, 20))).contains("+-16 around 200x20 is more than the 9216 pixels"));
     }
 
