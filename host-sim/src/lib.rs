@@ -8,7 +8,7 @@
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.
 //! - [`target`]: the firmware in QEMU against the host.
-//! - [`bench`]: how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
+//! - [`mod@bench`]: how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
 pub mod bench;

@@ -16,16 +16,23 @@ pub struct Goal {
     /// Nothing for ratios.
     pub unit: &'static str,
     pub measured: Option<f64>,
+    pub reached: Option<bool>,
 }
 
 impl Goal {
+    fn new(work: String, at_most: f64, unit: &'static str, measured: Option<f64>) -> Self {
+        let reached = measured.map(|measured| measured <= at_most);
+        Self { work, at_most, unit, measured, reached }
+    }
+
     /// In words, as far as is known.
     #[must_use]
     pub fn verdict(&self) -> String {
-        match self.measured {
+        let share = self.measured.unwrap_or(0.0) / self.at_most;
+        match self.reached {
             None => "not measured".to_owned(),
-            Some(measured) if measured <= self.at_most => format!("reached: {:.2} of it", measured / self.at_most),
-            Some(measured) => format!("missed: {:.2} times as much", measured / self.at_most),
+            Some(true) => format!("reached: {share:.2} of it"),
+            Some(false) => format!("missed: {share:.2} times as much"),
         }
     }
 }
@@ -50,12 +57,7 @@ pub fn all(report: &Report) -> Vec<Goal> {
     }
     goals.push(instructions(report, "mps2-an386", "Cortex-M4", 0.7));
     goals.push(instructions(report, "mps3-an547", "Cortex-M55", 0.25));
-    goals.push(Goal {
-        work: "the whole eval, 2 threads".to_owned(),
-        at_most: 4.0,
-        unit: "s",
-        measured: report.eval_seconds,
-    });
+    goals.push(Goal::new("the whole eval, 2 threads".to_owned(), 4.0, "s", report.eval_seconds));
     goals
 }
 
@@ -63,17 +65,13 @@ fn ratio(report: &Report, radius: Radius, of: Way, to: Way, at_most: f64) -> Goa
     let work = format!("+-{}x{}: {of} / {to}", radius.x, radius.y);
     // Of templates of another size nothing is wanted.
     let measured = report.ratio(radius, of, to).filter(|_| report.template == "64x64");
-    Goal { work, at_most, unit: "", measured }
+    Goal::new(work, at_most, "", measured)
 }
 
 fn instructions(report: &Report, machine: &str, processor: &str, at_most: f64) -> Goal {
     let board = report.boards.iter().find(|board| board.machine == machine && !board.recordings.is_empty());
-    Goal {
-        work: format!("{processor} ({machine}), +-16: an update"),
-        at_most,
-        unit: "M instructions",
-        measured: board.map(|board| board.instructions.median as f64 / 1e6),
-    }
+    let measured = board.map(|board| board.instructions.median as f64 / 1e6);
+    Goal::new(format!("{processor} ({machine}), +-16: an update"), at_most, "M instructions", measured)
 }
 
 #[cfg(test)]
@@ -82,7 +80,7 @@ mod tests {
 
     #[test]
     fn verdicts() {
-        let goal = |measured| Goal { work: String::new(), at_most: 2.0, unit: "s", measured };
+        let goal = |measured| Goal::new(String::new(), 2.0, "s", measured);
         assert_eq!(goal(Some(1.0)).verdict(), "reached: 0.50 of it");
         assert_eq!(goal(Some(2.0)).verdict(), "reached: 1.00 of it");
         assert_eq!(goal(Some(3.0)).verdict(), "missed: 1.50 times as much");

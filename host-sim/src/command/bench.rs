@@ -27,8 +27,8 @@ use std::time::Duration;
 /// How many searches are timed, unless said otherwise.
 const SEARCHES: usize = 60;
 
-/// One search in all of them takes no longer than this, if it is repeated.
-const ENOUGH: Duration = Duration::from_millis(20);
+/// A search is not repeated again once all its times together are longer than this.
+const ENOUGH: Duration = Duration::from_millis(10);
 
 /// Threads for the whole evaluation.
 const THREADS: usize = 2;
