@@ -20,7 +20,9 @@ pub struct Goal {
 }
 
 impl Goal {
-    fn new(work: String, at_most: f64, unit: &'static str, measured: Option<f64>) -> Self {
+    /// What was measured, if it was, against what is wanted.
+    #[must_use]
+    pub fn new(work: String, at_most: f64, unit: &'static str, measured: Option<f64>) -> Self {
         let reached = measured.map(|measured| measured <= at_most);
         Self { work, at_most, unit, measured, reached }
     }

@@ -1,8 +1,10 @@
 //! The report as text.
 
+use super::boards::Figures;
 use super::report::{Report, Row, Window};
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use crate::evaluate::aligned;
+use crate::spread::Spread;
 use smr_core::Radius;
 
 const NOTHING: &str = "-";
@@ -108,24 +110,29 @@ fn boards(report: &Report) -> String {
     let mut lines = vec![header.map(String::from).to_vec()];
     let mut notes = String::new();
     for board in &report.boards {
-        for measured in &board.recordings {
+        lines.extend(board.recordings.iter().map(|measured| {
             let [width, height] = measured.target;
-            let figures = [measured.instructions.median, measured.instructions.p95, measured.instructions.max];
-            let mut line = vec![board.machine.to_owned(), measured.sequence.clone(), format!("{width}x{height}")];
-            line.push(measured.frames.to_string());
-            line.extend(figures.map(|figure| figure.to_string()));
-            lines.push(line);
+            let names = [board.machine, &measured.sequence, &format!("{width}x{height}")].map(str::to_owned);
+            instructions(names, measured.frames, measured.instructions)
+        }));
+        if !board.recordings.is_empty() {
+            lines.push(all_of(board));
         }
-        let frames: u32 = board.recordings.iter().map(|measured| measured.frames).sum();
-        let figures = [board.instructions.median, board.instructions.p95, board.instructions.max];
-        let mut line = vec![board.machine.to_owned(), "all".to_owned(), NOTHING.to_owned(), frames.to_string()];
-        line.extend(figures.map(|figure| figure.to_string()));
-        lines.push(line);
         for skipped in &board.skipped {
             notes += &format!("left out on {}: {skipped}\n", board.machine);
         }
     }
     aligned(&lines, 2) + &notes
+}
+
+fn all_of(board: &Figures) -> Vec<String> {
+    let frames = board.recordings.iter().map(|measured| measured.frames).sum();
+    instructions([board.machine, "all", NOTHING].map(str::to_owned), frames, board.instructions)
+}
+
+fn instructions(names: [String; 3], frames: u32, of: Spread<u64>) -> Vec<String> {
+    let figures = [frames.into(), of.median, of.p95, of.max].map(|figure| figure.to_string());
+    names.into_iter().chain(figures).collect()
 }
 
 fn goals(report: &Report) -> String {
@@ -141,4 +148,76 @@ fn goals(report: &Report) -> String {
 
 fn plus_minus(radius: Radius) -> String {
     format!("+-{}x{}", radius.x, radius.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::boards::Measured;
+    use crate::bench::goals::Goal;
+    use crate::bench::report::{OpenCv, Ratio};
+    use crate::bench::sad::Sad;
+    use crate::bench::searches::Way;
+
+    fn report() -> Report {
+        let plain = Way::Sad(Sad::Plain);
+        let nanoseconds = Spread { median: 1_250, p95: 2_000, max: 3_000 };
+        let row = |way, work_left| Row { way, cases: 2, nanoseconds, nanoseconds_per_offset_pixel: 0.5, work_left };
+        let ratios = vec![Ratio { of: plain, to: Way::OpenCv, cases: 2, median: 1.5 }];
+        let (near, ways) = (Radius { x: 1, y: 1 }, vec![row(plain, Some(1.0)), row(Way::OpenCv, None)]);
+        let window = Window { window: near, offsets: 9, cases: 2, skipped: 1, ways, ratios };
+        let empty = Window { window: WINDOWS[4], offsets: 12221, cases: 0, skipped: 3, ways: vec![], ratios: vec![] };
+        let figures = Spread { median: 10, p95: 20, max: 30 };
+        let target = [24, 28];
+        let measured = Measured { sequence: "one".into(), target, frames: 7, instructions: figures };
+        let board = Figures {
+            machine: "mps2-an386",
+            instructions: figures,
+            recordings: vec![measured],
+            skipped: vec!["two: the box is too big".into()],
+            differences: vec![],
+        };
+        Report {
+            processor: "a processor".into(),
+            recordings: vec!["one".into(), "two".into()],
+            template: "own".into(),
+            every: 5,
+            opencv: OpenCv { call: "a call", version: Some("5.0.0".into()), not_timed: None },
+            windows: vec![window, empty],
+            speeds: vec![],
+            boards: vec![board],
+            eval_seconds: None,
+            goals: vec![Goal::new("work".into(), 2.0, "s", Some(1.0))],
+            differences: vec![],
+        }
+    }
+
+    #[test]
+    fn everything_is_in_a_table() {
+        let expected = [
+            "a processor, one thread; one, two: every 5. frame with ground truth, template own",
+            "window +-1x1: 9 offsets, 2 searches; 1 left out, for which the frame has no room",
+            "SAD, plain loop              2        1.2     2.0     3.0           0.5000    100.0 %",
+            "OpenCV matchTemplate         2        1.2     2.0     3.0           0.5000          -",
+            "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
+            "OpenCV 5.0.0: a call on the same pixels",
+            "SAD, plain loop         OpenCV matchTemplate  1.500        -",
+            "mps2-an386                       one        24x28       7      10   20   30",
+            "mps2-an386                       all            -       7      10   20   30",
+            "left out on mps2-an386: two: the box is too big",
+            "work                                2.000 s   1.000 s  reached: 0.50 of it",
+        ];
+        let text = text(&report());
+        for line in expected {
+            assert!(text.lines().any(|printed| printed == line), "`{line}` is not a line of:\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_was_not_timed_is_said() {
+        let opencv = OpenCv { call: "a call", version: None, not_timed: Some("no module".into()) };
+        let text = text(&Report { opencv, boards: vec![], ..report() });
+        assert!(text.contains("OpenCV was not timed: no module\n"), "{text}");
+        assert!(!text.contains("mps2"), "{text}");
+    }
 }
