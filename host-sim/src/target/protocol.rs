@@ -3,6 +3,7 @@
 use anyhow::{Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, Rect, State};
+use std::fmt;
 
 const VERSION: u32 = 2;
 
@@ -70,6 +71,18 @@ impl Record {
     }
 }
 
+/// The firmware has no room for the box, or for its window.
+#[derive(Debug)]
+pub struct TooBig(String);
+
+impl fmt::Display for TooBig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the box is too big for the firmware: {}", self.0)
+    }
+}
+
+impl std::error::Error for TooBig {}
+
 /// What the firmware has room for, and how fast its timer runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
@@ -126,16 +139,15 @@ impl Hello {
         let (width, height, radius) = (header.target.width, header.target.height, self.radius);
         match why {
             1 => anyhow!("the firmware cannot read {FRAMES}"),
-            2 => anyhow!(
-                "the box is too big for the firmware: {width}x{height} is {} pixels, its template has room for {}",
+            2 => Error::new(TooBig(format!(
+                "{width}x{height} is {} pixels, its template has room for {}",
                 header.target.area(),
                 self.template
-            ),
-            3 => anyhow!(
-                "the box is too big for the firmware: the window of +-{radius} around {width}x{height} is more than the \
-                 {} pixels of its buffer",
+            ))),
+            3 => Error::new(TooBig(format!(
+                "the window of +-{radius} around {width}x{height} is more than the {} pixels of its buffer",
                 self.buffer
-            ),
+            ))),
             4 => anyhow!("the firmware cannot lock on the box {:?}", header.target),
             5 => anyhow!("the firmware cannot search the frame"),
             6 => anyhow!("the firmware cannot write {ANSWERS}"),
@@ -238,12 +250,12 @@ mod tests {
         bytes
     }
 
-    fn error<T: std::fmt::Debug>(result: Result<T>) -> String {
+    fn error<T: fmt::Debug>(result: Result<T>) -> String {
         format!("{:#}", result.unwrap_err())
     }
 
     fn hello() -> Hello {
-        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
+        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
         else {
             panic!("a hello")
         };
@@ -259,7 +271,7 @@ mod tests {
         assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 2"));
         assert!(error(Record::read(&record(&[9]))).contains("kind 9"));
         assert!(error(Record::read(&record(&[2, 2, 0, 0, 3]))).contains("state 3"));
-        assert!(error(Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
+        assert!(error(Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
     }
 
     #[test]
@@ -272,6 +284,7 @@ mod tests {
         assert!(hello().check(&header(64, 64)).is_ok());
         let expected = "the box is too big for the firmware: 65x64 is 4160 pixels, its template has room for 4096";
         assert_eq!(error(hello().check(&header(65, 64))), expected);
+        assert!(hello().check(&header(65, 64)).unwrap_err().is::<TooBig>());
         assert!(error(hello().check(&header(200, 20))).contains("+-16 around 200x20 is more than the 9216 pixels"));
     }
 
