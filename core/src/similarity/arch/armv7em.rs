@@ -10,7 +10,7 @@
 
 use super::super::{Table, scalar};
 use super::Kernels;
-use super::filter::{Compared, Filter};
+use super::filter::{Filter, Limit};
 use super::rows::Pair;
 use crate::image::Image;
 use core::arch::asm;
@@ -35,11 +35,7 @@ impl Dsp {
 impl Kernels for Dsp {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let compare = |f, g, width, threshold| {
-            // SAFETY: the filter gives addresses of `width` bytes each, at least four.
-            unsafe { compared(f, g, width, threshold) }
-        };
-        self.0.score_at_least::<LANES>(patch, template, floor, compare)
+        self.0.score_at_least::<LANES>(patch, template, floor, exceeds)
     }
 
     #[inline(never)]
@@ -179,75 +175,98 @@ unsafe fn means_at(rows: &[*const u8; 8], means: *mut u8, columns: usize) {
     }
 }
 
-/// Compares two rows of `width` pixels.
-///
-/// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, or as 0. So the
-/// sum over min(difference, threshold) is that of `usada8`; without the one over min(difference, threshold - 1) it is the
-/// number of pixels that do not count.
-///
-/// # Safety
-/// At `f` and `g`, `width` bytes can be read, at least four.
+/// True if the pictures, which have at least four columns, lose more than is allowed: certainly from some row on.
 #[inline(always)]
-unsafe fn compared(f: *const u8, g: *const u8, width: usize, threshold: u8) -> Compared {
-    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
-    let (up_to_threshold, up_to_one_less): (u32, u32);
-    // SAFETY: whole words of `width` are read, then the word that ends with the row.
-    unsafe {
-        asm!(
-            "lsrs {n}, {n}, #1",
-            "bcs 3f", // an odd one
-            "b 4f",
-            "2:",
-            "ldr {a}, [{f}], #4",
-            "ldr {b}, [{g}], #4",
-            "uqsub8 {d}, {a}, {b}",
-            "uqsub8 {a}, {b}, {a}",
-            "orr {a}, {a}, {d}",
-            "uqsub8 {d}, {threshold}, {a}",
-            "uqsub8 {a}, {one_less}, {a}",
-            "usada8 {sum}, {threshold}, {d}, {sum}",
-            "usada8 {less}, {one_less}, {a}, {less}",
-            "3:",
-            "ldr {a}, [{f}], #4",
-            "ldr {b}, [{g}], #4",
-            "5:",
-            "uqsub8 {d}, {a}, {b}",
-            "uqsub8 {a}, {b}, {a}",
-            "orr {a}, {a}, {d}",
-            "uqsub8 {d}, {threshold}, {a}",
-            "uqsub8 {a}, {one_less}, {a}",
-            "usada8 {sum}, {threshold}, {d}, {sum}",
-            "usada8 {less}, {one_less}, {a}, {less}",
-            "4:",
-            "subs {n}, {n}, #1",
-            "bpl 2b",
-            "cbz r0, 6f",
-            "add {f}, {f}, r0",
-            "add {g}, {g}, r0",
-            "ldr {a}, [{f}, #-4]",
-            "ldr {b}, [{g}, #-4]",
-            "rsb {d}, r0, #4",
-            "lsl {d}, {d}, #3",
-            "lsr {a}, {a}, {d}",
-            "lsr {b}, {b}, {d}",
-            "movs r0, #0",
-            "mov {n}, #0",
-            "b 5b",
-            "6:",
-            f = inout(reg) f => _,
-            g = inout(reg) g => _,
-            a = out(reg) _,
-            b = out(reg) _,
-            d = out(reg) _,
-            n = inout(reg) width / LANES => _,
-            inout("r0") width % LANES => _,
-            threshold = in(reg) in_lanes(threshold),
-            one_less = in(reg) in_lanes(threshold - 1),
-            sum = inout(reg) 0 => up_to_threshold,
-            less = inout(reg) 0 => up_to_one_less,
-            options(readonly, nostack),
-        );
+fn exceeds(pair: &Pair, limit: &Limit) -> bool {
+    let threshold = u32::from(limit.threshold);
+    let mut sums = Clipped::default();
+    let mut lost = 0;
+    pair.each(|f, g| {
+        // SAFETY: the pair gives addresses of `width` bytes each.
+        unsafe { sums.add(f, g, pair.width, limit.threshold) };
+        let different = sums.by_threshold - sums.by_one_less;
+        let differences = sums.by_threshold - different * threshold;
+        lost = different * u32::from(Table::ONE) + differences * limit.chord;
+        lost <= limit.allowed
+    });
+    lost > limit.allowed
+}
+
+/// Sums of min(difference, threshold), and of min(difference, threshold - 1): these differ by 1 for every pixel that does
+/// not count.
+#[derive(Default)]
+struct Clipped {
+    by_threshold: u32,
+    by_one_less: u32,
+}
+
+impl Clipped {
+    /// Adds two rows.
+    ///
+    /// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, and no
+    /// farther than 0: that is what `usada8` adds.
+    ///
+    /// # Safety
+    /// At `f` and `g`, `width` bytes can be read, at least four.
+    #[inline(always)]
+    unsafe fn add(&mut self, f: *const u8, g: *const u8, width: usize, threshold: u8) {
+        let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
+        // SAFETY: whole words of `width` are read, then the word that ends with the row.
+        unsafe {
+            asm!(
+                "lsrs {n}, {n}, #1",
+                "bcs 3f", // an odd one
+                "b 4f",
+                "2:",
+                "ldr {a}, [{f}], #4",
+                "ldr {b}, [{g}], #4",
+                "uqsub8 {d}, {a}, {b}",
+                "uqsub8 {a}, {b}, {a}",
+                "orr {a}, {a}, {d}",
+                "uqsub8 {d}, {threshold}, {a}",
+                "uqsub8 {a}, {one_less}, {a}",
+                "usada8 {sum}, {threshold}, {d}, {sum}",
+                "usada8 {less}, {one_less}, {a}, {less}",
+                "3:",
+                "ldr {a}, [{f}], #4",
+                "ldr {b}, [{g}], #4",
+                "5:",
+                "uqsub8 {d}, {a}, {b}",
+                "uqsub8 {a}, {b}, {a}",
+                "orr {a}, {a}, {d}",
+                "uqsub8 {d}, {threshold}, {a}",
+                "uqsub8 {a}, {one_less}, {a}",
+                "usada8 {sum}, {threshold}, {d}, {sum}",
+                "usada8 {less}, {one_less}, {a}, {less}",
+                "4:",
+                "subs {n}, {n}, #1",
+                "bpl 2b",
+                "cbz r0, 6f",
+                "add {f}, {f}, r0",
+                "add {g}, {g}, r0",
+                "ldr {a}, [{f}, #-4]",
+                "ldr {b}, [{g}, #-4]",
+                "rsb {d}, r0, #4",
+                "lsl {d}, {d}, #3",
+                "lsr {a}, {a}, {d}",
+                "lsr {b}, {b}, {d}",
+                "movs r0, #0",
+                "mov {n}, #0",
+                "b 5b",
+                "6:",
+                f = inout(reg) f => _,
+                g = inout(reg) g => _,
+                a = out(reg) _,
+                b = out(reg) _,
+                d = out(reg) _,
+                n = inout(reg) width / LANES => _,
+                inout("r0") width % LANES => _,
+                threshold = in(reg) in_lanes(threshold),
+                one_less = in(reg) in_lanes(threshold - 1),
+                sum = inout(reg) self.by_threshold,
+                less = inout(reg) self.by_one_less,
+                options(readonly, nostack),
+            );
+        }
     }
-    let different = up_to_threshold - up_to_one_less;
-    Compared { different, differences: up_to_threshold - different * u32::from(threshold) }
 }

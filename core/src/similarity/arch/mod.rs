@@ -4,7 +4,8 @@
 //! |---|---|---|---|
 //! | `avx512.rs` | AVX-512 BW and VBMI | found at run time (`std`) or compiled for | where the machine has it |
 //! | `avx2.rs` | AVX2 | the same | where the machine has it |
-//! | `armv7em.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it | `examples/kernels` on the emulated Cortex-M4 and M7 |
+//! | `helium.rs` | Helium, the vectors of Armv8.1-M | compiled for it | `examples/kernels` on the emulated Cortex-M55 |
+//! | `armv7em.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it, and not for Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | (`scalar.rs`) | any | everywhere else | always |
 //!
 //! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
@@ -19,6 +20,8 @@ mod avx2;
 mod avx512;
 #[cfg(any(smr_dsp, smr_helium))]
 mod filter;
+#[cfg(smr_helium)]
+mod helium;
 #[cfg(any(smr_dsp, smr_helium))]
 mod rows;
 
@@ -47,10 +50,12 @@ pub enum Backend {
     Avx512,
     /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
     Dsp,
+    /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
+    Helium,
 }
 
 impl Backend {
-    const ALL: [Self; 4] = [Self::Avx512, Self::Avx2, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 5] = [Self::Avx512, Self::Avx2, Self::Helium, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -77,6 +82,7 @@ impl Backend {
             #[cfg(not(target_arch = "x86_64"))]
             Self::Avx2 | Self::Avx512 => false,
             Self::Dsp => cfg!(smr_dsp),
+            Self::Helium => cfg!(smr_helium),
         }
     }
 }
@@ -111,6 +117,8 @@ enum Ready {
     Avx512(avx512::Lookup),
     #[cfg(smr_dsp)]
     Dsp(armv7em::Dsp),
+    #[cfg(smr_helium)]
+    Helium(helium::Helium),
 }
 
 /// The plain loops.
@@ -120,6 +128,7 @@ struct Plain {
 }
 
 impl Kernels for Plain {
+    #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy, for those who filter first, too
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         scalar::score_at_least(patch, template, self.table, self.threshold, floor)
     }
@@ -136,6 +145,8 @@ macro_rules! dispatch {
             Ready::Avx512($kernels) => $call,
             #[cfg(smr_dsp)]
             Ready::Dsp($kernels) => $call,
+            #[cfg(smr_helium)]
+            Ready::Helium($kernels) => $call,
         }
     };
 }
@@ -152,6 +163,8 @@ impl Scorer {
             Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
             #[cfg(smr_dsp)]
             Backend::Dsp => Some(Ready::Dsp(armv7em::Dsp::new(table, threshold))),
+            #[cfg(smr_helium)]
+            Backend::Helium => Some(Ready::Helium(helium::Helium::new(table, threshold))),
             _ => None,
         };
         Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar(Plain { table, threshold })) }

@@ -30,6 +30,7 @@ impl Pair {
 
     /// Gives `compare` the addresses of each two rows, from the top and as long as it says true. At both, `width` bytes
     /// can be read.
+    #[cfg(smr_dsp)]
     #[inline(always)]
     pub(super) fn each(&self, mut compare: impl FnMut(*const u8, *const u8) -> bool) {
         let (mut f, mut g) = (self.patch.first, self.template.first);
