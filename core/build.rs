@@ -60,8 +60,7 @@ impl Processor {
         let switches = lists.flat_map(|(_, list)| list.split(','));
         switches
             .filter_map(|switch| Some((switch.chars().next()?, switch.get(1..)?)))
-            .filter(|&(_, name)| name == feature)
-            .next_back()
+            .rfind(|&(_, name)| name == feature)
             .map(|(sign, _)| sign == '+')
     }
 }
