@@ -21,6 +21,10 @@ const LANES: usize = 4;
 /// The columns that `distance` goes down at a time: the words for which its loop is unrolled.
 const STRIP: usize = 32 * LANES;
 
+/// The columns that the filter goes down at a time, and the bytes of its code for a word.
+const FILTER_STRIP: usize = 16 * LANES;
+const FILTER_WORD: usize = 32;
+
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
@@ -88,7 +92,6 @@ unsafe fn strip(pair: &Pair, column: usize, width: usize, mut sum: i32) -> i32 {
     // SAFETY: of each row, whole words and the last word of `width` are read; nothing is written.
     unsafe {
         asm!(
-            ".p2align 2", // for adr; from here to 4 it is whole words
             "adr.w {words}, 4f",
             "sub {words}, {words}, r2, lsl #3", // eight bytes of code for each word
             "2:",
@@ -100,6 +103,7 @@ unsafe fn strip(pair: &Pair, column: usize, width: usize, mut sum: i32) -> i32 {
             "usada8 {sum}, r2, r3, {sum}",
             "3:",
             "mov pc, {words}",
+            ".p2align 2", // so that 4 is where adr can point to
             ".irp offset,124,120,116,112,108,104,100,96,92,88,84,80,76,72,68,64,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
             "ldr.n r2, [r0, #\\offset]",
             "ldr.n r3, [r1, #\\offset]",
@@ -176,20 +180,18 @@ unsafe fn means_at(rows: &[*const u8; 8], means: *mut u8, columns: usize) {
 }
 
 /// True if the pictures, which have at least four columns, lose more than is allowed: certainly from some row on.
-#[inline(always)]
 fn exceeds(pair: &Pair, limit: &Limit) -> bool {
-    let threshold = u32::from(limit.threshold);
-    let mut sums = Clipped::default();
-    let mut lost = 0;
-    pair.each(|f, g| {
-        // SAFETY: the pair gives addresses of `width` bytes each.
-        unsafe { sums.add(f, g, pair.width, limit.threshold) };
-        let different = sums.by_threshold - sums.by_one_less;
-        let differences = sums.by_threshold - different * threshold;
-        lost = different * u32::from(Table::ONE) + differences * limit.chord;
-        lost <= limit.allowed
-    });
-    lost > limit.allowed
+    let mut clipped = Clipped::default();
+    let mut column = 0;
+    while column < pair.width {
+        let width = FILTER_STRIP.min(pair.width - column);
+        // SAFETY: the strip is a part of the pair, which has at least four columns.
+        if unsafe { clipped.add(pair, column, width, limit) } {
+            return true;
+        }
+        column += FILTER_STRIP;
+    }
+    false
 }
 
 /// Sums of min(difference, threshold), and of min(difference, threshold - 1): these differ by 1 for every pixel that does
@@ -200,73 +202,109 @@ struct Clipped {
     by_one_less: u32,
 }
 
+/// What a round of the loop over rows needs, apart from what is always in registers.
+#[repr(C)]
+struct Round {
+    f_stride: usize,
+    g_stride: usize,
+    for_each_that_does_not_count: u32,
+    for_each_level: u32,
+    allowed: u32,
+    rows: usize,
+    none: usize,
+    words: usize,
+}
+
 impl Clipped {
-    /// Adds two rows.
+    /// Adds `width` (1..=`FILTER_STRIP`) columns from `column` on, until more is lost than is allowed: then it says true.
     ///
     /// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, and no
-    /// farther than 0: that is what `usada8` adds.
+    /// farther than 0: that is what `usada8` adds. With M and M' the two sums, M - M' pixels do not count, and M less
+    /// (M - M') * threshold is the sum of the differences of the others.
     ///
     /// # Safety
-    /// At `f` and `g`, `width` bytes can be read, at least four.
+    /// The pair has these columns, and at least four.
     #[inline(always)]
-    unsafe fn add(&mut self, f: *const u8, g: *const u8, width: usize, threshold: u8) {
+    unsafe fn add(&mut self, pair: &Pair, column: usize, width: usize, limit: &Limit) -> bool {
         let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
-        // SAFETY: whole words of `width` are read, then the word that ends with the row.
+        let left = width % LANES;
+        let mut round = Round {
+            f_stride: pair.patch.stride,
+            g_stride: pair.template.stride,
+            for_each_that_does_not_count: u32::from(Table::ONE)
+                .wrapping_sub(limit.chord.wrapping_mul(u32::from(limit.threshold))),
+            for_each_level: limit.chord,
+            allowed: limit.allowed,
+            rows: pair.height,
+            none: 8 * (LANES - left),
+            words: width / LANES * FILTER_WORD,
+        };
+        // SAFETY: of each row, whole words and the last word of `width` are read; nothing but `round` is written.
         unsafe {
             asm!(
-                "lsrs {n}, {n}, #1",
-                "bcs 3f", // an odd one
-                "b 4f",
+                "adr.w r2, 4f",
+                "ldr r3, [{round}, #28]",
+                "sub r2, r2, r3",
+                "orr r2, r2, #1", // Thumb
+                "str r2, [{round}, #28]",
                 "2:",
-                "ldr {a}, [{f}], #4",
-                "ldr {b}, [{g}], #4",
-                "uqsub8 {d}, {a}, {b}",
-                "uqsub8 {a}, {b}, {a}",
-                "orr {a}, {a}, {d}",
-                "uqsub8 {d}, {threshold}, {a}",
-                "uqsub8 {a}, {one_less}, {a}",
+                "cbz r5, 3f",
+                "ldr r2, [r0, r5]",
+                "ldr r3, [r1, r5]",
+                "ldr {d}, [{round}, #24]",
+                "lsr r2, r2, {d}",
+                "lsr r3, r3, {d}",
+                "uqsub8 {d}, r2, r3",
+                "uqsub8 r2, r3, r2",
+                "orr r2, r2, {d}",
+                "uqsub8 {d}, {threshold}, r2",
+                "uqsub8 r2, {one_less}, r2",
                 "usada8 {sum}, {threshold}, {d}, {sum}",
-                "usada8 {less}, {one_less}, {a}, {less}",
+                "usada8 {less}, {one_less}, r2, {less}",
                 "3:",
-                "ldr {a}, [{f}], #4",
-                "ldr {b}, [{g}], #4",
-                "5:",
-                "uqsub8 {d}, {a}, {b}",
-                "uqsub8 {a}, {b}, {a}",
-                "orr {a}, {a}, {d}",
-                "uqsub8 {d}, {threshold}, {a}",
-                "uqsub8 {a}, {one_less}, {a}",
+                "ldr.w pc, [{round}, #28]",
+                ".p2align 2", // so that 4 is where adr can point to
+                ".irp offset,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
+                "ldr.n r2, [r0, #\\offset]",
+                "ldr.n r3, [r1, #\\offset]",
+                "uqsub8 {d}, r2, r3",
+                "uqsub8 r2, r3, r2",
+                "orr.w r2, r2, {d}",
+                "uqsub8 {d}, {threshold}, r2",
+                "uqsub8 r2, {one_less}, r2",
                 "usada8 {sum}, {threshold}, {d}, {sum}",
-                "usada8 {less}, {one_less}, {a}, {less}",
+                "usada8 {less}, {one_less}, r2, {less}",
+                ".endr",
                 "4:",
-                "subs {n}, {n}, #1",
-                "bpl 2b",
-                "cbz r0, 6f",
-                "add {f}, {f}, r0",
-                "add {g}, {g}, r0",
-                "ldr {a}, [{f}, #-4]",
-                "ldr {b}, [{g}, #-4]",
-                "rsb {d}, r0, #4",
-                "lsl {d}, {d}, #3",
-                "lsr {a}, {a}, {d}",
-                "lsr {b}, {b}, {d}",
-                "movs r0, #0",
-                "mov {n}, #0",
-                "b 5b",
-                "6:",
-                f = inout(reg) f => _,
-                g = inout(reg) g => _,
-                a = out(reg) _,
-                b = out(reg) _,
+                "ldrd r2, r3, [{round}]",
+                "add r0, r0, r2",
+                "add r1, r1, r3",
+                "sub {d}, {sum}, {less}",
+                "ldrd r2, r3, [{round}, #8]",
+                "mul r2, r2, {d}",
+                "mla r2, r3, {sum}, r2",
+                "ldrd r3, {d}, [{round}, #16]",
+                "cmp r2, r3",
+                "bhi 5f",
+                "subs {d}, {d}, #1",
+                "str {d}, [{round}, #20]",
+                "bne.w 2b",
+                "5:",
+                inout("r0") pair.patch.first.wrapping_add(column) => _,
+                inout("r1") pair.template.first.wrapping_add(column) => _,
+                out("r2") _,
+                out("r3") _,
+                // The last columns are the upper part of the last word, which begins in the columns before.
+                in("r5") if left == 0 { 0 } else { width.wrapping_sub(LANES) },
                 d = out(reg) _,
-                n = inout(reg) width / LANES => _,
-                inout("r0") width % LANES => _,
-                threshold = in(reg) in_lanes(threshold),
-                one_less = in(reg) in_lanes(threshold - 1),
+                threshold = in(reg) in_lanes(limit.threshold),
+                one_less = in(reg) in_lanes(limit.threshold - 1),
                 sum = inout(reg) self.by_threshold,
                 less = inout(reg) self.by_one_less,
-                options(readonly, nostack),
+                round = in(reg) &raw mut round,
+                options(nostack),
             );
         }
+        round.rows > 0
     }
 }

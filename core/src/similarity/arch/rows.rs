@@ -27,22 +27,6 @@ impl Pair {
             height: usize::from(patch.height().min(template.height())),
         }
     }
-
-    /// Gives `compare` the addresses of each two rows, from the top and as long as it says true. At both, `width` bytes
-    /// can be read.
-    #[cfg(smr_dsp)]
-    #[inline(always)]
-    pub(super) fn each(&self, mut compare: impl FnMut(*const u8, *const u8) -> bool) {
-        let (mut f, mut g) = (self.patch.first, self.template.first);
-        for _ in 0..self.height {
-            if !compare(f, g) {
-                return;
-            }
-            // After the last row these are addresses of nothing, and not used.
-            f = f.wrapping_add(self.patch.stride);
-            g = g.wrapping_add(self.template.stride);
-        }
-    }
 }
 
 impl Rows {
