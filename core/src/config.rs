@@ -33,6 +33,11 @@ impl Fraction {
         (u32::from(value) * u32::from(self.numerator)).div_ceil(u32::from(self.denominator).max(1))
     }
 
+    /// True if a peak can fail to be so many times as large as the runner-up, than which it is never smaller.
+    pub(crate) const fn can_be_missed(self) -> bool {
+        self.numerator > self.denominator
+    }
+
     /// True if `upper / lower` is at least the fraction: exact, without a division.
     #[must_use]
     pub fn reached_by(self, upper: u32, lower: u32) -> bool {
@@ -112,6 +117,25 @@ pub struct Config {
     /// How scores are computed; it changes nothing but the time. `None` is the fastest way that the machine has; one that
     /// it does not have is replaced by the plain loop.
     pub backend: Option<Backend>,
+    /// Whether offsets that cannot matter are left out; it changes nothing but the time. Without, every offset is scored to
+    /// its last pixel.
+    pub pruning: bool,
+    /// When the runner-up is looked for.
+    pub runner_up: RunnerUp,
+}
+
+/// When the runner-up is looked for.
+///
+/// It lies far below the peak of a target that is followed, so few offsets can be excluded from being it: looking for it
+/// always multiplies the time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RunnerUp {
+    /// When the gate's decision depends on it. With the paper's gate that is every frame but those where the target was
+    /// tracked before and the peak is inside the frame.
+    WhenItDecides,
+    /// In every frame.
+    Always,
 }
 
 impl Config {
@@ -138,6 +162,8 @@ impl Config {
                 lead: 100,
             },
             backend: None,
+            pruning: true,
+            runner_up: RunnerUp::WhenItDecides,
         }
     }
 

@@ -186,12 +186,10 @@ impl<'a> Image<'a> {
             .map(move |row| row.get(..width).unwrap_or_default())
     }
 
-    /// All rows from the top, each to the end of the slice: what follows a row's last pixel belongs to somebody else, but
-    /// may be read.
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for backends that load more than they need
-    pub(crate) fn rows_and_rest(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let Self { pixels, stride, .. } = *self;
-        (0..usize::from(self.height)).map(move |y| pixels.get(y * stride..).unwrap_or_default())
+    /// The slice and the stride: row y of `width` pixels starts at byte y * stride, and all rows lie within the slice.
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that go by addresses
+    pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
+        (self.pixels, self.stride)
     }
 
     /// The part of the picture that `rect` covers, in the image's own coordinates; `None` if it reaches outside.
@@ -202,6 +200,13 @@ impl<'a> Image<'a> {
         }
         let start = usize::try_from(rect.y).ok()? * self.stride + usize::try_from(rect.x).ok()?;
         Some(Self { pixels: self.pixels.get(start..)?, width: rect.width, height: rect.height, stride: self.stride })
+    }
+
+    /// Every `step`-th row from row `first` on; `None` if there is none.
+    pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
+        let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
+        let height = u16::try_from(rows).ok().filter(|&rows| rows > 0)?;
+        Some(Self { pixels: self.pixels.get(first * self.stride..)?, height, stride: self.stride * step, ..*self })
     }
 
     fn rest(&self, start: usize, len: usize) -> &'a [u8] {

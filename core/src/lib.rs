@@ -54,6 +54,7 @@
 //! # Features
 //!
 //! - `std`: asks the machine at run time which instruction sets it has; see [`similarity::Backend`].
+//! - `verify`: runs the plain loops beside every call of a faster backend, and panics where they differ.
 //! - `defmt`: the public types implement `defmt::Format`.
 //! - `pursuit`: module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
@@ -79,6 +80,6 @@ mod tracker;
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
-pub use config::{Config, ConfigError, Fraction, Gate, Radius};
+pub use config::{Config, ConfigError, Fraction, Gate, Radius, RunnerUp};
 pub use image::{Frame, FrameError, Image, ImageError, Rect};
-pub use tracker::{Answer, LockError, State, Tracker, UpdateError};
+pub use tracker::{Answer, LockError, State, Tracker, Update, UpdateError};

@@ -41,9 +41,10 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// If nothing changed alpha stays: an alpha of 0 would match nothing ever after.
     pub(crate) fn update(&mut self, patch: Image<'_>, config: &Config) {
         let mut largest = 0;
-        for (old, &new) in self.pixels.iter_mut().zip(patch.rows().flatten()) {
-            largest = largest.max(old.abs_diff(new));
-            *old = new;
+        for (old, new) in self.pixels.chunks_mut(usize::from(self.width).max(1)).zip(patch.rows()) {
+            // Two loops, which compilers turn into wide ones.
+            largest = old.iter().zip(new).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
+            old.iter_mut().zip(new).for_each(|(old, &new)| *old = new);
         }
         if largest > 0 {
             self.threshold = threshold(largest, config);

@@ -1,8 +1,8 @@
 //! States and decisions: lock, update, lost, reacquire.
 
-use crate::config::{Config, ConfigError, Fraction};
+use crate::config::{Config, ConfigError, Fraction, RunnerUp};
 use crate::image::{Frame, Image, Rect};
-use crate::search::{self, Found, Maxima, Window};
+use crate::search::{Found, Peak, Scene, Search, Window};
 use crate::similarity::{self, Backend, Scorer, Table};
 use crate::template::Template;
 use core::fmt;
@@ -30,8 +30,9 @@ pub struct Answer {
     pub state: State,
     /// The similarity matching ratio: the peak's score over the number of pixels, rounded down.
     pub ratio: u16,
-    /// The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood.
-    pub runner_up_ratio: u16,
+    /// The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood, `None` if nothing
+    /// depended on it ([`Config::runner_up`]).
+    pub runner_up_ratio: Option<u16>,
     /// The threshold that this frame was scored with: alpha, rounded up to whole gray levels. A pixel counted if it
     /// differed by less.
     pub alpha: u16,
@@ -40,7 +41,7 @@ pub struct Answer {
 }
 
 /// Follows one target. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an
-/// axis; both are memory (`PIXELS` bytes, `8 * SPAN` bytes) and nothing else is.
+/// axis; both are memory (`2 * PIXELS` bytes, `20 * SPAN` bytes) and nothing else is.
 ///
 /// Several targets are several trackers on the same frame. The [crate's example](crate) follows a target through whole
 /// frames; this one reads out only what is needed of them:
@@ -76,14 +77,16 @@ pub struct Answer {
 ///
 /// let answer = tracker.update(&frame)?;
 /// assert_eq!(best, Some(answer.found.peak.score));
-/// assert!(tracker.config().gate.tracking.reached_by(answer.found.peak.score, answer.found.runner_up));
+/// assert_eq!(answer.found.runner_up, None); // nothing depended on it: see `Config::runner_up`
 /// # Ok(())
 /// # }
 /// ```
 pub struct Tracker<const PIXELS: usize, const SPAN: usize> {
     config: Config,
     template: Template<PIXELS>,
-    maxima: Maxima<SPAN>,
+    search: Search<PIXELS, SPAN>,
+    /// An update was begun and is not finished.
+    begun: bool,
     track: Option<Track>,
 }
 
@@ -105,7 +108,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Self { config, template: Template::new(), maxima: Maxima::new(), track: None })
+        Ok(Self { config, template: Template::new(), search: Search::new(), begun: false, track: None })
     }
 
     /// Starts on the target in `target`, at any time; whatever was followed before is forgotten. Only the pixels of
@@ -130,6 +133,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         }
         let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
         self.template.start(patch, &self.config);
+        self.begun = false;
         self.track = Some(Track { target, bounds, state: State::Tracking, lost_for: 0 });
         Ok(())
     }
@@ -137,43 +141,138 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// Looks for the target in the next frame.
     ///
     /// Of the frame only the pixels in [`Tracker::window`] are read; the rest need not be in memory.
-    /// Cost: (offsets in the window) x (pixels of the template) comparisons.
+    /// Cost: at most (offsets in the window) x (pixels of the template) comparisons and about an eighth of it more; far
+    /// fewer where the target is seen clearly. In the frame in which a tracked target begins to leave the picture, at most
+    /// twice that. [`Tracker::begin`] does the same in parts.
     ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
+        self.begin(frame).map(Update::finish)
+    }
+
+    /// The same update in steps of a bounded amount of work, for those who have a deadline; the answer does not depend on
+    /// how it is cut.
+    ///
+    /// ```
+    /// # use smr_core::{Config, Frame, Image, Rect, Tracker};
+    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+    /// # let mut tracker = Tracker::<256, 161>::new(Config::paper())?;
+    /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
+    /// let mut update = tracker.begin(&frame)?;
+    /// while !update.step(10_000) {
+    ///     // something else that must not wait
+    /// }
+    /// let answer = update.finish();
+    /// assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`UpdateError`]; the tracker is then as it was before.
+    pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
+        let mut update = self.update_of(frame)?;
+        update.begin();
+        Ok(update)
+    }
+
+    /// Takes up an update that was begun and dropped before it was finished: for those who cannot keep it, C for one.
+    ///
+    /// # Errors
+    /// [`UpdateError::NotBegun`] if there is none: it was finished, or the tracker has locked since. The others as for
+    /// [`Tracker::begin`]. That `frame` holds the same pixels as before is up to the caller: of two frames the answer would
+    /// be neither's.
+    pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
+        if !self.begun {
+            return Err(UpdateError::NotBegun);
+        }
+        self.update_of(frame)
+    }
+
+    #[inline(never)] // one copy in flash
+    fn update_of<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         let track = self.track.ok_or(UpdateError::NotLocked)?;
-        let template = self.template.image().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
         let window = self.search_window(&track);
-        let threshold = self.template.threshold();
-        let backend = self.config.backend.unwrap_or_else(Backend::best);
-        let scorer = Scorer::new(backend, self.config.table, threshold);
-        let found = search::exhaustive(&window, self.config.neighbourhood, &mut self.maxima, |x, y| {
-            similarity::score_at(frame, template, x, y, &scorer)
-        });
-        let found = found.ok_or(UpdateError::WindowNotInMemory)?;
-
-        let pixels = track.target.area();
-        let track = track.after(&found, &self.config);
-        if track.state == State::Tracking
-            && let Some(patch) = frame.patch(track.target)
-        {
-            self.template.update(patch, &self.config);
+        let pixels = window.pixels(track.target.width, track.target.height, track.bounds);
+        if !pixels.is_empty() && !frame.covered().contains(pixels) {
+            return Err(UpdateError::WindowNotInMemory);
         }
-        self.track = Some(track);
-        Ok(Answer {
-            bbox: track.target,
-            state: track.state,
-            ratio: ratio(found.peak.score, pixels),
-            runner_up_ratio: ratio(found.runner_up, pixels),
-            alpha: threshold,
-            found,
-        })
+        let backend = self.config.backend.unwrap_or_else(Backend::best);
+        let scorer = Scorer::new(backend, self.config.table, self.template.threshold());
+        Ok(Update { tracker: self, frame: *frame, window, scorer, track, work: 0 })
     }
 }
+
+/// An update under way, from [`Tracker::begin`].
+///
+/// Dropped before [`Update::finish`] it has changed nothing but the tracker's working memory: [`Tracker::resume`] takes it
+/// up, [`Tracker::begin`] and [`Tracker::update`] start anew.
+pub struct Update<'a, const PIXELS: usize, const SPAN: usize> {
+    tracker: &'a mut Tracker<PIXELS, SPAN>,
+    frame: Frame<'a>,
+    window: Window,
+    scorer: Scorer,
+    track: Track,
+    work: u64,
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
+    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most eight times the
+    /// template's pixels. True when nothing is left to do but [`Update::finish`].
+    pub fn step(&mut self, work: u32) -> bool {
+        self.advance(work)
+    }
+
+    /// How many comparisons of bytes have been made since the update was begun or resumed, at most: what could be left out
+    /// of a score is counted, too.
+    #[must_use]
+    pub const fn work(&self) -> u64 {
+        self.work
+    }
+
+    /// Does what is left, and gives the answer.
+    #[must_use]
+    pub fn finish(mut self) -> Answer {
+        while !self.advance(u32::MAX) {}
+        self.tracker.begun = false;
+        let found = self.tracker.search.found(&self.window).unwrap_or(NOTHING);
+        self.tracker.decide(&self.frame, self.track, found)
+    }
+
+    fn begin(&mut self) {
+        let Tracker { search, template, config, begun, .. } = &mut *self.tracker;
+        let Some(template) = template.image() else { return };
+        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
+        let certainly = self.track.asks_for_runner_up(State::Tracking, config);
+        search.begin(&scene, config.pruning, certainly.then_some(config.neighbourhood));
+        *begun = true;
+    }
+
+    #[inline(never)] // one copy in flash
+    fn advance(&mut self, work: u32) -> bool {
+        let Tracker { search, template, config, .. } = &mut *self.tracker;
+        let Some(template) = template.image() else { return true };
+        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
+        self.work = self.work.saturating_add(search.step(&scene, work).into());
+        if !search.is_done() {
+            return false;
+        }
+        match search.found(&self.window) {
+            Some(Found { peak, runner_up: None }) if self.track.asks_for_runner_up(self.track.at(&peak).1, config) => {
+                search.begin_runner_up(&scene, config.neighbourhood);
+                false
+            }
+            _ => true,
+        }
+    }
+}
+
+/// What is found where nothing is searched, which does not happen: a window is never empty.
+const NOTHING: Found = Found { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
 impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock.
@@ -219,6 +318,27 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         &self.config
     }
 
+    /// What follows from what was found: state, box, template.
+    #[inline(never)] // one copy in flash
+    fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
+        let (pixels, threshold) = (track.target.area(), self.template.threshold());
+        let track = track.after(&found, &self.config);
+        if track.state == State::Tracking
+            && let Some(patch) = frame.patch(track.target)
+        {
+            self.template.update(patch, &self.config);
+        }
+        self.track = Some(track);
+        Answer {
+            bbox: track.target,
+            state: track.state,
+            ratio: ratio(found.peak.score, pixels),
+            runner_up_ratio: found.runner_up.map(|score| ratio(score, pixels)),
+            alpha: threshold,
+            found,
+        }
+    }
+
     fn search_window(&self, track: &Track) -> Window {
         let grown = |radius: u16, limit: u16| {
             radius.saturating_add(self.config.growth.saturating_mul(track.lost_for)).min(limit)
@@ -232,8 +352,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
 impl Track {
     /// What is known after a frame in which `found` was found.
     fn after(self, found: &Found, config: &Config) -> Self {
-        let target = Rect { x: found.peak.x, y: found.peak.y, ..self.target };
-        let state = if self.bounds.contains(target) { State::Tracking } else { State::Leaving };
+        let (target, state) = self.at(&found.peak);
         if self.believes(found, state, config) {
             Self { target, state, lost_for: 0, ..self }
         } else {
@@ -241,19 +360,34 @@ impl Track {
         }
     }
 
+    /// The box at `peak`, and the state of a target that is there.
+    fn at(&self, peak: &Peak) -> (Rect, State) {
+        let target = Rect { x: peak.x, y: peak.y, ..self.target };
+        (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
+    }
+
     /// The gate: does the peak stand out clearly enough to go on to `state`?
     fn believes(&self, found: &Found, state: State, config: &Config) -> bool {
-        let gate = &config.gate;
-        let (peak, runner_up) = (found.peak.score, found.runner_up);
-        let stands_out = |needed: Fraction| peak > 0 && needed.reached_by(peak, runner_up);
+        let peak = found.peak.score;
+        // Where the runner-up was not looked for it decides nothing.
+        let runner_up = found.runner_up.unwrap_or(0);
+        let lead = u32::from(config.gate.lead) * u32::from(Table::ONE);
+        let leads = self.state == State::Lost && peak.saturating_sub(runner_up) >= lead;
+        leads || (peak > 0 && self.gate(state, config).reached_by(peak, runner_up))
+    }
+
+    /// Whether the gate's decision to go on to `state` depends on the runner-up, or it is wanted anyway.
+    fn asks_for_runner_up(&self, state: State, config: &Config) -> bool {
+        config.runner_up == RunnerUp::Always || self.gate(state, config).can_be_missed()
+    }
+
+    /// How many times the runner-up a peak must be to go on to `state`.
+    const fn gate(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
-            (State::Lost, _) => {
-                let lead = u32::from(gate.lead) * u32::from(Table::ONE);
-                stands_out(gate.lost) || peak.saturating_sub(runner_up) >= lead
-            }
-            (_, State::Leaving) => stands_out(gate.leaving),
-            (State::Leaving, _) => stands_out(gate.returning),
-            (State::Tracking, _) => stands_out(gate.tracking),
+            (State::Lost, _) => config.gate.lost,
+            (_, State::Leaving) => config.gate.leaving,
+            (State::Leaving, _) => config.gate.returning,
+            (State::Tracking, _) => config.gate.tracking,
         }
     }
 }
@@ -303,6 +437,8 @@ pub enum UpdateError {
     FrameSizeChanged,
     /// The part of the frame in memory does not cover [`Tracker::window`].
     WindowNotInMemory,
+    /// No update was begun, or it was finished, or the tracker has locked since: call [`Tracker::begin`] first.
+    NotBegun,
 }
 
 impl fmt::Display for UpdateError {
@@ -311,6 +447,7 @@ impl fmt::Display for UpdateError {
             Self::NotLocked => "there is no target yet: lock first",
             Self::FrameSizeChanged => "the frame is not of the size of the one that was locked on",
             Self::WindowNotInMemory => "the part of the frame in memory does not cover the search window",
+            Self::NotBegun => "no update was begun",
         })
     }
 }
@@ -385,11 +522,11 @@ mod tests {
     }
 
     #[test]
-    fn memory_is_the_template_and_two_words_an_offset() {
+    fn memory_is_twice_the_template_and_five_words_an_offset() {
         fn bounded<const PIXELS: usize, const SPAN: usize>(name: &str) {
             let size = size_of::<Tracker<PIXELS, SPAN>>();
             println!("Tracker<{PIXELS}, {SPAN}>: {size} bytes ({name})");
-            assert!(size <= PIXELS + 8 * SPAN + 256, "{name}: {size} bytes");
+            assert!(size <= 2 * PIXELS + 20 * SPAN + 320, "{name}: {size} bytes");
         }
         bounded::<1024, 33>("32x32 pixels, +-16");
         bounded::<4096, 33>("64x64 pixels, +-16");
@@ -404,9 +541,73 @@ mod tests {
             let answer = tracker.update(&scene(seed, x, y).frame()).unwrap();
             assert_eq!((answer.bbox, answer.state), (Rect::new(x, y, 12, 12), State::Tracking));
             assert_eq!(answer.ratio, 65535);
-            assert!(answer.runner_up_ratio < 20000);
+            assert_eq!(answer.runner_up_ratio, None, "inside the frame nothing depends on it");
             assert_eq!(answer.alpha, 13, "the template never changed, so alpha stays");
         }
+    }
+
+    #[test]
+    fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
+        let mut config = small_config();
+        config.runner_up = RunnerUp::Always;
+        let mut tracker = Small::new(config).unwrap();
+        tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
+        let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();
+        assert!(answer.runner_up_ratio.is_some_and(|ratio| 0 < ratio && ratio < 20000));
+
+        let mut tracker = locked_at(5, 20);
+        let answer = tracker.update(&scene(2, -3, 20).frame()).unwrap();
+        assert_eq!(answer.state, State::Leaving);
+        assert!(answer.runner_up_ratio.is_some(), "whether it leaves depends on it");
+    }
+
+    #[test]
+    fn the_answer_does_not_depend_on_how_an_update_is_cut() {
+        let places = [(22, 21), (28, 15), (70, 70), (25, 20), (-3, 20), (-5, 21), (2, 22)];
+        for work in [1, 777, 50_000] {
+            let (mut whole, mut cut, mut dropped) = (locked_at(20, 20), locked_at(20, 20), locked_at(20, 20));
+            for (seed, (x, y)) in (2..).zip(places) {
+                let scene = scene(seed, x, y);
+                let expected = whole.update(&scene.frame()).unwrap();
+                let frame = scene.frame();
+                let mut update = cut.begin(&frame).unwrap();
+                while !update.step(work) {
+                    assert!(update.work() > 0);
+                }
+                assert_eq!(update.finish(), expected);
+                let mut done = dropped.begin(&frame).unwrap().step(work);
+                while !done {
+                    done = dropped.resume(&frame).unwrap().step(work);
+                }
+                assert_eq!(dropped.resume(&frame).unwrap().finish(), expected);
+                assert_eq!(dropped.resume(&frame).err(), Some(UpdateError::NotBegun));
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_does_little_more_than_it_was_asked_for() {
+        let mut tracker = locked_at(20, 20);
+        let scene = scene(2, 25, 24);
+        let frame = scene.frame();
+        let mut update = tracker.begin(&frame).unwrap();
+        let mut before = 0;
+        while !update.step(500) {
+            assert!(update.work() - before <= 500 + 8 * 144);
+            before = update.work();
+        }
+    }
+
+    #[test]
+    fn an_update_that_was_given_up_leaves_nothing_behind() {
+        let mut tracker = locked_at(20, 20);
+        let (here, there) = (scene(2, 22, 21), scene(3, 27, 18));
+        tracker.begin(&here.frame()).unwrap().step(5000);
+        let answer = tracker.update(&there.frame()).unwrap();
+        assert_eq!((answer.bbox, answer.state), (Rect::new(27, 18, 12, 12), State::Tracking));
+        tracker.begin(&here.frame()).unwrap().step(5000);
+        tracker.lock(&here.frame(), Rect::new(22, 21, 12, 12)).unwrap();
+        assert_eq!(tracker.resume(&here.frame()).err(), Some(UpdateError::NotBegun));
     }
 
     #[test]
@@ -558,7 +759,7 @@ mod tests {
         let one = Image::new(&[7], 1, 1).unwrap();
         tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
         let answer = tracker.update(&one.into()).unwrap();
-        assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, 0));
+        assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, None));
 
         config.padding = u16::MAX;
         config.neighbourhood = u16::MAX;

@@ -211,7 +211,9 @@ fn decisions(answer: &Answer, step: &Step) -> Option<Mismatch> {
     let position = |x: i32, y: i32| (i64::from(x), i64::from(y));
     differs("peak's position", position(found.peak.x, found.peak.y), step.peak.0)
         .or_else(|| differs("peak's score", f64::from(found.peak.score), step.peak.1))
-        .or_else(|| differs("runner-up", f64::from(found.runner_up), step.runner_up))
+        .or_else(|| {
+            differs("runner-up", found.runner_up.map(f64::from), step.runner_up_asked.then_some(step.runner_up))
+        })
         .or_else(|| differs("alpha, rounded up", f64::from(answer.alpha), step.alpha.ceil()))
         .or_else(|| differs("state", belief(answer.state), step.belief))
         .or_else(|| differs("box", position(answer.bbox.x, answer.bbox.y), step.position))

@@ -1,20 +1,24 @@
 //! Replays recorded sequences through `smr-core`, the very code that is linked into a camera.
 //!
 //! - [`sequence`]: where frames and boxes come from.
+//! - [`spread`]: many measurements as three numbers.
 //! - [`mod@reference`]: the method in f64, written from the paper.
 //! - [`check`]: core against the reference, score by score.
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.
 //! - [`target`]: the firmware in QEMU against the host.
+//! - [`mod@bench`]: how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
+pub mod bench;
 pub mod check;
 pub mod command;
 pub mod evaluate;
 pub mod reference;
 pub mod report;
 pub mod sequence;
+pub mod spread;
 pub mod target;
 pub mod vectors;
 

@@ -34,6 +34,8 @@ pub struct Numbers {
     pub neighbourhood: i64,
     /// Ratios of peak to runner-up that a frame needs, each .0 / .1
     pub gate: GateNumbers,
+    /// Give the runner-up in every frame, not only where the gate asks for it.
+    pub runner_up_always: bool,
 }
 
 /// Each ratio is .0 / .1, compared crosswise: products of whole numbers are exact in f64, 1.02 is not.
@@ -70,6 +72,7 @@ impl Numbers {
                 lost: (125.0, 100.0),
                 lead: 100.0,
             },
+            runner_up_always: false,
         }
     }
 }
@@ -117,6 +120,8 @@ pub struct Step {
     pub exact_peak: ((i64, i64), f64),
     /// The largest rounded sum outside the peak's neighbourhood; 0 if there is no candidate there.
     pub runner_up: f64,
+    /// False if nothing depended on it: the gate asks for no more than the peak always is, as large as the runner-up.
+    pub runner_up_asked: bool,
     /// The alpha that this frame was scored with.
     pub alpha: f64,
     /// What is believed after it.
@@ -201,6 +206,8 @@ impl Reference {
         let alpha = self.alpha;
 
         let over_border = !self.is_inside(peak.0);
+        let needed = self.needed_ratio(over_border);
+        let runner_up_asked = needed.0 > needed.1 || self.numbers.runner_up_always;
         if self.is_believed(peak.1, runner_up, over_border) {
             self.position = peak.0;
             self.been_at_border = over_border;
@@ -213,7 +220,8 @@ impl Reference {
             self.belief = Belief::Lost;
             self.lost_for += 1;
         }
-        Step { scores, peak, exact_peak, runner_up, alpha, belief: self.belief, position: self.position }
+        let (belief, position) = (self.belief, self.position);
+        Step { scores, peak, exact_peak, runner_up, runner_up_asked, alpha, belief, position }
     }
 
     /// Step 1: all positions within the window, one pixel apart, that keep the box within the padded frame.
@@ -286,15 +294,23 @@ impl Reference {
 
     /// The authors' program's test for a target that is lost.
     fn is_believed(&self, peak: f64, runner_up: f64, over_border: bool) -> bool {
+        let needed = self.needed_ratio(over_border);
+        let stands_out = peak > 0.0 && peak * needed.1 >= runner_up * needed.0;
+        stands_out || (self.belief == Belief::Lost && peak - runner_up >= self.numbers.gate.lead * UNITS)
+    }
+
+    /// How many times as large as the runner-up the peak must be.
+    fn needed_ratio(&self, over_border: bool) -> (f64, f64) {
         let gate = &self.numbers.gate;
-        let stands_out = |needed: (f64, f64)| peak > 0.0 && peak * needed.1 >= runner_up * needed.0;
         if self.belief == Belief::Lost {
-            return stands_out(gate.lost) || peak - runner_up >= gate.lead * UNITS;
+            gate.lost
+        } else if over_border {
+            gate.border
+        } else if self.been_at_border {
+            gate.been_at_border
+        } else {
+            gate.tracking
         }
-        if over_border {
-            return stands_out(gate.border);
-        }
-        stands_out(if self.been_at_border { gate.been_at_border } else { gate.tracking })
     }
 
     fn is_inside(&self, (x, y): (i64, i64)) -> bool {

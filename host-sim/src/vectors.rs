@@ -19,7 +19,7 @@ struct Case {
 /// All vectors as text.
 pub fn text() -> String {
     let header = "# Made by `host-sim vectors` from the float reference. The form: README.md beside this file.\n";
-    let mut text = format!("{header}smr-vectors 1\n");
+    let mut text = format!("{header}smr-vectors 2\n");
     for case in [paper(), other_numbers(), ties(), one_pixel()] {
         case.write(&mut text);
     }
@@ -62,12 +62,14 @@ fn other_numbers() -> Case {
 
 /// A checkerboard without noise: every frame has many offsets of the same score.
 fn ties() -> Case {
+    let mut numbers = Numbers::paper();
+    numbers.runner_up_always = true;
     let size = (28, 24);
     let board = |(right, down): (i64, i64)| {
         pixels(size, |x, y| if ((x + right) / 3 + (y + down) / 3) % 2 == 0 { 50 } else { 170 })
     };
     let frames = [(0, 0), (3, 0), (3, 3), (4, 3), (4, 5), (1, 5)].map(board).to_vec();
-    Case { name: "ties", numbers: Numbers::paper(), size, target: (9, 9, 8, 7), frames }
+    Case { name: "ties", numbers, size, target: (9, 9, 8, 7), frames }
 }
 
 /// The smallest frame and the smallest template.
@@ -122,7 +124,18 @@ impl Case {
 impl Numbers {
     /// The configuration of a case, a line a number.
     fn lines(&self) -> Vec<String> {
-        let Self { scale, k, first_alpha, padding, window, growth, window_limit, neighbourhood, gate } = self;
+        let Self {
+            scale,
+            k,
+            first_alpha,
+            padding,
+            window,
+            growth,
+            window_limit,
+            neighbourhood,
+            gate,
+            runner_up_always,
+        } = self;
         let ratio = |(numerator, denominator): (f64, f64)| format!("{numerator} {denominator}");
         vec![
             format!("scale {scale}"),
@@ -138,6 +151,7 @@ impl Numbers {
             format!("gate_returning {}", ratio(gate.been_at_border)),
             format!("gate_lost {}", ratio(gate.lost)),
             format!("gate_lead {}", gate.lead),
+            format!("runner_up_always {}", u8::from(*runner_up_always)),
         ]
     }
 }
@@ -151,9 +165,13 @@ fn answer(step: &Step, area: i64, template: &[f64]) -> String {
     let (x, y) = step.position;
     let ((peak_x, peak_y), score) = step.peak;
     let ratio = |score: f64| (score / area as f64).floor();
+    let asked = step.runner_up_asked;
     let (ratio, runner_up_ratio, alpha) = (ratio(score), ratio(step.runner_up), step.alpha.ceil());
-    let (runner_up, hash) = (step.runner_up, template_hash(template));
-    format!("answer {x} {y} {state} {ratio} {runner_up_ratio} {alpha} {peak_x} {peak_y} {score} {runner_up} {hash:08x}")
+    let (runner_up, runner_up_ratio) = if asked { (step.runner_up, runner_up_ratio) } else { (0.0, 0.0) };
+    let (asked, hash) = (u8::from(asked), template_hash(template));
+    format!(
+        "answer {x} {y} {state} {ratio} {runner_up_ratio} {alpha} {peak_x} {peak_y} {score} {runner_up} {asked} {hash:08x}"
+    )
 }
 
 /// FNV-1a, 32 bits, over the template's bytes.

@@ -5,7 +5,7 @@
 #![no_std]
 
 use smr_core::similarity::Table;
-use smr_core::{Answer, Config, Fraction, Radius, Rect, State, Tracker};
+use smr_core::{Answer, Config, Fraction, Radius, Rect, RunnerUp, State, Tracker};
 
 /// The vectors.
 pub const CONFORMANCE: &str = include_str!("../vectors/conformance.txt");
@@ -59,11 +59,11 @@ pub struct Expected<'a> {
     pub position: (i32, i32),
     pub state: &'a str,
     pub ratio: u16,
-    pub runner_up_ratio: u16,
+    pub runner_up_ratio: Option<u16>,
     pub alpha: u16,
     pub peak: (i32, i32),
     pub score: u32,
-    pub runner_up: u32,
+    pub runner_up: Option<u32>,
     pub template_hash: u32,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Reader<'a> {
     pub fn next(&mut self) -> Option<Result<Line<'a>, &'a str>> {
         loop {
             let line = self.lines.next()?;
-            if !(line.is_empty() || line.starts_with('#') || line == "smr-vectors 1") {
+            if !(line.is_empty() || line.starts_with('#') || line == "smr-vectors 2") {
                 return Some(self.read(line).ok_or(line));
             }
         }
@@ -160,6 +160,13 @@ impl<'a> Reader<'a> {
             "gate_returning" => config.gate.returning = words.fraction()?,
             "gate_lost" => config.gate.lost = words.fraction()?,
             "gate_lead" => config.gate.lead = words.number()?,
+            "runner_up_always" => {
+                config.runner_up = match words.number::<u8>()? {
+                    0 => RunnerUp::WhenItDecides,
+                    1 => RunnerUp::Always,
+                    _ => return None,
+                }
+            }
             _ => return None,
         }
         Some(())
@@ -182,16 +189,21 @@ impl<'a> Words<'a> {
     }
 
     fn answer(&mut self) -> Option<Expected<'a>> {
-        Some(Expected {
+        let mut expected = Expected {
             position: (self.number()?, self.number()?),
             state: self.0.next()?,
             ratio: self.number()?,
-            runner_up_ratio: self.number()?,
+            runner_up_ratio: Some(self.number()?),
             alpha: self.number()?,
             peak: (self.number()?, self.number()?),
             score: self.number()?,
-            runner_up: self.number()?,
-            template_hash: u32::from_str_radix(self.0.next()?, 16).ok()?,
-        })
+            runner_up: Some(self.number()?),
+            template_hash: 0,
+        };
+        if self.number::<u8>()? == 0 {
+            (expected.runner_up, expected.runner_up_ratio) = (None, None);
+        }
+        expected.template_hash = u32::from_str_radix(self.0.next()?, 16).ok()?;
+        Some(expected)
     }
 }

@@ -59,7 +59,7 @@ fn bad_usage_is_exit_code_2() {
 fn what_is_not_there_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let empty = utf8(folder.path());
-    for command in ["track", "check", "eval"] {
+    for command in ["track", "check", "eval", "bench"] {
         host_sim(&[command, "no/such/recording"]).refuses(&["no/such/recording"]);
         host_sim(&[command, empty]).refuses(&[empty, "no recording"]);
     }
@@ -74,6 +74,64 @@ fn check_reports_as_json() {
     assert_eq!(report["frames"], 18);
     assert_eq!(report["violation"], Value::Null);
     assert!(report["largest_difference"].as_f64() <= report["bound"].as_f64());
+}
+
+/// As little as can be timed.
+const SHORT: [&str; 12] = [
+    "bench",
+    "synthetic",
+    "--every",
+    "120",
+    "--template",
+    "16x16",
+    "--window",
+    "4x3",
+    "--repeat",
+    "1",
+    "--python",
+    "no-such-python",
+];
+
+#[test]
+fn bench_reports_as_json_and_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let (png, svg) = (folder.path().join("speeds.png"), folder.path().join("speeds.svg"));
+    let report = host_sim(&[&SHORT[..], &["--json", "--plot", utf8(&png)]].concat()).json();
+    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+
+    let window = &report["windows"][0];
+    assert_eq!((&window["window"], &window["offsets"]), (&Value::from("4x3"), &Value::from(63)));
+    let searches = window["cases"].as_u64().unwrap();
+    assert!(searches > 0, "{window}");
+    let ways = window["ways"].as_array().unwrap();
+    let plain = ways.iter().find(|way| way["way"] == "Scalar, exhaustive").expect("every machine has the plain loop");
+    assert_eq!(plain["work_left"].as_f64(), Some(1.0));
+    assert!(plain["nanoseconds"]["max"].as_u64() >= plain["nanoseconds"]["median"].as_u64());
+    assert!(ways.iter().any(|way| way["way"] == "SAD, plain loop"));
+    assert!(report["opencv"]["not_timed"].as_str().unwrap().contains("cannot start no-such-python"));
+    assert_eq!(report["differences"], Value::Array(vec![]));
+    assert!(report["goals"].as_array().unwrap().iter().all(|goal| goal["at_most"].as_f64() > Some(0.0)));
+
+    let text = host_sim(&[&SHORT[..], &["--plot", utf8(&svg)]].concat());
+    assert_eq!((text.code, text.err.as_str()), (Some(0), ""));
+    for words in ["window +-4x3: 63 offsets", "OpenCV was not timed", "frames per second", "not measured"] {
+        assert!(text.out.contains(words), "`{words}` is not in: {}", text.out);
+    }
+    assert!(fs::read_to_string(&svg).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn bench_says_what_it_cannot_time() {
+    host_sim(&["bench", "synthetic", "--plot", "speeds.gif"]).refuses(&["speeds.gif", ".svg or .png"]);
+    host_sim(&["bench", "periodic"]).refuses(&["periodic", "no ground truth"]);
+    for arguments in [["--template", "64"], ["--template", "0x9"], ["--window", "16"], ["--every", "0"]] {
+        let said = host_sim(&["bench", "synthetic", arguments[0], arguments[1]]);
+        assert_eq!(said.code, Some(2), "{arguments:?}");
+        assert!(said.err.contains(arguments[0]), "{}", said.err);
+    }
+    let none = host_sim(&["bench", "synthetic", "--every", "120", "--repeat", "1", "--window", "100x100"]);
+    assert_eq!(none.code, Some(0), "{}", none.err);
+    assert!(none.out.contains("0 searches; "), "{}", none.out);
 }
 
 #[test]

@@ -103,9 +103,9 @@ int main(void)
         must(smr_window(tracker, &part), "smr_window");
         frame = read_out(&part);
         must(smr_update(tracker, &frame, &answer), "smr_update");
-        printf("frame %2d: %3" PRId32 ",%3" PRId32 " %ux%u %-8s similar %3u %%, runner-up %2u %%, alpha %u\n", number,
+        printf("frame %2d: %3" PRId32 ",%3" PRId32 " %ux%u %-8s similar %3u %%, alpha %u\n", number,
                answer.bbox.x, answer.bbox.y, (unsigned)answer.bbox.width, (unsigned)answer.bbox.height,
-               name_of(answer.state), percent(answer.ratio), percent(answer.runner_up_ratio), (unsigned)answer.alpha);
+               name_of(answer.state), percent(answer.ratio), (unsigned)answer.alpha);
         wrong += answer.state == SMR_LOST || answer.bbox.x != left || answer.bbox.y != top;
     }
     printf("%d of %d frames wrong\n", wrong, FRAMES);

@@ -58,7 +58,7 @@
 
 /** Size of a tracker's storage in bytes, a constant expression. A program linked to the library can ask #smr_tracker_size. */
 #define SMR_TRACKER_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 8 * (size_t)(SMR_SPAN) + 8 * sizeof(size_t) + 96)
+    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 24 * sizeof(size_t) + 96)
 
 /** Alignment of a tracker's storage in bytes, a constant expression. */
 #define SMR_TRACKER_ALIGN (sizeof(size_t))
@@ -193,6 +193,10 @@ enum smr_status
    * The part of the frame in memory does not cover #smr_window.
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 22,
+  /**
+   * No update was begun, or it was finished, or the tracker has locked since: #smr_begin comes first.
+   */
+  SMR_ERROR_NOT_BEGUN = 23,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -347,6 +351,11 @@ typedef struct smr_config {
    * When a frame is believed.
    */
   struct smr_gate gate;
+  /**
+   * 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
+   * time.
+   */
+  uint8_t runner_up_always;
 } smr_config;
 
 /**
@@ -451,7 +460,7 @@ typedef struct smr_answer {
    */
   uint16_t ratio;
   /**
-   * The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood.
+   * The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood, or if there is none.
    */
   uint16_t runner_up_ratio;
   /**
@@ -464,9 +473,13 @@ typedef struct smr_answer {
    */
   struct smr_peak peak;
   /**
-   * The runner-up's score, in the peak's unit.
+   * The runner-up's score, in the peak's unit; 0 if there is none.
    */
   uint32_t runner_up;
+  /**
+   * 1 if the runner-up was looked for, 0 if nothing depended on it: see `runner_up_always` in #smr_config.
+   */
+  uint8_t has_runner_up;
 } smr_answer;
 
 /**
@@ -556,7 +569,9 @@ smr_status smr_lock(struct smr_tracker *tracker,
  * Looks for the target in the next frame.
  *
  * Of the frame only the pixels in #smr_window are read; the rest need not be in memory.
- * Cost: (offsets in the window) x (pixels of the template) comparisons.
+ * Cost: at most (offsets in the window) x (pixels of the template) comparisons and about an eighth of it more; far fewer
+ * where the target is seen clearly. In the frame in which a tracked target begins to leave the picture, at most twice that.
+ * #smr_begin, #smr_step and #smr_finish do the same in parts.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    The frame, or a part of it that covers #smr_window.
@@ -567,6 +582,44 @@ smr_status smr_lock(struct smr_tracker *tracker,
  *                 was before.
  */
 smr_status smr_update(struct smr_tracker *tracker,
+                      const struct smr_frame *frame,
+                      struct smr_answer *answer);
+
+/**
+ * Begins an update that is made in steps of a bounded amount of work, for those who have a deadline. The answer is that of
+ * #smr_update, however it is cut. An update that was begun before, and not finished, is forgotten.
+ *
+ * @param tracker  Made by #smr_init, locked by #smr_lock.
+ * @param frame    The frame, or a part of it that covers #smr_window. Its pixels must stay as they are until #smr_finish.
+ * @return         As #smr_update.
+ */
+smr_status smr_begin(struct smr_tracker *tracker,
+                     const struct smr_frame *frame);
+
+/**
+ * Goes on with the update that #smr_begin has begun.
+ *
+ * @param tracker  As for #smr_begin.
+ * @param frame    The same frame, with the same pixels.
+ * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most eight times the template's
+ *                 pixels.
+ * @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
+ * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+ */
+smr_status smr_step(struct smr_tracker *tracker,
+                    const struct smr_frame *frame,
+                    uint32_t work,
+                    uint8_t *done);
+
+/**
+ * Does what is left of the update that #smr_begin has begun, and gives its answer.
+ *
+ * @param tracker  As for #smr_begin.
+ * @param frame    The same frame, with the same pixels.
+ * @param answer   Is set to the answer; left alone after an error.
+ * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+ */
+smr_status smr_finish(struct smr_tracker *tracker,
                       const struct smr_frame *frame,
                       struct smr_answer *answer);
 

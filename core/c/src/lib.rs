@@ -35,7 +35,10 @@ mod types;
 pub use capacity::{PIXELS, SPAN, STORAGE_ALIGN, STORAGE_SIZE};
 pub use status::{smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};
-pub use tracker::{smr_alpha, smr_init, smr_lock, smr_template, smr_tracker, smr_tracker_size, smr_update, smr_window};
+pub use tracker::{
+    smr_alpha, smr_begin, smr_finish, smr_init, smr_lock, smr_step, smr_template, smr_tracker, smr_tracker_size,
+    smr_update, smr_window,
+};
 pub use types::{
     SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_answer, smr_config, smr_config_paper, smr_fraction,
     smr_frame, smr_gate, smr_image, smr_peak, smr_radius, smr_rect, smr_state, smr_version,

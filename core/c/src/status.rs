@@ -57,19 +57,21 @@ pub enum smr_status {
     SMR_ERROR_FRAME_SIZE_CHANGED = 21,
     /// The part of the frame in memory does not cover #smr_window.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 22,
+    /// No update was begun, or it was finished, or the tracker has locked since: #smr_begin comes first.
+    SMR_ERROR_NOT_BEGUN = 23,
 }
 
 use smr_status::{
     SMR_ERROR_BOX_EMPTY, SMR_ERROR_BOX_NOT_IN_MEMORY, SMR_ERROR_BOX_OUTSIDE_FRAME, SMR_ERROR_BOX_TOO_LARGE,
     SMR_ERROR_FRAME_EMPTY, SMR_ERROR_FRAME_OVERLAPS_TRACKER, SMR_ERROR_FRAME_SIZE_CHANGED, SMR_ERROR_FRAME_TOO_LARGE,
-    SMR_ERROR_FRAME_TOO_SHORT, SMR_ERROR_LIMIT_BELOW_WINDOW, SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_INITIALISED,
-    SMR_ERROR_NOT_LOCKED, SMR_ERROR_NOTHING_COUNTS, SMR_ERROR_NULL, SMR_ERROR_OUTSIDE_FRAME,
+    SMR_ERROR_FRAME_TOO_SHORT, SMR_ERROR_LIMIT_BELOW_WINDOW, SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_BEGUN,
+    SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_NOTHING_COUNTS, SMR_ERROR_NULL, SMR_ERROR_OUTSIDE_FRAME,
     SMR_ERROR_SCALE_OUT_OF_RANGE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_STRIDE_TOO_SMALL,
     SMR_ERROR_WINDOW_NOT_IN_MEMORY, SMR_ERROR_WINDOW_TOO_LARGE, SMR_ERROR_ZERO_DENOMINATOR, SMR_OK,
 };
 
 /// Name by number; complete, and tested to be.
-static NAMES: [(smr_status, &CStr); 23] = [
+static NAMES: [(smr_status, &CStr); 24] = [
     (SMR_OK, c"SMR_OK"),
     (SMR_ERROR_NULL, c"SMR_ERROR_NULL"),
     (SMR_ERROR_MISALIGNED, c"SMR_ERROR_MISALIGNED"),
@@ -93,6 +95,7 @@ static NAMES: [(smr_status, &CStr); 23] = [
     (SMR_ERROR_NOT_LOCKED, c"SMR_ERROR_NOT_LOCKED"),
     (SMR_ERROR_FRAME_SIZE_CHANGED, c"SMR_ERROR_FRAME_SIZE_CHANGED"),
     (SMR_ERROR_WINDOW_NOT_IN_MEMORY, c"SMR_ERROR_WINDOW_NOT_IN_MEMORY"),
+    (SMR_ERROR_NOT_BEGUN, c"SMR_ERROR_NOT_BEGUN"),
 ];
 
 /// The name of a status as it is written here, for logs.
@@ -165,6 +168,7 @@ impl From<UpdateError> for smr_status {
             UpdateError::NotLocked => SMR_ERROR_NOT_LOCKED,
             UpdateError::FrameSizeChanged => SMR_ERROR_FRAME_SIZE_CHANGED,
             UpdateError::WindowNotInMemory => SMR_ERROR_WINDOW_NOT_IN_MEMORY,
+            UpdateError::NotBegun => SMR_ERROR_NOT_BEGUN,
         }
     }
 }
@@ -186,7 +190,7 @@ mod tests {
             // SAFETY: a static string, as its documentation says.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(number)) }, name);
         }
-        for unknown in [-1, 23, i32::MIN, i32::MAX] {
+        for unknown in [-1, 24, i32::MIN, i32::MAX] {
             // SAFETY: as above.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }

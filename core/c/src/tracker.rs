@@ -106,7 +106,9 @@ unsafe fn lock(tracker: *mut smr_tracker, frame: *const smr_frame, target: *cons
 /// Looks for the target in the next frame.
 ///
 /// Of the frame only the pixels in #smr_window are read; the rest need not be in memory.
-/// Cost: (offsets in the window) x (pixels of the template) comparisons.
+/// Cost: at most (offsets in the window) x (pixels of the template) comparisons and about an eighth of it more; far fewer
+/// where the target is seen clearly. In the frame in which a tracked target begins to leave the picture, at most twice that.
+/// #smr_begin, #smr_step and #smr_finish do the same in parts.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame, or a part of it that covers #smr_window.
@@ -133,6 +135,78 @@ unsafe fn update(
     // SAFETY: as the caller of `smr_update` says, of each.
     let (tracker, frame, out) = unsafe { (borrow(tracker)?, frame_for(tracker, frame)?, Out::new(answer)?) };
     out.write(tracker.update(&frame)?.into());
+    Ok(())
+}
+
+/// Begins an update that is made in steps of a bounded amount of work, for those who have a deadline. The answer is that of
+/// #smr_update, however it is cut. An update that was begun before, and not finished, is forgotten.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param frame    The frame, or a part of it that covers #smr_window. Its pixels must stay as they are until #smr_finish.
+/// @return         As #smr_update.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_begin(tracker: *mut smr_tracker, frame: *const smr_frame) -> smr_status {
+    // SAFETY: as the header asks of the caller.
+    status_of(unsafe { begin(tracker, frame) })
+}
+
+unsafe fn begin(tracker: *mut smr_tracker, frame: *const smr_frame) -> Result<(), smr_status> {
+    // SAFETY: as the caller of `smr_begin` says, of each.
+    let (tracker, frame) = unsafe { (borrow(tracker)?, frame_for(tracker, frame)?) };
+    tracker.begin(&frame)?;
+    Ok(())
+}
+
+/// Goes on with the update that #smr_begin has begun.
+///
+/// @param tracker  As for #smr_begin.
+/// @param frame    The same frame, with the same pixels.
+/// @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most eight times the template's
+///                 pixels.
+/// @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
+/// @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_step(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    work: u32,
+    done: *mut u8,
+) -> smr_status {
+    // SAFETY: as the header asks of the caller.
+    status_of(unsafe { step(tracker, frame, work, done) })
+}
+
+unsafe fn step(tracker: *mut smr_tracker, frame: *const smr_frame, work: u32, done: *mut u8) -> Result<(), smr_status> {
+    // SAFETY: as the caller of `smr_step` says, of each.
+    let (tracker, frame, out) = unsafe { (borrow(tracker)?, frame_for(tracker, frame)?, Out::new(done)?) };
+    out.write(tracker.resume(&frame)?.step(work).into());
+    Ok(())
+}
+
+/// Does what is left of the update that #smr_begin has begun, and gives its answer.
+///
+/// @param tracker  As for #smr_begin.
+/// @param frame    The same frame, with the same pixels.
+/// @param answer   Is set to the answer; left alone after an error.
+/// @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_finish(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    answer: *mut smr_answer,
+) -> smr_status {
+    // SAFETY: as the header asks of the caller.
+    status_of(unsafe { finish(tracker, frame, answer) })
+}
+
+unsafe fn finish(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    answer: *mut smr_answer,
+) -> Result<(), smr_status> {
+    // SAFETY: as the caller of `smr_finish` says, of each.
+    let (tracker, frame, out) = unsafe { (borrow(tracker)?, frame_for(tracker, frame)?, Out::new(answer)?) };
+    out.write(tracker.resume(&frame)?.finish().into());
     Ok(())
 }
 

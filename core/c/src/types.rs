@@ -6,7 +6,7 @@ use crate::status::{smr_status, status_of};
 use crate::table::{self, smr_table};
 use core::ffi::{CStr, c_char};
 use smr_core::search::Peak;
-use smr_core::{Answer, Config, Fraction, Frame, Gate, Image, Radius, Rect, State};
+use smr_core::{Answer, Config, Fraction, Frame, Gate, Image, Radius, Rect, RunnerUp, State};
 
 /// Version of this header, major.minor.patch: a program can compare it with #smr_version.
 pub const SMR_VERSION_MAJOR: u32 = 0;
@@ -101,6 +101,9 @@ pub struct smr_config {
     pub neighbourhood: u16,
     /// When a frame is believed.
     pub gate: smr_gate,
+    /// 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
+    /// time.
+    pub runner_up_always: u8,
 }
 
 /// One frame of the camera: 8-bit gray pixels, the part of it that is in memory, and where in the full frame that is.
@@ -165,15 +168,17 @@ pub struct smr_answer {
     pub state: smr_state,
     /// The similarity matching ratio: the peak's score over the number of pixels, rounded down.
     pub ratio: u16,
-    /// The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood.
+    /// The same of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood, or if there is none.
     pub runner_up_ratio: u16,
     /// The threshold that this frame was scored with, in gray levels (0..256): alpha, rounded up. A pixel counted if it
     /// differed by less.
     pub alpha: u16,
     /// The best offset, believed or not.
     pub peak: smr_peak,
-    /// The runner-up's score, in the peak's unit.
+    /// The runner-up's score, in the peak's unit; 0 if there is none.
     pub runner_up: u32,
+    /// 1 if the runner-up was looked for, 0 if nothing depended on it: see `runner_up_always` in #smr_config.
+    pub has_runner_up: u8,
 }
 
 /// 8-bit gray pixels, row by row without a gap.
@@ -212,6 +217,7 @@ impl smr_config {
             window_limit: paper.window_limit.into(),
             neighbourhood: paper.neighbourhood,
             gate: paper.gate.into(),
+            runner_up_always: (paper.runner_up == RunnerUp::Always).into(),
         }
     }
 
@@ -229,6 +235,7 @@ impl smr_config {
         config.window_limit = self.window_limit.into();
         config.neighbourhood = self.neighbourhood;
         config.gate = self.gate.into();
+        config.runner_up = if self.runner_up_always == 0 { RunnerUp::WhenItDecides } else { RunnerUp::Always };
         Ok(config)
     }
 }
@@ -337,10 +344,11 @@ impl From<Answer> for smr_answer {
             bbox: answer.bbox.into(),
             state: answer.state.into(),
             ratio: answer.ratio,
-            runner_up_ratio: answer.runner_up_ratio,
+            runner_up_ratio: answer.runner_up_ratio.unwrap_or(0),
             alpha: answer.alpha,
             peak: answer.found.peak.into(),
-            runner_up: answer.found.runner_up,
+            runner_up: answer.found.runner_up.unwrap_or(0),
+            has_runner_up: answer.found.runner_up.is_some().into(),
         }
     }
 }
@@ -357,11 +365,11 @@ mod tests {
         let back = unsafe { smr_config::paper().config() }.unwrap();
         assert_eq!(format!("{back:?}"), paper);
         // A number that `Config` gains would come back by itself, from `Config::paper`, without C being able to set it.
-        // Only the backend is left to the library: it changes no answer.
+        // Only the backend and pruning are left to the library: they change no answer.
         let (_, numbers) = paper.split_once("] }").expect("the table stands first");
         assert_eq!(
             numbers.matches(": ").count(),
-            28,
+            30,
             "has Config a new number? Then smr_config needs it too: {numbers}"
         );
     }
@@ -395,12 +403,14 @@ mod tests {
                 lost: fraction(pair()),
                 lead: pair().0,
             },
+            runner_up_always: 1,
         };
         // SAFETY: no table is given.
         let printed = format!("{:?}", unsafe { config.config() }.unwrap());
         let (_, printed) = printed.split_once("] }").expect("the table stands first");
         let words = printed.split(|character: char| !character.is_ascii_digit());
         let printed: std::vec::Vec<u16> = words.filter_map(|word| word.parse().ok()).collect();
+        assert!(format!("{:?}", unsafe { config.config() }.unwrap()).contains("runner_up: Always"));
         assert_eq!(printed, (1..=19).collect::<std::vec::Vec<_>>());
     }
 

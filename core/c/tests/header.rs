@@ -52,11 +52,21 @@ fn the_header_and_the_library_agree_on_every_size() {
     source += &layout!(smr_radius { x, y });
     source += &layout!(smr_rect { x, y, width, height });
     source += &layout!(smr_gate { tracking, leaving, returning, lost, lead });
-    source +=
-        &layout!(smr_config { table, k, first_threshold, padding, window, growth, window_limit, neighbourhood, gate });
+    source += &layout!(smr_config {
+        table,
+        k,
+        first_threshold,
+        padding,
+        window,
+        growth,
+        window_limit,
+        neighbourhood,
+        gate,
+        runner_up_always
+    });
     source += &layout!(smr_frame { pixels, size, stride, width, height, x, y, full_width, full_height });
     source += &layout!(smr_peak { x, y, score });
-    source += &layout!(smr_answer { bbox, state, ratio, runner_up_ratio, alpha, peak, runner_up });
+    source += &layout!(smr_answer { bbox, state, ratio, runner_up_ratio, alpha, peak, runner_up, has_runner_up });
     source += &layout!(smr_image { pixels, width, height });
     writeln!(source, "return 0;\n}}").expect("a string takes text");
 

@@ -85,7 +85,7 @@ static void names(void)
     HOLD(strcmp(smr_status_name(SMR_OK), "SMR_OK") == 0);
     HOLD(strcmp(smr_status_name(SMR_ERROR_WINDOW_NOT_IN_MEMORY), "SMR_ERROR_WINDOW_NOT_IN_MEMORY") == 0);
     HOLD(strcmp(smr_status_name(-1), "SMR_ERROR_UNKNOWN") == 0);
-    HOLD(strcmp(smr_status_name(SMR_ERROR_WINDOW_NOT_IN_MEMORY + 1), "SMR_ERROR_UNKNOWN") == 0);
+    HOLD(strcmp(smr_status_name(SMR_ERROR_NOT_BEGUN + 1), "SMR_ERROR_UNKNOWN") == 0);
 }
 
 static void version(void)
@@ -207,6 +207,9 @@ static void pointers(void)
     EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_lock(tracker, frames, rects), SMR_OK);
     EXPECT(smr_update(tracker, NULL, answers), SMR_ERROR_NULL);
+    EXPECT(smr_begin(tracker, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_step(tracker, frames, 1, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_finish(tracker, frames, NULL), SMR_ERROR_NULL);
     EXPECT(smr_update(tracker, frames, NULL), SMR_ERROR_NULL);
     EXPECT(smr_update(tracker, (smr_frame *)askew(frames), answers), SMR_ERROR_MISALIGNED);
     EXPECT(smr_update(tracker, frames, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
@@ -320,6 +323,7 @@ static void order(void)
     smr_answer answer;
     smr_image image;
     uint16_t alpha = 777;
+    uint8_t done = 0;
     memset(&answer, 0x5A, sizeof answer);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
@@ -343,7 +347,11 @@ static void order(void)
     EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_WINDOW_NOT_IN_MEMORY);
     HOLD(answer.bbox.x == 0x5A5A5A5A);
     frame.width = window.width;
+    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     HOLD(answer.bbox.x == 15 && answer.bbox.y == 10 && answer.state == SMR_TRACKING && answer.ratio == 65535);
     EXPECT(smr_template(tracker, &image), SMR_OK);
     HOLD(image.width == 6 && image.height == 6 && image.pixels[6] == pixels[11 * WIDTH + 15]);

@@ -8,7 +8,7 @@ use cortex_m_rt::entry;
 use semihosting::process::exit;
 use smr_core::{Answer, Config, Frame, Image, Radius, Rect, State, Tracker};
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// The window, to each side. It does not grow: there would be no room for what it would read.
 const RADIUS: u16 = 16;
 const SPAN: usize = 2 * RADIUS as usize + 1;
@@ -134,17 +134,17 @@ fn size(word: u32) -> Result<u16, Refusal> {
     u16::try_from(word).map_err(|_| Refusal::BadInput)
 }
 
-fn record(frame: u32, answer: &Answer, hash: u32, ticks: u32) -> [u32; 14] {
-    let Answer { bbox, ratio, runner_up_ratio, alpha, found, .. } = *answer;
+fn record(frame: u32, answer: &Answer, hash: u32, ticks: u32) -> [u32; 15] {
+    let Answer { bbox, ratio, alpha, found, .. } = *answer;
     let state = match answer.state {
         State::Tracking => 0,
         State::Leaving => 1,
         State::Lost => 2,
     };
     let [left, top, peak_x, peak_y] = [bbox.x, bbox.y, found.peak.x, found.peak.y].map(i32::cast_unsigned);
-    let [ratio, runner_up_ratio, alpha] = [ratio, runner_up_ratio, alpha].map(u32::from);
-    let (score, runner_up) = (found.peak.score, found.runner_up);
-    [2, frame, left, top, state, ratio, runner_up_ratio, alpha, peak_x, peak_y, score, runner_up, hash, ticks]
+    let [ratio, runner_up_ratio, alpha] = [ratio, answer.runner_up_ratio.unwrap_or(0), alpha].map(u32::from);
+    let (score, runner_up, asked) = (found.peak.score, found.runner_up.unwrap_or(0), found.runner_up.is_some().into());
+    [2, frame, left, top, state, ratio, runner_up_ratio, alpha, peak_x, peak_y, score, runner_up, asked, hash, ticks]
 }
 
 /// FNV-1a over the template's bytes.

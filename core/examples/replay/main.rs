@@ -3,7 +3,7 @@
 //!
 //! Of a frame only the search window is ever in memory. No log, no panic: what is measured here is the tracker.
 //!
-//! # Protocol, version 1
+//! # Protocol, version 2
 //!
 //! Two files in the folder that QEMU runs in. All numbers are 32 bits, little-endian.
 //!
@@ -15,7 +15,7 @@
 //! | record     | numbers                                                                                           |
 //! |------------|---------------------------------------------------------------------------------------------------|
 //! | 1, hello   | version, pixels of the template, offsets on an axis, radius, pixels of the buffer, size of the tracker, instructions and ticks of a loop (so many instructions are a tick) |
-//! | 2, answer  | frame (from 2), left, top, state (0 tracking, 1 leaving, 2 lost), ratio, runner-up's ratio, alpha, peak's left, top and score, runner-up's score, FNV-1a of the template, ticks of `Tracker::update` |
+//! | 2, answer  | frame (from 2), left, top, state (0 tracking, 1 leaving, 2 lost), ratio, runner-up's ratio, alpha, peak's left, top and score, runner-up's score, 1 if it was asked for (else it and its ratio are 0), FNV-1a of the template, ticks of `Tracker::update` |
 //! | 3, end     | frames, bytes of stack used, bytes there are                                                      |
 //! | 4, refused | frame, why (see `Refusal`)                                                                        |
 

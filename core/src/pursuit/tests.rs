@@ -31,7 +31,7 @@ fn config() -> PursuitConfig {
 fn answer(state: State, x: i32, y: i32) -> Answer {
     let bbox = Rect::new(x - 10, y - 10, 20, 20);
     let peak = Peak { x: bbox.x, y: bbox.y, score: 1 };
-    Answer { bbox, state, ratio: 1, runner_up_ratio: 0, alpha: 13, found: Found { peak, runner_up: 0 } }
+    Answer { bbox, state, ratio: 1, runner_up_ratio: None, alpha: 13, found: Found { peak, runner_up: None } }
 }
 
 fn duties(of: &[u16]) -> pwm_mock::Mock {

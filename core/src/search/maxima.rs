@@ -9,13 +9,13 @@ use super::{Peak, Window};
 use heapless::Vec;
 
 /// The largest score of each row and each column of a window of up to `SPAN` x `SPAN` offsets.
-pub(crate) struct Maxima<const SPAN: usize> {
+pub(super) struct Maxima<const SPAN: usize> {
     columns: Vec<u32, SPAN>,
     rows: Vec<u32, SPAN>,
 }
 
 impl<const SPAN: usize> Maxima<SPAN> {
-    pub(crate) const fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { columns: Vec::new(), rows: Vec::new() }
     }
 
@@ -29,9 +29,9 @@ impl<const SPAN: usize> Maxima<SPAN> {
         let _ = self.rows.resize(rows, 0);
     }
 
-    pub(super) fn note(&mut self, column: usize, row: usize, score: u32) {
-        raise(&mut self.columns, column, score);
-        raise(&mut self.rows, row, score);
+    pub(super) fn note(&mut self, window: &Window, candidate: &Peak) {
+        raise(&mut self.columns, *window.xs().start(), candidate.x, candidate.score);
+        raise(&mut self.rows, *window.ys().start(), candidate.y, candidate.score);
     }
 
     /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
@@ -42,7 +42,8 @@ impl<const SPAN: usize> Maxima<SPAN> {
     }
 }
 
-fn raise(maxima: &mut [u32], index: usize, score: u32) {
+fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
+    let index = usize::try_from(at.saturating_sub(first)).unwrap_or(usize::MAX);
     if let Some(maximum) = maxima.get_mut(index) {
         *maximum = score.max(*maximum);
     }

@@ -10,8 +10,8 @@ use core::ops::RangeInclusive;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Window {
-    pub(super) centre_x: i32,
-    pub(super) centre_y: i32,
+    centre_x: i32,
+    centre_y: i32,
     left: i32,
     right: i32,
     top: i32,
@@ -51,6 +51,23 @@ impl Window {
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         (count(self.left, self.right), count(self.top, self.bottom))
+    }
+
+    /// True if the box may take this position.
+    pub(super) fn contains(&self, x: i32, y: i32) -> bool {
+        self.xs().contains(&x) && self.ys().contains(&y)
+    }
+
+    /// The last position, on which the window is centred.
+    pub(super) const fn centre(&self) -> (i32, i32) {
+        (self.centre_x, self.centre_y)
+    }
+
+    /// The position in this column and row of the window.
+    pub(super) fn position(&self, column: usize, row: usize) -> (i32, i32) {
+        // A window is at most as wide as two padded frames: far from the end of an i32.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
+        (self.left.saturating_add(column as i32), self.top.saturating_add(row as i32))
     }
 
     /// The most positions on each axis that a window of `radius` can have for a box of this size, wherever it is.

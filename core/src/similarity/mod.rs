@@ -30,22 +30,38 @@ use crate::image::{Frame, Image, Rect};
 #[must_use]
 pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
+    let needed = target.intersection(frame.bounds());
+    if !needed.is_empty() && frame.patch(needed).is_none() {
+        return None;
+    }
+    score_at_least(frame, template, x, y, scorer, 0)
+}
+
+/// The same score, if all that is needed is in memory and the score is at least `floor`.
+pub(crate) fn score_at_least(
+    frame: &Frame<'_>,
+    template: Image<'_>,
+    x: i32,
+    y: i32,
+    scorer: &Scorer,
+    floor: u32,
+) -> Option<u32> {
+    let target = Rect::new(x, y, template.width(), template.height());
     match frame.patch(target) {
-        Some(patch) => Some(scorer.score(patch, template)),
-        None => score_at_border(frame, template, target, scorer),
+        Some(patch) => scorer.score_at_least(patch, template, floor),
+        None => score_at_border(frame, template, target, scorer, floor),
     }
 }
 
-/// The same for a box that is not wholly in memory.
-fn score_at_border(frame: &Frame<'_>, template: Image<'_>, target: Rect, scorer: &Scorer) -> Option<u32> {
+/// The same for a box that reaches outside the frame.
+fn score_at_border(frame: &Frame<'_>, template: Image<'_>, target: Rect, scorer: &Scorer, floor: u32) -> Option<u32> {
     let seen = target.intersection(frame.bounds());
-    if seen == target {
-        return None;
-    }
-    if seen.is_empty() {
-        return Some(scorer.score_on_padding(template, seen));
-    }
     let within = Rect { x: seen.x.saturating_sub(target.x), y: seen.y.saturating_sub(target.y), ..seen };
-    let inside = scorer.score(frame.patch(seen)?, template.crop(within)?);
-    Some(inside + scorer.score_on_padding(template, within))
+    let outside = scorer.score_on_padding(template, if seen.is_empty() { seen } else { within });
+    let inside = if seen.is_empty() {
+        0
+    } else {
+        scorer.score_at_least(frame.patch(seen)?, template.crop(within)?, floor.saturating_sub(outside))?
+    };
+    Some(inside + outside).filter(|&score| score >= floor)
 }

@@ -85,27 +85,62 @@ pub fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     sum
 }
 
-/// The mean of each column of eight rows, by three rounds of halving that round down: it is up to 1.5 too small, and never
-/// too large.
+/// The score of a patch of which only bounds are known, if it is at least `floor`; `None` as soon as it cannot be.
+///
+/// `low` nowhere exceeds `high`. A pixel differs by as much as it is outside them, so this is at least the score of every
+/// patch between the two; between a picture and itself it is that picture's score.
+///
+/// ```
+/// use smr_core::{Image, similarity::{Table, scalar}};
+/// let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
+/// let image = |pixels| Image::new(pixels, 3, 1);
+/// let most = scalar::score_between_at_least(image(&low)?, image(&high)?, image(&template)?, &Table::PAPER, 13, 0);
+/// let p = |d| u32::from(Table::PAPER.similarity(d));
+/// assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
+/// # Ok::<(), smr_core::ImageError>(())
+/// ```
+#[must_use]
+pub fn score_between_at_least(
+    low: Image<'_>,
+    high: Image<'_>,
+    template: Image<'_>,
+    table: &Table,
+    threshold: u16,
+    floor: u32,
+) -> Option<u32> {
+    let mut reachable = most(low, template);
+    for ((low, high), g) in low.rows().zip(high.rows()).zip(template.rows()) {
+        let pixels = low.iter().zip(high).zip(g);
+        let score: u32 =
+            pixels.map(|((&low, &high), &g)| pixel(g.clamp(low, high.max(low)), g, table, threshold)).sum();
+        reachable -= full(low.len().min(g.len())) - score;
+        if reachable < floor {
+            return None;
+        }
+    }
+    Some(reachable)
+}
+
+/// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
+/// than `low` and `high`.
 ///
 /// ```
 /// use smr_core::similarity::scalar;
-/// let rows = [[8], [8], [8], [8], [8], [8], [8], [16]];
-/// let mut means = [0];
-/// scalar::means(&rows.each_ref().map(|row| &row[..]), &mut means);
-/// assert_eq!(means, [9]);
+/// let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
+/// let (mut low, mut high) = ([0; 2], [0; 2]);
+/// scalar::spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
+/// assert_eq!((low, high), ([1, 5], [9, 9]));
 /// ```
-pub fn means(rows: &[&[u8]; 8], means: &mut [u8]) {
-    let [a, b, c, d, e, f, g, h] = rows;
-    let columns = a.iter().zip(*b).zip(*c).zip(*d).zip(*e).zip(*f).zip(*g).zip(*h);
-    for (mean, (((((((a, b), c), d), e), f), g), h)) in means.iter_mut().zip(columns) {
-        *mean = half(half(half(*a, *b), half(*c, *d)), half(half(*e, *f), half(*g, *h)));
+pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    let blocks = rows.each_ref().map(|row| row.windows(4));
+    let [a, b, c, d] = blocks;
+    for ((low, high), (((a, b), c), d)) in low.iter_mut().zip(high).zip(a.zip(b).zip(c).zip(d)) {
+        (*low, *high) = (u8::MAX, 0);
+        for &pixel in [a, b, c, d].into_iter().flatten() {
+            *low = pixel.min(*low);
+            *high = pixel.max(*high);
+        }
     }
-}
-
-/// (a + b) / 2, rounded down, without a wider number.
-const fn half(a: u8, b: u8) -> u8 {
-    (a & b) + ((a ^ b) >> 1)
 }
 
 /// c such that a pixel that counts and has the difference d loses at least c * d of its 65535: the largest such integer.
@@ -113,11 +148,12 @@ const fn half(a: u8, b: u8) -> u8 {
 /// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
 /// table. No slope of a convex p is looked for, all differences below `threshold` are gone through; for a table of exp the
 /// largest of them decides, as the chord from p(0) to it is then the flattest.
+#[cfg_attr(not(any(smr_dsp, smr_helium, test)), allow(dead_code))] // for backends that filter by it
 #[must_use]
 pub(super) fn chord(table: &Table, threshold: u16) -> u32 {
     let one = u32::from(Table::ONE);
     let counting = (0u16..).zip(table.entries()).skip(1).take_while(|&(d, _)| d < threshold);
-    counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d)).min().unwrap_or(one)
+    counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d.max(1))).min().unwrap_or(one)
 }
 
 /// The score of the part of `template` outside `seen` against the padding, which is all zeroes.

@@ -1,9 +1,11 @@
 //! The command line, one file a command. Each file holds the command's arguments and what it does with them.
 
+mod bench;
 mod check;
 mod eval;
 mod qemu_options;
 mod recording_options;
+mod recordings;
 mod report;
 mod run;
 mod synth;
@@ -38,6 +40,8 @@ enum Command {
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
     Eval(eval::Eval),
+    /// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
+    Bench(bench::Bench),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
     Report(report::Report),
     /// Write the synthetic recording out as files
@@ -76,6 +80,7 @@ impl HostSim {
             Command::Track(track) => track.run(),
             Command::Check(check) => check.run(),
             Command::Eval(eval) => eval.run(),
+            Command::Bench(bench) => bench.run(),
             Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),
             Command::Target(target) => target.run(),

@@ -5,12 +5,21 @@ use clap::Args;
 use std::num::NonZeroU16;
 use std::time::Duration;
 
+/// For commands that run firmware on one board.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "QEMU")]
 pub struct QemuOptions {
     /// The board
     #[arg(long, value_enum, default_value = "mps2-an386")]
     pub machine: Machine,
+    #[command(flatten)]
+    emulator: EmulatorOptions,
+}
+
+/// The emulator, whatever board it is to be.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "QEMU")]
+pub struct EmulatorOptions {
     /// QEMU is ended, and that is an error, if nothing comes of it for so many seconds
     #[arg(long, value_name = "SECONDS", default_value = "60")]
     timeout: NonZeroU16,
@@ -21,7 +30,13 @@ pub struct QemuOptions {
 
 impl QemuOptions {
     pub fn setup(&self) -> Setup {
+        self.emulator.setup(self.machine)
+    }
+}
+
+impl EmulatorOptions {
+    pub fn setup(&self, machine: Machine) -> Setup {
         let patience = Duration::from_secs(self.timeout.get().into());
-        Setup { program: self.qemu.clone(), machine: self.machine, patience }
+        Setup { program: self.qemu.clone(), machine, patience }
     }
 }

@@ -4,7 +4,7 @@ use crate::reference::Numbers;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use smr_core::similarity::{Backend, Table};
-use smr_core::{Config, Fraction, Radius};
+use smr_core::{Config, Fraction, Radius, RunnerUp};
 use std::str::FromStr;
 
 /// Where the paper's value is not wanted.
@@ -35,6 +35,12 @@ pub struct TrackerOptions {
     /// How scores are computed; changes nothing but the time [default: the fastest that this machine has]
     #[arg(long, value_enum)]
     backend: Option<BackendName>,
+    /// Score every offset to its last pixel; changes nothing but the time
+    #[arg(long)]
+    exhaustive: bool,
+    /// Look for the runner-up in every frame, not only where the gate's decision depends on it
+    #[arg(long)]
+    runner_up_always: bool,
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +83,10 @@ impl TrackerOptions {
         if let Some(missing) = config.backend.filter(|backend| !backend.is_available()) {
             bail!("--backend: this machine has no {missing:?}");
         }
+        config.pruning = !self.exhaustive;
+        if self.runner_up_always {
+            config.runner_up = RunnerUp::Always;
+        }
         config.padding = self.padding.unwrap_or(config.padding);
         config.neighbourhood = self.neighbourhood.unwrap_or(config.neighbourhood);
         Ok(config)
@@ -94,6 +104,7 @@ impl TrackerOptions {
         if let Some(Ratio(k)) = self.k {
             numbers.k = (k.numerator.into(), k.denominator.into());
         }
+        numbers.runner_up_always = self.runner_up_always;
         numbers.scale = self.scale.map_or(numbers.scale, f64::from);
         numbers.growth = self.growth.map_or(numbers.growth, i64::from);
         numbers.padding = self.padding.map_or(numbers.padding, i64::from);

@@ -33,7 +33,8 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     pub ratio: f64,
-    pub runner_up_ratio: f64,
+    /// `None` where nothing depended on it.
+    pub runner_up_ratio: Option<f64>,
     /// In gray levels, rounded up, as the tracker uses it.
     pub alpha: u16,
 }
@@ -60,7 +61,7 @@ impl From<Answer> for Report {
     fn from(answer: Answer) -> Self {
         let evidence = Evidence {
             ratio: f64::from(answer.ratio) / f64::from(u16::MAX),
-            runner_up_ratio: f64::from(answer.runner_up_ratio) / f64::from(u16::MAX),
+            runner_up_ratio: answer.runner_up_ratio.map(|ratio| f64::from(ratio) / f64::from(u16::MAX)),
             alpha: answer.alpha,
         };
         let target = (answer.state != State::Lost).then_some(answer.bbox);

@@ -9,6 +9,7 @@ mod table;
 pub use method::{Evidence, Method, MethodKind, Report, Run};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
+pub(crate) use table::aligned;
 
 use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Error, Result, ensure};

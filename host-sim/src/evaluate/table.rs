@@ -91,7 +91,7 @@ fn correct_frames(of: &Line) -> Vec<String> {
 }
 
 /// The lines as a table: the first `names` columns begin at their left edge, all others end at their right edge.
-fn aligned(lines: &[Vec<String>], names: usize) -> String {
+pub fn aligned(lines: &[Vec<String>], names: usize) -> String {
     let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
     let widest =
         |column: usize| lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();

@@ -1,4 +1,4 @@
-//! What people look at: SMR and SAD side by side on a recording, as one page or as one picture.
+//! What people look at: SMR and SAD side by side on a recording, as one page or as one picture; how fast it is, as a diagram.
 
 mod difference;
 mod encode;
@@ -8,6 +8,7 @@ mod page;
 mod picture;
 mod plot;
 mod reel;
+pub mod speeds;
 mod tile;
 
 pub use film::{Film, watch};

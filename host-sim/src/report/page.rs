@@ -102,8 +102,8 @@ fn strip(film: &Film) -> Result<String> {
 
 fn figure(film: &Film, still: &Still) -> Result<String> {
     let evidence = film.moments[still.index].smr.evidence.map_or("locked here".to_owned(), |evidence| {
-        let (ratio, runner_up, alpha) = (evidence.ratio, evidence.runner_up_ratio, evidence.alpha);
-        format!("ratio {ratio:.3}, runner-up {runner_up:.3}, alpha {alpha}")
+        let runner_up = evidence.runner_up_ratio.map_or(String::new(), |ratio| format!(", runner-up {ratio:.3}"));
+        format!("ratio {:.3}{runner_up}, alpha {}", evidence.ratio, evidence.alpha)
     });
     let (number, tile) = (still.index + 1, tile::tile(film, still)?);
     Ok(format!("<figure id=\"f{number}\">{tile}<figcaption>{evidence}</figcaption></figure>\n"))

@@ -20,7 +20,7 @@ const LINE: u32 = font::HEIGHT * LETTER + GAP;
 const GRAYS: u8 = 128;
 const PAPER: u8 = 12;
 const BLACK: u8 = 0;
-const WHITE: u8 = GRAYS - 1;
+pub(super) const WHITE: u8 = GRAYS - 1;
 const INKS: [Color; 6] = [SMR, SAD, TRUTH, color_of(State::Tracking), color_of(State::Leaving), color_of(State::Lost)];
 
 /// The frames to show, side by side with their boxes and states, as a PNG.
@@ -51,13 +51,13 @@ fn legend(film: &Film) -> impl Iterator<Item = (&'static str, u8)> {
     [("SMR", ink(SMR)), ("SAD", ink(SAD))].into_iter().chain(truth).chain([("search window", WHITE)])
 }
 
-fn palette() -> Vec<Color> {
+pub(super) fn palette() -> Vec<Color> {
     let gray = |level: u8| [level * 2 + level / 64; 3];
     (0..GRAYS).map(gray).chain(INKS).collect()
 }
 
 /// Where `color` is in the palette.
-fn ink(color: Color) -> u8 {
+pub(super) fn ink(color: Color) -> u8 {
     (GRAYS..).zip(INKS).find(|(_, known)| *known == color).map_or(WHITE, |(index, _)| index)
 }
 
@@ -69,26 +69,39 @@ fn fitted((width, height): (u16, u16)) -> (u32, u32) {
 }
 
 /// Indices into the palette.
-struct Canvas {
+pub(super) struct Canvas {
     width: u32,
     height: u32,
     pixels: Vec<u8>,
 }
 
 impl Canvas {
-    fn new(width: u32, height: u32) -> Self {
+    pub(super) fn new(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![PAPER; width as usize * height as usize] }
     }
 
     /// What is outside is not drawn.
-    fn set(&mut self, x: u32, y: u32, ink: u8) {
+    pub(super) fn set(&mut self, x: u32, y: u32, ink: u8) {
         if x < self.width && y < self.height {
             self.pixels[y as usize * self.width as usize + x as usize] = ink;
         }
     }
 
+    pub(super) const fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    pub(super) fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// The width of `text` when it is written.
+    pub(super) fn width_of(text: &str) -> u32 {
+        (0..).zip(text.chars()).map(|_| (font::WIDTH + 1) * LETTER).sum()
+    }
+
     /// Writes `text` and tells where it ends.
-    fn text(&mut self, mut left: u32, top: u32, text: &str, ink: u8) -> u32 {
+    pub(super) fn text(&mut self, mut left: u32, top: u32, text: &str, ink: u8) -> u32 {
         for letter in text.chars() {
             for (column, row) in font::ink(letter) {
                 for (x, y) in (0..LETTER * LETTER).map(|dot| (dot % LETTER, dot / LETTER)) {

@@ -48,8 +48,8 @@ pub(super) fn over_time(film: &Film, overlaps: Option<[Vec<Option<f64>>; 2]>) ->
 }
 
 fn ratios(film: &Film) -> Panel {
-    let evidence = |value: fn(&crate::evaluate::Evidence) -> f64| {
-        film.moments.iter().map(|moment| moment.smr.evidence.as_ref().map(value)).collect::<Vec<_>>()
+    let evidence = |value: fn(&crate::evaluate::Evidence) -> Option<f64>| {
+        film.moments.iter().map(|moment| moment.smr.evidence.as_ref().and_then(value)).collect::<Vec<_>>()
     };
     Panel {
         title: "ratio",
@@ -58,7 +58,7 @@ fn ratios(film: &Film) -> Panel {
         levels: vec![0.0, 0.5, 1.0],
         lines: vec![
             ("runner-up", evidence(|evidence| evidence.runner_up_ratio)),
-            ("smr", evidence(|evidence| evidence.ratio)),
+            ("smr", evidence(|evidence| Some(evidence.ratio))),
         ],
     }
 }

@@ -12,6 +12,7 @@ pub mod qemu;
 
 use crate::Tracker;
 use crate::sequence::GrayFrame;
+use crate::spread::Spread;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use protocol::{Answered, Header, Hello, Record, Stack};
 use qemu::Qemu;
@@ -33,7 +34,10 @@ pub struct Report {
     /// Bytes of a tracker.
     pub tracker: u32,
     /// Instructions of `Tracker::update`, in each frame.
-    pub instructions: Instructions,
+    pub instructions: Spread<u64>,
+    /// The same, one by one.
+    #[serde(skip)]
+    pub counts: Vec<u64>,
     /// Only known if the firmware came to its end.
     pub stack: Option<Stack>,
 }
@@ -46,14 +50,6 @@ pub struct Difference {
     pub what: &'static str,
     pub target: String,
     pub host: String,
-}
-
-/// Of all frames, the middle, the one that 95 % do not exceed, and the largest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Instructions {
-    pub median: u64,
-    pub p95: u64,
-    pub max: u64,
 }
 
 /// A recording as the firmware gets it: written into QEMU's folder.
@@ -109,20 +105,20 @@ impl Recording {
             frames: 0,
             difference: None,
             tracker: hello.tracker,
-            instructions: Instructions::default(),
+            instructions: Spread::default(),
+            counts: Vec::new(),
             stack: None,
         };
-        let mut instructions = Vec::new();
         for number in 2..=self.header.frames {
             let (answered, ticks) = self.answer(number, &hello, answers.next(qemu)?)?;
-            instructions.push(hello.instructions(ticks));
+            report.counts.push(hello.instructions(ticks));
             report.difference = difference(number, &answered, &host.update()?);
             if report.difference.is_some() {
                 break;
             }
             report.frames += 1;
         }
-        report.instructions = Instructions::of(instructions);
+        report.instructions = Spread::of(&report.counts);
         if report.difference.is_none() {
             report.stack = Some(end(answers.next(qemu)?)?);
             qemu.finish()?;
@@ -154,19 +150,6 @@ fn difference(frame: u32, target: &Answered, host: &Answered) -> Option<Differen
         (target != host).then_some(Difference { frame, what, target, host })
     };
     pairs.into_iter().find_map(differing)
-}
-
-impl Instructions {
-    fn of(mut counts: Vec<u64>) -> Self {
-        counts.sort_unstable();
-        let at = |index: usize| counts.get(index).copied().unwrap_or(0);
-        let last = counts.len().saturating_sub(1);
-        Self {
-            median: at(counts.len() / 2),
-            p95: at((counts.len() * 95).div_ceil(100).saturating_sub(1)),
-            max: at(last),
-        }
-    }
 }
 
 /// The tracker on this side, reading the very file that the firmware reads.
@@ -222,18 +205,5 @@ impl Answers<'_> {
             Ok(filled == bytes.len())
         })?;
         Record::read(&bytes)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_and_the_95th_of_a_hundred() {
-        let expected = Instructions { median: 51, p95: 95, max: 100 };
-        assert_eq!(Instructions::of((1..=100).rev().collect()), expected);
-        assert_eq!(Instructions::of(vec![7]), Instructions { median: 7, p95: 7, max: 7 });
-        assert_eq!(Instructions::of(Vec::new()), Instructions::default());
     }
 }

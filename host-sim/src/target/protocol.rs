@@ -3,8 +3,9 @@
 use anyhow::{Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, Rect, State};
+use std::fmt;
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The file that the firmware reads.
 pub const FRAMES: &str = "frames.smr";
@@ -70,6 +71,18 @@ impl Record {
     }
 }
 
+/// The firmware has no room for the box, or for its window.
+#[derive(Debug)]
+pub struct TooBig(String);
+
+impl fmt::Display for TooBig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the box is too big for the firmware: {}", self.0)
+    }
+}
+
+impl std::error::Error for TooBig {}
+
 /// What the firmware has room for, and how fast its timer runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
@@ -126,16 +139,15 @@ impl Hello {
         let (width, height, radius) = (header.target.width, header.target.height, self.radius);
         match why {
             1 => anyhow!("the firmware cannot read {FRAMES}"),
-            2 => anyhow!(
-                "the box is too big for the firmware: {width}x{height} is {} pixels, its template has room for {}",
+            2 => Error::new(TooBig(format!(
+                "{width}x{height} is {} pixels, its template has room for {}",
                 header.target.area(),
                 self.template
-            ),
-            3 => anyhow!(
-                "the box is too big for the firmware: the window of +-{radius} around {width}x{height} is more than the \
-                 {} pixels of its buffer",
+            ))),
+            3 => Error::new(TooBig(format!(
+                "the window of +-{radius} around {width}x{height} is more than the {} pixels of its buffer",
                 self.buffer
-            ),
+            ))),
             4 => anyhow!("the firmware cannot lock on the box {:?}", header.target),
             5 => anyhow!("the firmware cannot search the frame"),
             6 => anyhow!("the firmware cannot write {ANSWERS}"),
@@ -157,11 +169,13 @@ pub struct Answered {
     position: (i32, i32),
     state: State,
     ratio: u32,
+    /// 0 where it was not asked for, as the score.
     runner_up_ratio: u32,
     alpha: u32,
     peak: (i32, i32),
     score: u32,
     runner_up: u32,
+    has_runner_up: u32,
     template_hash: u32,
 }
 
@@ -181,6 +195,7 @@ impl Answered {
             peak: (word().cast_signed(), word().cast_signed()),
             score: word(),
             runner_up: word(),
+            has_runner_up: word(),
             template_hash: word(),
         })
     }
@@ -194,11 +209,12 @@ impl Answered {
             position: (answer.bbox.x, answer.bbox.y),
             state: answer.state,
             ratio: answer.ratio.into(),
-            runner_up_ratio: answer.runner_up_ratio.into(),
+            runner_up_ratio: answer.runner_up_ratio.unwrap_or(0).into(),
             alpha: answer.alpha.into(),
             peak: (answer.found.peak.x, answer.found.peak.y),
             score: answer.found.peak.score,
-            runner_up: answer.found.runner_up,
+            runner_up: answer.found.runner_up.unwrap_or(0),
+            has_runner_up: answer.found.runner_up.is_some().into(),
             // FNV-1a
             template_hash: pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193)),
         }
@@ -206,7 +222,7 @@ impl Answered {
 
     /// Every value, by the name that people read.
     #[must_use]
-    pub fn described(&self) -> [(&'static str, String); 9] {
+    pub fn described(&self) -> [(&'static str, String); 10] {
         [
             ("box's position", format!("{:?}", self.position)),
             ("state", format!("{:?}", self.state)),
@@ -216,6 +232,7 @@ impl Answered {
             ("peak's position", format!("{:?}", self.peak)),
             ("peak's score", self.score.to_string()),
             ("runner-up's score", self.runner_up.to_string()),
+            ("whether there is a runner-up", self.has_runner_up.to_string()),
             ("template's hash", format!("{:08x}", self.template_hash)),
         ]
     }
@@ -233,12 +250,12 @@ mod tests {
         bytes
     }
 
-    fn error<T: std::fmt::Debug>(result: Result<T>) -> String {
+    fn error<T: fmt::Debug>(result: Result<T>) -> String {
         format!("{:#}", result.unwrap_err())
     }
 
     fn hello() -> Hello {
-        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
+        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
         else {
             panic!("a hello")
         };
@@ -251,10 +268,10 @@ mod tests {
 
     #[test]
     fn other_versions_and_kinds_are_errors() {
-        assert!(error(Record::read(&record(&[1, 2]))).contains("version 2 of the protocol: expected 1"));
+        assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 2"));
         assert!(error(Record::read(&record(&[9]))).contains("kind 9"));
         assert!(error(Record::read(&record(&[2, 2, 0, 0, 3]))).contains("state 3"));
-        assert!(error(Record::read(&record(&[1, 1, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
+        assert!(error(Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
     }
 
     #[test]
@@ -267,12 +284,13 @@ mod tests {
         assert!(hello().check(&header(64, 64)).is_ok());
         let expected = "the box is too big for the firmware: 65x64 is 4160 pixels, its template has room for 4096";
         assert_eq!(error(hello().check(&header(65, 64))), expected);
+        assert!(hello().check(&header(65, 64)).unwrap_err().is::<TooBig>());
         assert!(error(hello().check(&header(200, 20))).contains("+-16 around 200x20 is more than the 9216 pixels"));
     }
 
     #[test]
     fn negative_positions_are_read() {
-        let words = [2, 7, u32::MAX, 5, 1, 6, 7, 8, u32::MAX - 1, 4, 9, 10, 11, 12];
+        let words = [2, 7, u32::MAX, 5, 1, 6, 7, 8, u32::MAX - 1, 4, 9, 10, 1, 11, 12];
         let Ok(Record::Answer { frame, answered, ticks }) = Record::read(&record(&words)) else { panic!("an answer") };
         assert_eq!((frame, answered.position, answered.peak, ticks), (7, (-1, 5), (-2, 4), 12));
         assert_eq!(answered.state, State::Leaving);

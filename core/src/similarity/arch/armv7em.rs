@@ -1,17 +1,17 @@
 //! The kernels by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
 //!
 //! - `usada8` adds the four absolute differences of two registers to a third.
-//! - `uhadd8` halves four sums, rounding down: `means` is three rounds of it.
-//! - `uqsub8` subtracts and stops at zero: what is left of a threshold after a difference.
+//! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and what is left of a threshold after that.
+//! - `usub8` compares, and `sel` then selects: the larger of each two pixels, and the smaller.
 //!
 //! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
 //! spills for want of registers. Rows begin at any address: these processors load words from there, unless firmware has
 //! set `UNALIGN_TRP`, which compilers for them do not allow for either.
 
 use super::super::{Table, scalar};
-use super::Kernels;
-use super::filter::{Filter, Limit};
-use super::rows::Pair;
+use super::filter::{Filter, Limit, blocks};
+use super::rows::Rows;
+use super::{Kernels, Plain};
 use crate::image::Image;
 use core::arch::asm;
 
@@ -23,7 +23,7 @@ const STRIP: usize = 32 * LANES;
 
 /// The columns that the filter goes down at a time, and the bytes of its code for a word.
 const FILTER_STRIP: usize = 16 * LANES;
-const FILTER_WORD: usize = 32;
+const FILTER_WORD: usize = 34;
 
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
@@ -39,12 +39,24 @@ impl Dsp {
 impl Kernels for Dsp {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.0.score_at_least::<LANES>(patch, template, floor, exceeds)
+        self.0.score_at_least::<LANES>(patch, template, floor, loss)
+    }
+
+    #[inline(never)]
+    fn score_between_at_least(
+        &self,
+        _: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        self.0.most::<LANES>(&Rows::between(low, high, template), floor, loss)
     }
 
     #[inline(never)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        let pair = Pair::new(patch, template);
+        let pair = Rows::of(patch, template);
         if pair.width < LANES || pair.width * pair.height > MAX_PIXELS {
             return few_or_many(patch, template, enough);
         }
@@ -62,14 +74,14 @@ impl Kernels for Dsp {
     }
 
     #[inline(never)]
-    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        let columns = rows.iter().fold(means.len(), |columns, row| columns.min(row.len()));
-        if columns < LANES {
-            return scalar::means(rows, means);
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        let blocks = blocks(rows, low, high);
+        if blocks < LANES {
+            return scalar::spread(rows, low, high);
         }
         let addresses = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: all eight rows, and what is written, have that many columns: at least four.
-        unsafe { means_at(&addresses, means.as_mut_ptr(), columns) }
+        // SAFETY: so many blocks of pixels are there, and so much room: at least four.
+        unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
     }
 }
 
@@ -85,7 +97,7 @@ fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
 /// # Safety
 /// The pair has these columns, and at least four.
 #[inline(always)]
-unsafe fn strip(pair: &Pair, column: usize, width: usize, mut sum: i32) -> i32 {
+unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     let left = width % LANES;
     // The last columns are the upper part of the last word, which begins in the columns before. 0 if there are none.
     let last = if left == 0 { 0 } else { width.wrapping_sub(LANES) };
@@ -116,14 +128,14 @@ unsafe fn strip(pair: &Pair, column: usize, width: usize, mut sum: i32) -> i32 {
             "tst {rows}, {sum}", // negative if both are
             "bmi.w 2b",
             words = out(reg) _,
-            inout("r0") pair.patch.first.wrapping_add(column) => _,
-            inout("r1") pair.template.first.wrapping_add(column) => _,
+            inout("r0") pair.patch.wrapping_add(column) => _,
+            inout("r1") pair.template.wrapping_add(column) => _,
             inout("r2") width / LANES => _,
             out("r3") _,
             in("r5") last,
             none = in(reg) 8 * (LANES - left),
-            f_stride = in(reg) pair.patch.stride,
-            g_stride = in(reg) pair.template.stride,
+            f_stride = in(reg) pair.patch_stride,
+            g_stride = in(reg) pair.template_stride,
             rows = inout(reg) pair.height.wrapping_neg() => _,
             sum = inout(reg) sum,
             options(readonly, nostack),
@@ -132,37 +144,72 @@ unsafe fn strip(pair: &Pair, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
+/// Of each two pixels of two registers the smaller (`least`) or the larger (`most`).
+macro_rules! of_two {
+    (least, $to:literal, $x:literal, $y:literal) => {
+        concat!("usub8 {h}, ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
+    };
+    (most, $to:literal, $x:literal, $y:literal) => {
+        concat!("usub8 {h}, ", $x, ", ", $y, "\nsel ", $to, ", ", $x, ", ", $y)
+    };
+}
+
+/// The same of each four rows of pixels three to the right of `at`, or none.
+macro_rules! of_four_rows {
+    ($right:literal, $low:literal, $high:literal) => {
+        concat!(
+            "ldrd {e}, {f}, [{rows}]\n",
+            concat!("add {at}, {at}, #", $right, "\n"),
+            "ldr {e}, [{e}, {at}]\n",
+            "ldr {f}, [{f}, {at}]\n",
+            concat!("usub8 {h}, {e}, {f}\nsel ", $low, ", {f}, {e}\nsel ", $high, ", {e}, {f}\n"),
+            "ldrd {e}, {f}, [{rows}, #8]\n",
+            "ldr {e}, [{e}, {at}]\n",
+            "ldr {f}, [{f}, {at}]\n",
+            concat!("sub {at}, {at}, #", $right, "\n"),
+            "usub8 {h}, {e}, {f}\nsel {g}, {f}, {e}\nsel {e}, {e}, {f}\n",
+            of_two!(least, $low, $low, "{g}"),
+            "\n",
+            of_two!(most, $high, $high, "{e}"),
+        )
+    };
+}
+
+/// Of each four neighbours in columns 0 to 3 and 3 to 6.
+macro_rules! of_four_columns {
+    ($what:ident, $first:literal, $last:literal) => {
+        concat!(
+            concat!("lsr {e}, ", $last, ", #8\n"),
+            concat!("lsr {f}, ", $first, ", #8\n"),
+            "orr {f}, {f}, {e}, lsl #24\n", // 1 to 4
+            of_two!($what, $last, $first, $last),
+            concat!("\nlsr ", $first, ", ", $first, ", #16\n"),
+            concat!("orr ", $first, ", ", $first, ", {e}, lsl #16\n"), // 2 to 5
+            of_two!($what, $last, $last, "{f}"),
+            "\n",
+            of_two!($what, $last, $last, $first),
+        )
+    };
+}
+
 /// # Safety
-/// At all `rows` and at `means` there are `columns` bytes, at least four.
+/// At all `rows` there are `blocks` bytes and three more, at `low` and at `high` there are `blocks`: at least four.
 #[inline(always)]
-unsafe fn means_at(rows: &[*const u8; 8], means: *mut u8, columns: usize) {
-    // SAFETY: four columns at a time, from the last ones down; the first four may be some of those before again.
+unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usize) {
+    // SAFETY: four blocks at a time, from the last ones down; the first four may be some of those before again. For each
+    // four, of every row the word that begins where they do is read, and the one three bytes to the right.
     unsafe {
         asm!(
             "2:",
-            "ldrd {a}, {b}, [{rows}]",
-            "ldr {a}, [{a}, {at}]",
-            "ldr {b}, [{b}, {at}]",
-            "ldrd {c}, {d}, [{rows}, #8]",
-            "ldr {c}, [{c}, {at}]",
-            "ldr {d}, [{d}, {at}]",
-            "uhadd8 {a}, {a}, {b}",
-            "uhadd8 {c}, {c}, {d}",
-            "uhadd8 {a}, {a}, {c}",
-            "ldrd {b}, {c}, [{rows}, #16]",
-            "ldr {b}, [{b}, {at}]",
-            "ldr {c}, [{c}, {at}]",
-            "ldrd {d}, {e}, [{rows}, #24]",
-            "ldr {d}, [{d}, {at}]",
-            "ldr {e}, [{e}, {at}]",
-            "uhadd8 {b}, {b}, {c}",
-            "uhadd8 {d}, {d}, {e}",
-            "uhadd8 {b}, {b}, {d}",
-            "uhadd8 {a}, {a}, {b}",
-            "str {a}, [{means}, {at}]",
+            of_four_rows!("0", "{a}", "{b}"),
+            of_four_rows!("3", "{c}", "{d}"),
+            of_four_columns!(least, "{a}", "{c}"),
+            of_four_columns!(most, "{b}", "{d}"),
+            "str {c}, [{low}, {at}]",
+            "str {d}, [{high}, {at}]",
             "subs {at}, {at}, #4",
             "bpl 2b",
-            "adds {at}, {at}, #4", // of the columns before, there are that many left
+            "adds {at}, {at}, #4", // of the blocks before, there are that many left
             "it ne",
             "movne {at}, #0",
             "bne 2b",
@@ -171,27 +218,31 @@ unsafe fn means_at(rows: &[*const u8; 8], means: *mut u8, columns: usize) {
             c = out(reg) _,
             d = out(reg) _,
             e = out(reg) _,
+            f = out(reg) _,
+            g = out(reg) _,
+            h = out(reg) _,
             rows = in(reg) rows,
-            means = in(reg) means,
-            at = inout(reg) columns - LANES => _,
+            low = in(reg) low,
+            high = in(reg) high,
+            at = inout(reg) blocks - LANES => _,
             options(nostack),
         );
     }
 }
 
-/// True if the pictures, which have at least four columns, lose more than is allowed: certainly from some row on.
-fn exceeds(pair: &Pair, limit: &Limit) -> bool {
+/// What the pictures, which have at least four columns, lose at least; once that is more than is allowed, any part of it
+/// that is.
+#[inline(never)]
+fn loss(pair: &Rows, limit: &Limit) -> u32 {
     let mut clipped = Clipped::default();
     let mut column = 0;
-    while column < pair.width {
+    while column < pair.width && clipped.loss(limit) <= limit.allowed {
         let width = FILTER_STRIP.min(pair.width - column);
         // SAFETY: the strip is a part of the pair, which has at least four columns.
-        if unsafe { clipped.add(pair, column, width, limit) } {
-            return true;
-        }
+        unsafe { clipped.add(pair, column, width, limit) };
         column += FILTER_STRIP;
     }
-    false
+    clipped.loss(limit)
 }
 
 /// Sums of min(difference, threshold), and of min(difference, threshold - 1): these differ by 1 for every pixel that does
@@ -207,39 +258,54 @@ struct Clipped {
 struct Round {
     f_stride: usize,
     g_stride: usize,
-    for_each_that_does_not_count: u32,
-    for_each_level: u32,
+    /// What is lost for each unit of the two sums.
+    of_threshold: u32,
+    of_one_less: u32,
     allowed: u32,
-    rows: usize,
+    /// Where the template's rows end.
+    end: *const u8,
     none: usize,
     words: usize,
 }
 
+impl Limit {
+    /// With M and M' the two sums, M - M' pixels do not count, and M less (M - M') * threshold is the sum of the
+    /// differences of the others. So this is lost for each unit of M; and less by what is lost for each level, for M'.
+    fn of_threshold(&self) -> u32 {
+        u32::from(Table::ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
+    }
+}
+
 impl Clipped {
-    /// Adds `width` (1..=`FILTER_STRIP`) columns from `column` on, until more is lost than is allowed: then it says true.
+    fn loss(&self, limit: &Limit) -> u32 {
+        let by_threshold = limit.of_threshold().wrapping_mul(self.by_threshold);
+        by_threshold.wrapping_add(limit.chord.wrapping_sub(limit.of_threshold()).wrapping_mul(self.by_one_less))
+    }
+
+    /// Adds `width` (1..=`FILTER_STRIP`) columns from `column` on, until more is lost than is allowed.
     ///
     /// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, and no
-    /// farther than 0: that is what `usada8` adds. With M and M' the two sums, M - M' pixels do not count, and M less
-    /// (M - M') * threshold is the sum of the differences of the others.
+    /// farther than 0: that is what `usada8` adds.
     ///
     /// # Safety
     /// The pair has these columns, and at least four.
     #[inline(always)]
-    unsafe fn add(&mut self, pair: &Pair, column: usize, width: usize, limit: &Limit) -> bool {
+    unsafe fn add(&mut self, pair: &Rows, column: usize, width: usize, limit: &Limit) {
         let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
         let left = width % LANES;
+        let template = pair.template.wrapping_add(column);
         let mut round = Round {
-            f_stride: pair.patch.stride,
-            g_stride: pair.template.stride,
-            for_each_that_does_not_count: u32::from(Table::ONE)
-                .wrapping_sub(limit.chord.wrapping_mul(u32::from(limit.threshold))),
-            for_each_level: limit.chord,
+            f_stride: pair.patch_stride,
+            g_stride: pair.template_stride,
+            of_threshold: limit.of_threshold(),
+            of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
             allowed: limit.allowed,
-            rows: pair.height,
+            end: template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
             none: 8 * (LANES - left),
             words: width / LANES * FILTER_WORD,
         };
-        // SAFETY: of each row, whole words and the last word of `width` are read; nothing but `round` is written.
+        // SAFETY: of each row, whole words and the last word of `width` are read; what the patch is at most has rows as far
+        // apart as the patch. Nothing but `round` is written.
         unsafe {
             asm!(
                 "adr.w r2, 4f",
@@ -251,12 +317,12 @@ impl Clipped {
                 "cbz r5, 3f",
                 "ldr r2, [r0, r5]",
                 "ldr r3, [r1, r5]",
-                "ldr {d}, [{round}, #24]",
-                "lsr r2, r2, {d}",
-                "lsr r3, r3, {d}",
                 "uqsub8 {d}, r2, r3",
+                "ldr r2, [r4, r5]",
                 "uqsub8 r2, r3, r2",
                 "orr r2, r2, {d}",
+                "ldr {d}, [{round}, #24]",
+                "lsr r2, r2, {d}",
                 "uqsub8 {d}, {threshold}, r2",
                 "uqsub8 r2, {one_less}, r2",
                 "usada8 {sum}, {threshold}, {d}, {sum}",
@@ -268,6 +334,7 @@ impl Clipped {
                 "ldr.n r2, [r0, #\\offset]",
                 "ldr.n r3, [r1, #\\offset]",
                 "uqsub8 {d}, r2, r3",
+                "ldr.n r2, [r4, #\\offset]",
                 "uqsub8 r2, r3, r2",
                 "orr.w r2, r2, {d}",
                 "uqsub8 {d}, {threshold}, r2",
@@ -278,20 +345,20 @@ impl Clipped {
                 "4:",
                 "ldrd r2, r3, [{round}]",
                 "add r0, r0, r2",
+                "add r4, r4, r2",
                 "add r1, r1, r3",
-                "sub {d}, {sum}, {less}",
                 "ldrd r2, r3, [{round}, #8]",
-                "mul r2, r2, {d}",
-                "mla r2, r3, {sum}, r2",
+                "mul r2, r2, {sum}",
+                "mla r2, r3, {less}, r2",
                 "ldrd r3, {d}, [{round}, #16]",
                 "cmp r2, r3",
                 "bhi 5f",
-                "subs {d}, {d}, #1",
-                "str {d}, [{round}, #20]",
+                "cmp r1, {d}",
                 "bne.w 2b",
                 "5:",
-                inout("r0") pair.patch.first.wrapping_add(column) => _,
-                inout("r1") pair.template.first.wrapping_add(column) => _,
+                inout("r0") pair.patch.wrapping_add(column) => _,
+                inout("r1") template => _,
+                inout("r4") pair.high.wrapping_add(column) => _,
                 out("r2") _,
                 out("r3") _,
                 // The last columns are the upper part of the last word, which begins in the columns before.
@@ -305,6 +372,5 @@ impl Clipped {
                 options(nostack),
             );
         }
-        round.rows > 0
     }
 }

@@ -2,25 +2,40 @@
 //!
 //! 1. The table's two bytes are two planes of 256 entries; a shuffle looks up 16 of them, so the live entries are gone
 //!    through in segments of 16: one for a threshold of up to 16, which is the usual case.
-//! 2. Entries at the threshold and beyond are stored as zero, so the lookup is the test d < threshold, too.
+//! 2. A shuffle gives zero where the top bit of the index is set. The differences are moved up, with saturation, so that
+//!    those of other segments have it: the lookup is the test d < threshold, too.
 //! 3. `psadbw` against zero adds eight bytes exactly; a plane's sum over 65537 pixels is below 2^25.
+//! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
+//!    byte outside a row is read, whatever its width.
 
 use super::super::{Table, scalar};
-use super::Kernels;
+use super::{Kernels, Plain, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
+use core::slice;
 
 /// Pixels in a register.
 const LANES: usize = 32;
 
-/// So many rows are added before it is looked whether the floor can still be reached.
+/// So many rows are added before it is looked whether the end is already certain.
 const ROWS_A_LOOK: usize = 4;
 
-/// The live part of a table in segments of 16 entries, low bytes and high bytes apart.
+/// Entries that one shuffle looks up.
+const SEGMENT: usize = 16;
+
+/// Segments among which the top bit of an index can tell.
+const SEGMENTS_A_HALF: usize = 8;
+
+/// The live part of a table in segments, low bytes and high bytes apart.
+///
+/// Each segment but the first of a half is stored as what differs (xor) from the one before it: the shuffles of a pixel
+/// in segment k give something for all segments up to k, and what they give adds up (xor) to the entry.
 pub(super) struct Lookup {
-    low: [[u8; 16]; 16],
-    high: [[u8; 16]; 16],
+    low: [[u8; SEGMENT]; 16],
+    high: [[u8; SEGMENT]; 16],
     segments: usize,
+    /// The largest difference that counts, if there is one.
+    last: Option<u8>,
 }
 
 pub(super) fn is_available() -> bool {
@@ -31,9 +46,56 @@ pub(super) fn is_available() -> bool {
 }
 
 impl Kernels for Lookup {
+    #[inline]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.sum(&Rows::of(patch, template), floor)
+    }
+
+    #[inline]
+    fn score_between_at_least(
+        &self,
+        _: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        let rows = Rows::between(low, high, template);
+        if rows.width < LANES {
+            return self.sum(&rows, floor);
+        }
+        // SAFETY: a `Lookup` exists only where AVX2 does, the pictures are borrowed, and a register's width is there.
+        unsafe {
+            match (rows.width / LANES, rows.width.is_multiple_of(LANES)) {
+                (1, true) => self.count_at_least::<1, false>(&rows, floor),
+                (1, false) => self.count_at_least::<1, true>(&rows, floor),
+                (2, true) => self.count_at_least::<2, false>(&rows, floor),
+                (_, true) => self.count_at_least::<ANY, false>(&rows, floor),
+                (_, false) => self.count_at_least::<ANY, true>(&rows, floor),
+            }
+        }
+    }
+
+    #[inline]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         // SAFETY: a `Lookup` exists only where AVX2 does.
-        unsafe { self.sum_at_least(patch, template, floor) }
+        unsafe { spread(rows, low, high) }
+    }
+
+    #[inline]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let rows = Rows::of(patch, template);
+        // SAFETY: a `Lookup` exists only where AVX2 does, and both pictures are borrowed.
+        unsafe {
+            match (rows.width / LANES, rows.width.is_multiple_of(LANES)) {
+                (0, _) => distance::<0, true>(&rows, enough),
+                (1, true) => distance::<1, false>(&rows, enough),
+                (1, false) => distance::<1, true>(&rows, enough),
+                (2, true) => distance::<2, false>(&rows, enough),
+                (_, true) => distance::<ANY, false>(&rows, enough),
+                (_, false) => distance::<ANY, true>(&rows, enough),
+            }
+        }
     }
 }
 
@@ -43,100 +105,415 @@ impl Lookup {
         if !is_available() {
             return None;
         }
-        let mut lookup =
-            Self { low: [[0; 16]; 16], high: [[0; 16]; 16], segments: usize::from(threshold).div_ceil(16) };
-        let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
+        let mut planes = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
+        let places = planes.0.as_flattened_mut().iter_mut().zip(planes.1.as_flattened_mut());
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
-        Some(lookup)
+        let segments = usize::from(threshold).div_ceil(SEGMENT);
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        Some(Self { low: differences(&planes.0), high: differences(&planes.1), segments, last })
     }
 
-    #[target_feature(enable = "avx2")]
-    fn sum_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let width = usize::from(patch.width().min(template.width()));
-        let mut low = _mm256_setzero_si256();
-        let mut high = _mm256_setzero_si256();
-        let mut left = scalar::most(patch, template);
-        let of_a_row = scalar::full(width);
-        for (row, (f, g)) in patch.rows_and_rest().zip(template.rows_and_rest()).enumerate() {
-            let mut at = 0;
-            while at < width {
-                let planes = self.similarities(load(f, at), load(g, at));
-                let valid = first_lanes(width - at);
-                low = _mm256_add_epi64(low, total(_mm256_and_si256(planes.0, valid)));
-                high = _mm256_add_epi64(high, total(_mm256_and_si256(planes.1, valid)));
-                at += LANES;
+    /// The score of rows whose pictures are borrowed.
+    #[inline]
+    fn sum(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        // SAFETY: a `Lookup` exists only where AVX2 does, and the pictures are borrowed.
+        unsafe {
+            match self.segments {
+                0..=1 => self.sum_by_width::<1>(rows, floor),
+                2 => self.sum_by_width::<2>(rows, floor),
+                3 => self.sum_by_width::<3>(rows, floor),
+                4 => self.sum_by_width::<4>(rows, floor),
+                5..=8 => self.sum_by_width::<8>(rows, floor),
+                _ => self.sum_by_width::<16>(rows, floor),
             }
-            left -= of_a_row;
-            if row % ROWS_A_LOOK == ROWS_A_LOOK - 1 && across(low) + (across(high) << 8) + left < floor {
+        }
+    }
+
+    /// A bound of a score for half of its price: every pixel that counts is taken to be fully similar. `WHOLE` and `END` are as
+    /// for [`Lookup::sum_at_least`].
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed, and at least 32 pixels wide.
+    #[target_feature(enable = "avx2")]
+    unsafe fn count_at_least<const WHOLE: usize, const END: bool>(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
+        let (whole, end) = (if WHOLE == ANY { rows.width / LANES } else { WHOLE }, End::of(rows.width));
+        let last = _mm256_set1_epi8(last.cast_signed());
+        let mut counted = 0;
+        let mut y = 0;
+        while y < rows.height {
+            // Bytes that count up to 255: rows enough for a look are few registers.
+            let mut counts = _mm256_setzero_si256();
+            let until = rows.height.min(y + ROWS_A_LOOK);
+            let most_registers = 255 / ROWS_A_LOOK;
+            while y < until {
+                let ((f, g), h) = (rows.row(y), rows.high_row(y));
+                for at in (0..whole).map(|register| register * LANES) {
+                    // SAFETY: at + 32 is at most the width.
+                    let difference = unsafe {
+                        outside(load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at)))
+                    };
+                    // All bits, which is -1, where the difference is at most the last one that counts.
+                    counts = _mm256_sub_epi8(counts, _mm256_cmpeq_epi8(_mm256_min_epu8(difference, last), difference));
+                    if WHOLE == ANY && at / LANES % most_registers == most_registers - 1 {
+                        counted += total(counts);
+                        counts = _mm256_setzero_si256();
+                    }
+                }
+                if END {
+                    // SAFETY: the row is as wide as `end` was made for, and that is 32 at least.
+                    let difference = unsafe { outside(end.load::<1>(f), end.load::<1>(h), end.load::<1>(g)) };
+                    let counts_here = _mm256_cmpeq_epi8(_mm256_min_epu8(difference, last), difference);
+                    counts = _mm256_sub_epi8(counts, _mm256_and_si256(counts_here, end.valid));
+                }
+                if WHOLE == ANY {
+                    counted += total(counts);
+                    counts = _mm256_setzero_si256();
+                }
+                y += 1;
+            }
+            counted += total(counts);
+            if counted * u32::from(Table::ONE) + rows.full_after(y) < floor {
                 return None;
             }
         }
-        Some(across(low) + (across(high) << 8)).filter(|&score| score >= floor)
+        Some(counted * u32::from(Table::ONE))
     }
 
-    /// The similarities of 32 pairs of pixels, low bytes and high bytes.
+    /// The usual widths have a loop of their own.
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed.
+    #[target_feature(enable = "avx2")]
+    unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        // SAFETY: as the caller has seen to.
+        unsafe {
+            match (rows.width / LANES, rows.width.is_multiple_of(LANES)) {
+                (0, _) => self.sum_at_least::<SEGMENTS, 0, true>(rows, floor),
+                (1, true) => self.sum_at_least::<SEGMENTS, 1, false>(rows, floor),
+                (1, false) => self.sum_at_least::<SEGMENTS, 1, true>(rows, floor),
+                (2, true) => self.sum_at_least::<SEGMENTS, 2, false>(rows, floor),
+                (_, true) => self.sum_at_least::<SEGMENTS, ANY, false>(rows, floor),
+                (_, false) => self.sum_at_least::<SEGMENTS, ANY, true>(rows, floor),
+            }
+        }
+    }
+
+    /// `WHOLE` is the number of registers that a row fills, or [`ANY`]; `END`: there are pixels that fill none.
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed.
+    #[target_feature(enable = "avx2")]
+    unsafe fn sum_at_least<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(
+        &self,
+        rows: &Rows,
+        floor: u32,
+    ) -> Option<u32> {
+        let walk = Walk {
+            rows,
+            whole: if WHOLE == ANY { rows.width / LANES } else { WHOLE },
+            end: End::of(rows.width),
+            low: plane::<SEGMENTS>(&self.low),
+            high: plane::<SEGMENTS>(&self.high),
+        };
+        let mut sums = Sums { low: _mm256_setzero_si256(), high: _mm256_setzero_si256() };
+        for y in (0..rows.height).step_by(2) {
+            walk.add_row::<SEGMENTS, WHOLE, END>(y, &mut sums);
+            if y + 1 < rows.height {
+                walk.add_row::<SEGMENTS, WHOLE, END>(y + 1, &mut sums);
+                let left = rows.full_after(y + 2);
+                if left < floor && y % ROWS_A_LOOK == ROWS_A_LOOK - 2 && sums.score() + left < floor {
+                    return None;
+                }
+            }
+        }
+        Some(sums.score()).filter(|&score| score >= floor)
+    }
+}
+
+/// A [`Lookup`] in registers, and what it is to look up.
+struct Walk<'a> {
+    rows: &'a Rows,
+    whole: usize,
+    end: End,
+    low: Plane,
+    high: Plane,
+}
+
+impl Walk<'_> {
+    /// Adds the similarities of row `y`, which is below the height.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn similarities(&self, f: __m256i, g: __m256i) -> (__m256i, __m256i) {
-        let difference = _mm256_sub_epi8(_mm256_max_epu8(f, g), _mm256_min_epu8(f, g));
-        let mut planes = (_mm256_setzero_si256(), _mm256_setzero_si256());
-        let mut first = _mm256_setzero_si256();
-        for (low, high) in self.low.iter().zip(&self.high).take(self.segments) {
-            // The index within the segment, with the top bit set if it is in another one: the shuffle then gives zero.
-            let index = _mm256_adds_epu8(_mm256_sub_epi8(difference, first), _mm256_set1_epi8(0x70));
-            planes.0 = _mm256_or_si256(planes.0, _mm256_shuffle_epi8(broadcast(low), index));
-            planes.1 = _mm256_or_si256(planes.1, _mm256_shuffle_epi8(broadcast(high), index));
-            first = _mm256_add_epi8(first, _mm256_set1_epi8(16));
+    fn add_row<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(&self, y: usize, sums: &mut Sums) {
+        let ((f, g), h) = (self.rows.row(y), self.rows.high_row(y));
+        for at in (0..self.whole).map(|register| register * LANES) {
+            // SAFETY: at + 32 is at most the width.
+            let difference =
+                unsafe { outside(load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sums.add(look_up::<SEGMENTS>(&self.low, &self.high, difference));
         }
-        planes
+        if END {
+            // SAFETY: the row is as wide as `end` was made for.
+            let difference =
+                unsafe { outside(self.end.load::<WHOLE>(f), self.end.load::<WHOLE>(h), self.end.load::<WHOLE>(g)) };
+            let planes = look_up::<SEGMENTS>(&self.low, &self.high, difference);
+            sums.add((_mm256_and_si256(planes.0, self.end.valid), _mm256_and_si256(planes.1, self.end.valid)));
+        }
     }
 }
 
-/// 32 pixels of `row` from `at` on; what lies beyond the end of the slice is zero.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn load(row: &[u8], at: usize) -> __m256i {
-    let rest = row.get(at..).unwrap_or_default();
-    if let Some(pixels) = rest.first_chunk::<LANES>() {
-        // SAFETY: `pixels` is 32 readable bytes; the load needs no alignment.
-        return unsafe { _mm256_loadu_si256(pixels.as_ptr().cast()) };
+/// Whatever number of registers a row fills, but at least one.
+const ANY: usize = usize::MAX;
+
+/// Each segment of a half as what differs from the one before it.
+fn differences(plane: &[[u8; SEGMENT]; 16]) -> [[u8; SEGMENT]; 16] {
+    let mut differences = *plane;
+    for (half, of) in differences.chunks_mut(SEGMENTS_A_HALF).zip(plane.chunks(SEGMENTS_A_HALF)) {
+        for (later, before) in half.iter_mut().skip(1).flatten().zip(of.as_flattened()) {
+            *later ^= before;
+        }
     }
-    let mut pixels = [0; LANES];
-    for (to, &from) in pixels.iter_mut().zip(rest) {
-        *to = from;
+    differences
+}
+
+/// The similarities of 32 pairs of pixels, low bytes and high bytes, by the first `SEGMENTS` segments.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn look_up<const SEGMENTS: usize>(low: &Plane, high: &Plane, difference: __m256i) -> (__m256i, __m256i) {
+    if SEGMENTS <= SEGMENTS_A_HALF {
+        return look_up_half::<SEGMENTS>(low, high, 0, difference);
     }
-    // SAFETY: as above.
-    unsafe { _mm256_loadu_si256(pixels.as_ptr().cast()) }
+    // The top bit says that a difference is one of the other half.
+    let first = look_up_half::<SEGMENTS_A_HALF>(low, high, 0, difference);
+    let other = _mm256_xor_si256(difference, _mm256_set1_epi8(i8::MIN));
+    let second = look_up_half::<SEGMENTS_A_HALF>(low, high, SEGMENTS_A_HALF, other);
+    (_mm256_or_si256(first.0, second.0), _mm256_or_si256(first.1, second.1))
+}
+
+/// The same by the `SEGMENTS` segments, 8 at most, from `first` on.
+#[inline]
+#[target_feature(enable = "avx2")]
+#[allow(clippy::indexing_slicing, clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // all below 16 * 8
+fn look_up_half<const SEGMENTS: usize>(
+    low: &Plane,
+    high: &Plane,
+    first: usize,
+    difference: __m256i,
+) -> (__m256i, __m256i) {
+    // Of what is moved up by this, the last segment ends at 127, and whatever lies beyond it has the top bit.
+    let up = SEGMENT * (SEGMENTS_A_HALF - SEGMENTS);
+    let moved = _mm256_adds_epu8(difference, _mm256_set1_epi8(up as i8));
+    let mut planes = (_mm256_shuffle_epi8(low[first], moved), _mm256_shuffle_epi8(high[first], moved));
+    let mut segment = 1;
+    while segment < SEGMENTS {
+        // Signed and saturating: what has the top bit keeps it, and what lies before this segment gets it.
+        let index = _mm256_subs_epi8(moved, _mm256_set1_epi8((up + SEGMENT * segment) as i8));
+        planes.0 = _mm256_xor_si256(planes.0, _mm256_shuffle_epi8(low[first + segment], index));
+        planes.1 = _mm256_xor_si256(planes.1, _mm256_shuffle_epi8(high[first + segment], index));
+        segment += 1;
+    }
+    planes
+}
+
+/// One byte plane of a table: each segment in both halves of a register.
+type Plane = [__m256i; 16];
+
+/// The first `SEGMENTS` of a plane; the rest is not looked up.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn plane<const SEGMENTS: usize>(segments: &[[u8; SEGMENT]; 16]) -> Plane {
+    let mut plane = [_mm256_setzero_si256(); 16];
+    for (register, segment) in plane.iter_mut().zip(segments).take(SEGMENTS) {
+        *register = _mm256_broadcastsi128_si256(load_half(segment));
+    }
+    plane
+}
+
+/// The sums of the two byte planes, in four parts each.
+struct Sums {
+    low: __m256i,
+    high: __m256i,
+}
+
+impl Sums {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn add(&mut self, planes: (__m256i, __m256i)) {
+        let zero = _mm256_setzero_si256();
+        self.low = _mm256_add_epi64(self.low, _mm256_sad_epu8(planes.0, zero));
+        self.high = _mm256_add_epi64(self.high, _mm256_sad_epu8(planes.1, zero));
+    }
+
+    /// The sum of the similarities, which fits a `u32` for as many pixels as a template may have.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn score(&self) -> u32 {
+        across(_mm256_add_epi64(self.low, _mm256_slli_epi64(self.high, 8)))
+    }
+}
+
+/// See [`scalar::distance`]; the parameters are those of [`Lookup::sum_at_least`].
+///
+/// # Safety
+/// The pictures that `rows` were made of are borrowed.
+#[target_feature(enable = "avx2")]
+unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
+    let whole = if WHOLE == ANY { rows.width / LANES } else { WHOLE };
+    let end = End::of(rows.width);
+    let mut sum = _mm256_setzero_si256();
+    for y in 0..rows.height {
+        let (f, g) = rows.row(y);
+        for at in (0..whole).map(|register| register * LANES) {
+            // SAFETY: at + 32 is at most the width.
+            let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
+        }
+        if END {
+            // SAFETY: the row is as wide as `end` was made for.
+            let (f, g) = unsafe { (end.load::<WHOLE>(f), end.load::<WHOLE>(g)) };
+            let (f, g) = (_mm256_and_si256(f, end.valid), _mm256_and_si256(g, end.valid));
+            sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
+        }
+        if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && across(sum) > enough {
+            break;
+        }
+    }
+    across(sum)
+}
+
+/// See [`scalar::spread`].
+#[target_feature(enable = "avx2")]
+fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
+    let Some(last) = columns.checked_sub(LANES) else {
+        return scalar::spread(rows, low, high);
+    };
+    // The last columns are done together with some before them, which come out the same again.
+    for at in (0..last).step_by(LANES).chain([last]) {
+        let rows = rows.map(|row| row.as_ptr().wrapping_add(at));
+        // SAFETY: at + 32 is at most `columns`; no row is shorter than that and three, nor are `low` and `high` shorter.
+        unsafe {
+            let (mut lowest, mut highest) = (_mm256_set1_epi8(-1), _mm256_setzero_si256());
+            for row in rows {
+                for column in 0..4 {
+                    let pixels = load(row.wrapping_add(column));
+                    lowest = _mm256_min_epu8(lowest, pixels);
+                    highest = _mm256_max_epu8(highest, pixels);
+                }
+            }
+            _mm256_storeu_si256(low.as_mut_ptr().wrapping_add(at).cast(), lowest);
+            _mm256_storeu_si256(high.as_mut_ptr().wrapping_add(at).cast(), highest);
+        }
+    }
+}
+
+/// The end of a row: the 1 to 31 pixels that are left where whole registers have been taken off.
+///
+/// Two loads of the same size, one from the first and one to the last pixel, hold a row of up to twice that size; of the
+/// second only what the first has not is valid. A row of more than 32 pixels needs only the second.
+struct End {
+    width: usize,
+    /// All bits of the lanes that hold a pixel of the end, each pixel once.
+    valid: __m256i,
+}
+
+impl End {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn of(width: usize) -> Self {
+        let (lanes, new) = match width {
+            0..4 => (&const { lanes(0, 4) }, width % 4),
+            4..8 => (&const { lanes(4, 4) }, width % 4),
+            8..16 => (&const { lanes(8, 8) }, width % 8),
+            16..32 => (&const { lanes(16, 16) }, width % 16),
+            _ => (&const { lanes(0, 32) }, width % 32),
+        };
+        let new = i8::try_from(new).unwrap_or(0);
+        // SAFETY: `lanes` is 32 bytes.
+        let lanes = unsafe { load(lanes.as_ptr()) };
+        Self { width, valid: _mm256_cmpgt_epi8(lanes, _mm256_set1_epi8(31 - new)) }
+    }
+
+    /// The end of the row that begins at `row`. `WHOLE` is 0 where no register is filled.
+    ///
+    /// # Safety
+    /// There are as many readable bytes as this was made for, and at least 32 if `WHOLE` is not 0.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn load<const WHOLE: usize>(&self, row: *const u8) -> __m256i {
+        if WHOLE > 0 {
+            // SAFETY: the width is at least 32.
+            return unsafe { load(row.wrapping_add(self.width).wrapping_sub(LANES)) };
+        }
+        // SAFETY: the caller has seen to it.
+        narrow(unsafe { slice::from_raw_parts(row, self.width) })
+    }
+}
+
+/// A row of up to 31 pixels.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn narrow(row: &[u8]) -> __m256i {
+    if let (Some(first), Some(last)) = (row.first_chunk(), row.last_chunk()) {
+        return _mm256_set_m128i(load_half(last), load_half(first));
+    }
+    if let (Some(&first), Some(&last)) = (row.first_chunk(), row.last_chunk()) {
+        return _mm256_set_epi64x(0, 0, i64::from_le_bytes(last), i64::from_le_bytes(first));
+    }
+    let both = match (row.first_chunk(), row.last_chunk()) {
+        (Some(&first), Some(&last)) => i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32,
+        // Moved in from the top of four bytes, so that they end there.
+        _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
+    };
+    _mm256_set_epi64x(0, 0, 0, both)
+}
+
+/// The numbers of lanes: of `first` lanes so large that they are always valid, of `second` lanes those up to 31, and of the
+/// rest such that they never are.
+#[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
+const fn lanes(first: usize, second: usize) -> [u8; LANES] {
+    let mut lanes = [0; LANES];
+    let mut lane = 0;
+    while lane < first + second {
+        lanes[lane] = if lane < first { 127 } else { (LANES - second + lane - first) as u8 };
+        lane += 1;
+    }
+    lanes
+}
+
+/// # Safety
+/// There are 32 readable bytes.
+#[inline]
+#[target_feature(enable = "avx2")]
+unsafe fn load(pixels: *const u8) -> __m256i {
+    // SAFETY: the caller has seen to it; the load needs no alignment.
+    unsafe { _mm256_loadu_si256(pixels.cast()) }
 }
 
 #[inline]
 #[target_feature(enable = "avx2")]
-fn broadcast(segment: &[u8; 16]) -> __m256i {
-    // SAFETY: `segment` is 16 readable bytes; the load needs no alignment.
-    _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(segment.as_ptr().cast()) })
+fn load_half(pixels: &[u8; 16]) -> __m128i {
+    // SAFETY: `pixels` is 16 readable bytes; the load needs no alignment.
+    unsafe { _mm_loadu_si128(pixels.as_ptr().cast()) }
 }
 
-/// All bits of the first `count` lanes.
+/// By how much 32 pixels lie outside their ranges: |f - g| where a range is one pixel.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn first_lanes(count: usize) -> __m256i {
-    const LANE: [u8; LANES] = *b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x09\x0a\x0b\x0c\x0d\x0e\x0f\
-        \x10\x11\x12\x13\x14\x15\x16\x17\x18\x19\x1a\x1b\x1c\x1d\x1e\x1f";
-    // SAFETY: `LANE` is 32 readable bytes; the load needs no alignment.
-    let lane = unsafe { _mm256_loadu_si256(LANE.as_ptr().cast()) };
-    _mm256_cmpgt_epi8(_mm256_set1_epi8(i8::try_from(count).unwrap_or(i8::MAX)), lane)
+fn outside(low: __m256i, high: __m256i, g: __m256i) -> __m256i {
+    _mm256_or_si256(_mm256_subs_epu8(low, g), _mm256_subs_epu8(g, high))
 }
 
-/// The sum of the bytes, in four parts.
+/// The sum of the bytes.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn total(bytes: __m256i) -> __m256i {
-    _mm256_sad_epu8(bytes, _mm256_setzero_si256())
+fn total(bytes: __m256i) -> u32 {
+    across(_mm256_sad_epu8(bytes, _mm256_setzero_si256()))
 }
 
-/// The sum of the four parts, which fits a `u32` for as many pixels as a template may have.
+/// The sum of the four parts.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn across(parts: __m256i) -> u32 {

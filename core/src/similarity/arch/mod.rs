@@ -2,14 +2,24 @@
 //!
 //! | file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `avx512.rs` | AVX-512 BW and VBMI | found at run time (`std`) or compiled for | where the machine has it |
-//! | `avx2.rs` | AVX2 | the same | where the machine has it |
+//! | `avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
+//! | `avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
+//! | `sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
+//! | `neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
 //! | `helium.rs` | Helium, the vectors of Armv8.1-M | compiled for it | `examples/kernels` on the emulated Cortex-M55 |
 //! | `armv7em.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it, and not for Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | (`scalar.rs`) | any | everywhere else | always |
 //!
 //! Words of four bytes by ordinary arithmetic do not pay where there is nothing better: on Armv6-M and RV32IMAC words cannot
 //! be loaded from any address, and put together from bytes a distance takes 19 instead of 10 instructions a pixel on Armv6-M.
+//!
+//! `rows.rs` is what the kernels go through pictures by, `verify.rs` the plain loops beside them (feature `verify`).
+//!
+//! # Where weights would be added
+//!
+//! A weight for each pixel of the template, a small integer, would multiply what is looked up before it is added: in
+//! `scalar::pixel`, which specifies it, and in the one function of each file that adds a register's similarities. The
+//! lookup and its tables stay as they are. Bounds then take the sum of the weights for the number of pixels.
 //!
 //! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
 
@@ -25,9 +35,18 @@ mod avx512;
 mod filter;
 #[cfg(smr_helium)]
 mod helium;
-#[cfg(any(smr_dsp, smr_helium))]
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+mod neon;
+#[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 
+#[cfg(any(test, feature = "verify"))]
+mod verify;
+
+#[cfg(test)]
+mod guard;
 #[cfg(test)]
 mod tests;
 
@@ -47,10 +66,15 @@ use crate::image::Image;
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
+    /// x86-64 with no more than every one has: distances 16 pixels at a time; a score is the plain loop's, begun only where
+    /// a bound allows it to reach the floor.
+    Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
-    /// x86-64 with AVX-512 BW and VBMI: 64 pixels at a time.
+    /// x86-64 with AVX-512 BW, VBMI and VNNI: 64 pixels at a time.
     Avx512,
+    /// AArch64 with NEON: 16 pixels at a time.
+    Neon,
     /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
@@ -58,7 +82,7 @@ pub enum Backend {
 }
 
 impl Backend {
-    const ALL: [Self; 5] = [Self::Avx512, Self::Avx2, Self::Helium, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 7] = [Self::Avx512, Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -79,11 +103,14 @@ impl Backend {
         match self {
             Self::Scalar => true,
             #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => sse2::is_available(),
+            #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => avx512::is_available(),
+            Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => false,
+            Self::Sse2 | Self::Avx2 | Self::Avx512 => false,
             Self::Dsp => cfg!(smr_dsp),
             Self::Helium => cfg!(smr_helium),
         }
@@ -95,25 +122,38 @@ impl Backend {
 trait Kernels {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
+    /// This one need not be as exact: what it gives may be more, never less.
+    fn score_between_at_least(
+        &self,
+        plain: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        scalar::score_between_at_least(low, high, template, plain.table, plain.threshold, floor)
+    }
+
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         scalar::distance(patch, template, enough)
     }
 
-    fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        scalar::means(rows, means);
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        scalar::spread(rows, low, high);
     }
 }
 
 /// A table, cut off at a threshold, made ready for a backend. It is made once for all scores of a frame.
 pub struct Scorer {
-    table: &'static Table,
-    threshold: u16,
+    plain: Plain,
     ready: Ready,
 }
 
 #[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
 enum Ready {
-    Scalar(Plain),
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Sse2(sse2::Bound),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
     #[cfg(target_arch = "x86_64")]
@@ -122,9 +162,12 @@ enum Ready {
     Dsp(armv7em::Dsp),
     #[cfg(smr_helium)]
     Helium(helium::Helium),
+    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    Neon(neon::Lookup),
 }
 
 /// The plain loops.
+#[derive(Clone, Copy)]
 struct Plain {
     table: &'static Table,
     threshold: u16,
@@ -141,7 +184,12 @@ impl Kernels for Plain {
 macro_rules! dispatch {
     ($scorer:ident, $kernels:ident => $call:expr) => {
         match &$scorer.ready {
-            Ready::Scalar($kernels) => $call,
+            Ready::Scalar => {
+                let $kernels = &$scorer.plain;
+                $call
+            }
+            #[cfg(target_arch = "x86_64")]
+            Ready::Sse2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Avx2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
@@ -150,6 +198,8 @@ macro_rules! dispatch {
             Ready::Dsp($kernels) => $call,
             #[cfg(smr_helium)]
             Ready::Helium($kernels) => $call,
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Ready::Neon($kernels) => $call,
         }
     };
 }
@@ -161,6 +211,8 @@ impl Scorer {
     pub fn new(backend: Backend, table: &'static Table, threshold: u16) -> Self {
         let ready = match backend {
             #[cfg(target_arch = "x86_64")]
+            Backend::Sse2 => sse2::Bound::new(table, threshold).map(Ready::Sse2),
+            #[cfg(target_arch = "x86_64")]
             Backend::Avx2 => avx2::Lookup::new(table, threshold).map(Ready::Avx2),
             #[cfg(target_arch = "x86_64")]
             Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
@@ -168,9 +220,11 @@ impl Scorer {
             Backend::Dsp => Some(Ready::Dsp(armv7em::Dsp::new(table, threshold))),
             #[cfg(smr_helium)]
             Backend::Helium => Some(Ready::Helium(helium::Helium::new(table, threshold))),
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Backend::Neon => Some(Ready::Neon(neon::Lookup::new(table, threshold))),
             _ => None,
         };
-        Self { table, threshold, ready: ready.unwrap_or(Ready::Scalar(Plain { table, threshold })) }
+        Self { plain: Plain { table, threshold }, ready: ready.unwrap_or(Ready::Scalar) }
     }
 
     /// The score of two pictures of the same size, as [`scalar::score`] gives it.
@@ -185,32 +239,50 @@ impl Scorer {
     #[must_use]
     #[inline(always)]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        dispatch!(self, kernels => kernels.score_at_least(patch, template, floor))
+        let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score(score, (patch, template), (self.plain.table, self.plain.threshold), floor);
+        score
     }
 
     /// The SAD, as [`scalar::distance`] gives it; once it is more than `enough`, any part of it that is.
     #[must_use]
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        dispatch!(self, kernels => kernels.distance(patch, template, enough))
+        let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
+        #[cfg(feature = "verify")]
+        verify::distance(distance, (patch, template), enough);
+        distance
     }
 
-    /// The means of columns of eight rows, as [`scalar::means`] gives them.
+    /// The score of a patch of which only bounds are known, as [`scalar::score_between_at_least`] gives it, or a little
+    /// more: no patch between the two has a larger one. `None` only if that of `scalar` is less than `floor`.
+    #[must_use]
     #[inline(always)]
-    pub fn means(&self, rows: &[&[u8]; 8], means: &mut [u8]) {
-        dispatch!(self, kernels => kernels.means(rows, means));
+    pub fn score_between_at_least(
+        &self,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        let score = dispatch!(self, kernels => kernels.score_between_at_least(&self.plain, low, high, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score_between(score, (low, high, template), (self.plain.table, self.plain.threshold), floor);
+        score
+    }
+
+    /// The lowest and the highest of each block of 4x4 pixels, as [`scalar::spread`] gives them.
+    #[inline(always)]
+    pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        dispatch!(self, kernels => kernels.spread(rows, low, high));
+        #[cfg(feature = "verify")]
+        verify::spread(rows, low, high);
     }
 
     /// The score of what lies on the padding; see [`scalar::score_on_padding`].
     #[must_use]
     pub(super) fn score_on_padding(&self, template: Image<'_>, seen: crate::Rect) -> u32 {
-        scalar::score_on_padding(template, seen, self.table, self.threshold)
-    }
-
-    /// s such that a pixel of difference d loses at least s * d of its 65535, for every d: the largest such integer.
-    #[must_use]
-    pub(crate) fn loss_per_level(&self) -> u32 {
-        // A pixel that does not count loses all, and that is least a level where the difference is largest.
-        scalar::chord(self.table, self.threshold).min(u32::from(Table::ONE) / 255)
+        scalar::score_on_padding(template, seen, self.plain.table, self.plain.threshold)
     }
 }

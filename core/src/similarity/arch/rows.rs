@@ -1,43 +1,88 @@
-//! The rows of two pictures by address, for loops that load whole words and so gain nothing from the bounds of slices.
+//! The rows of two pictures side by side, as cheap to go through as two addresses.
 
+use super::super::Table;
 use crate::image::Image;
 
-/// Two pictures, as far as they have common rows and columns.
-pub(super) struct Pair {
-    pub(super) patch: Rows,
-    pub(super) template: Rows,
+/// The common top left part of a template and of a patch, or of the two pictures that a patch is between.
+///
+/// [`Image::rows`] looks for the end of the slice in every row. Where a row is one register that costs as much as the row,
+/// so here are addresses: kernels read `width` bytes from each, and may not read more.
+#[derive(Clone, Copy)]
+pub(super) struct Rows {
+    pub(super) patch: *const u8,
+    /// What the patch is at most; of a patch that is known, itself.
+    pub(super) high: *const u8,
+    pub(super) template: *const u8,
+    pub(super) patch_stride: usize,
+    pub(super) high_stride: usize,
+    pub(super) template_stride: usize,
+    /// Bytes in a row of all.
     pub(super) width: usize,
+    /// Rows of all.
     pub(super) height: usize,
 }
 
-/// The rows of one picture.
-pub(super) struct Rows {
-    /// The address of the first row.
-    pub(super) first: *const u8,
-    pub(super) stride: usize,
-}
+impl Rows {
+    #[inline]
+    pub(super) fn of(patch: Image<'_>, template: Image<'_>) -> Self {
+        Self::between(patch, patch, template)
+    }
 
-impl Pair {
-    #[inline(always)]
-    pub(super) fn new(patch: Image<'_>, template: Image<'_>) -> Self {
+    #[inline]
+    pub(super) fn between(low: Image<'_>, high: Image<'_>, template: Image<'_>) -> Self {
+        let ((l, patch_stride), (h, high_stride), (g, template_stride)) = (low.parts(), high.parts(), template.parts());
         Self {
-            patch: Rows::of(patch),
-            template: Rows::of(template),
-            width: usize::from(patch.width().min(template.width())),
-            height: usize::from(patch.height().min(template.height())),
+            patch: l.as_ptr(),
+            high: h.as_ptr(),
+            template: g.as_ptr(),
+            patch_stride,
+            high_stride,
+            template_stride,
+            width: usize::from(low.width().min(high.width()).min(template.width())),
+            height: usize::from(low.height().min(high.height()).min(template.height())),
         }
     }
+
+    /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
+    #[inline]
+    pub(super) fn full_after(&self, y: usize) -> u32 {
+        let pixels = self.width.wrapping_mul(self.height.wrapping_sub(y));
+        #[allow(clippy::cast_possible_truncation)] // at most Table::MAX_PIXELS
+        u32::from(Table::ONE).wrapping_mul(pixels as u32)
+    }
+
+    /// Gives `compare` the addresses of each two rows, from the top and as long as it says true.
+    #[inline(always)]
+    #[cfg_attr(not(target_arch = "aarch64"), allow(dead_code))] // elsewhere rows are looked at in blocks, or by asm!
+    pub(super) fn each(&self, mut compare: impl FnMut(*const u8, *const u8) -> bool) {
+        for y in 0..self.height {
+            let (f, g) = self.row(y);
+            if !compare(f, g) {
+                return;
+            }
+        }
+    }
+
+    /// Where row `y` of patch and template begins: as long as the pictures live, there are `width` readable bytes if `y` <
+    /// `height`.
+    ///
+    /// That is what [`Image::with_stride`] has checked.
+    #[inline]
+    #[cfg_attr(target_arch = "arm", allow(dead_code))] // whole loops are asm! there
+    pub(super) fn row(&self, y: usize) -> (*const u8, *const u8) {
+        (place(self.patch, self.patch_stride, y), place(self.template, self.template_stride, y))
+    }
+
+    /// The same of what the patch is at most.
+    #[inline]
+    #[cfg_attr(target_arch = "arm", allow(dead_code))]
+    pub(super) fn high_row(&self, y: usize) -> *const u8 {
+        place(self.high, self.high_stride, y)
+    }
 }
 
-impl Rows {
-    /// An [`Image`] has been checked to have all bytes of all its rows.
-    #[inline(always)]
-    fn of(image: Image<'_>) -> Self {
-        let mut rests = image.rows_and_rest();
-        // SAFETY: no image is without rows.
-        let first = unsafe { rests.next().unwrap_unchecked() };
-        // Where there is no second row no stride is needed.
-        let stride = first.len() - rests.next().map_or(first.len(), <[u8]>::len);
-        Self { first: first.as_ptr(), stride }
-    }
+#[inline]
+#[cfg_attr(target_arch = "arm", allow(dead_code))]
+fn place(first: *const u8, stride: usize, y: usize) -> *const u8 {
+    first.wrapping_add(y.wrapping_mul(stride))
 }

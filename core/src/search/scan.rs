@@ -1,0 +1,272 @@
+//! The search: every offset of the window scored or excluded, in steps of as little work as is asked for.
+//!
+//! First the last position and a descent from it, to have a good score early; then tile by tile, pass by pass (see
+//! `ranges.rs`). An offset is excluded together with its group, or scored until it cannot reach what is needed; the answer
+//! does not depend on the order.
+
+use super::leaders::Leaders;
+use super::ranges::{Ranges, SIDE};
+use super::{Found, Peak, Window};
+use crate::image::{Frame, Image, Rect};
+use crate::similarity::{self, Scorer};
+
+/// What a search is about; the same in every step of it.
+pub(crate) struct Scene<'a> {
+    pub(crate) frame: Frame<'a>,
+    pub(crate) template: Image<'a>,
+    pub(crate) window: Window,
+    pub(crate) scorer: &'a Scorer,
+}
+
+/// How far a search is, and its working memory.
+pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
+    leaders: Leaders<SPAN>,
+    ranges: Ranges<PIXELS, SPAN>,
+    stage: Stage,
+    pruning: bool,
+    /// Comparisons in the present step.
+    work: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// The last position itself.
+    Start,
+    Descent(Descent),
+    /// The next row of ranges of a pass.
+    Spread(Place, usize),
+    /// The next group.
+    Exclude(Place, usize),
+    /// The next offset of a group that is left.
+    Refine(Place, usize, usize),
+    /// Without groups: the next offset.
+    Offsets(usize, usize),
+    Done,
+}
+
+/// First offset of the tile, and the pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Place {
+    column: usize,
+    row: usize,
+    pass: usize,
+}
+
+/// The way down the SAD, from the last position: the best of nine, then of nine half as far away.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Descent {
+    x: i32,
+    y: i32,
+    distance: u32,
+    step: i32,
+}
+
+/// How far the first step of the descent goes. Each step costs eight offsets: no more of them than a sixteenth of the
+/// window.
+fn first_step(window: &Window) -> i32 {
+    let (columns, rows) = window.size();
+    match columns * rows / 128 {
+        0 => 0,
+        steps => 1 << (steps - 1).min(MOST_STEPS - 1),
+    }
+}
+
+/// From 8 pixels on the descent finds what the ranges would find soon after.
+const MOST_STEPS: usize = 4;
+
+impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
+    pub(crate) const fn new() -> Self {
+        Self { leaders: Leaders::new(), ranges: Ranges::new(), stage: Stage::Done, pruning: false, work: 0 }
+    }
+
+    /// Starts anew. Without pruning every offset is scored to its last pixel; with a neighbourhood the runner-up is
+    /// looked for, too.
+    pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, neighbourhood: Option<u16>) {
+        self.leaders.reset(&scene.window, neighbourhood);
+        self.pruning = pruning;
+        self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };
+    }
+
+    /// Goes through the window once more, for the runner-up; the peak is known.
+    pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
+        let peak = self.leaders.best();
+        self.leaders.reset(&scene.window, Some(neighbourhood));
+        if let Some(peak) = peak {
+            self.leaders.note(&scene.window, peak);
+        }
+        self.stage = self.first(scene);
+    }
+
+    /// Goes on until `work` comparisons have been made, or a few more: those of a row of ranges, of a group, of an offset
+    /// or of a step of the descent. What comparisons were left out of a score is counted, too; the count is returned.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
+        self.work = 0;
+        while self.stage != Stage::Done && self.work < work {
+            self.stage = match self.stage {
+                Stage::Start => self.start(scene),
+                Stage::Descent(descent) => self.descend(scene, descent),
+                Stage::Spread(place, row) => self.spread(scene, place, row),
+                Stage::Exclude(place, group) => self.exclude(scene, place, group),
+                Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset),
+                Stage::Offsets(column, row) => self.offset(scene, column, row),
+                Stage::Done => Stage::Done,
+            };
+        }
+        self.work
+    }
+
+    /// True when the whole window has been gone through.
+    pub(crate) fn is_done(&self) -> bool {
+        self.stage == Stage::Done
+    }
+
+    fn spend(&mut self, comparisons: u32) {
+        self.work = self.work.saturating_add(comparisons);
+    }
+
+    /// What was found; `None` before the search is done.
+    pub(crate) fn found(&self, window: &Window) -> Option<Found> {
+        if self.is_done() { self.leaders.found(window) } else { None }
+    }
+
+    #[inline(never)] // one copy in flash
+    fn start(&mut self, scene: &Scene<'_>) -> Stage {
+        let (x, y) = scene.window.centre();
+        self.score(scene, x, y);
+        match sad(scene, x, y, u32::MAX) {
+            Some(distance) if first_step(&scene.window) > 0 => {
+                Stage::Descent(Descent { x, y, distance, step: first_step(&scene.window) })
+            }
+            _ => self.first(scene),
+        }
+    }
+
+    #[inline(never)] // one copy in flash
+    fn descend(&mut self, scene: &Scene<'_>, from: Descent) -> Stage {
+        let mut best = from;
+        for (dx, dy) in AROUND {
+            let (x, y) = (from.x + dx * from.step, from.y + dy * from.step);
+            if scene.window.contains(x, y)
+                && let Some(distance) = sad(scene, x, y, best.distance)
+                && distance < best.distance
+            {
+                best = Descent { x, y, distance, ..best };
+            }
+        }
+        self.spend(4 * area(scene));
+        best.step = from.step / 2;
+        if best.step > 0 {
+            return Stage::Descent(best);
+        }
+        self.score(scene, best.x, best.y);
+        self.first(scene)
+    }
+
+    /// What the window begins with.
+    #[inline(never)] // one copy in flash
+    fn first(&mut self, scene: &Scene<'_>) -> Stage {
+        if self.pruning && self.ranges.divide(&scene.window, scene.template) {
+            Stage::Spread(Place { column: 0, row: 0, pass: 0 }, 0)
+        } else {
+            Stage::Offsets(0, 0)
+        }
+    }
+
+    #[inline(never)] // one copy in flash
+    fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize) -> Stage {
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        if row == 0 && place.pass == 0 {
+            self.ranges.start(&tile, area(scene));
+        }
+        if row >= self.ranges.rows(&tile, place.pass) {
+            return Stage::Exclude(place, 0);
+        }
+        let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
+        self.spend(2 * ranges);
+        Stage::Spread(place, row + 1)
+    }
+
+    fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize) -> Stage {
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        let needed = self.leaders.needed();
+        if group >= tile.groups() {
+            return if place.pass + 1 < self.ranges.passes() {
+                Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
+            } else {
+                Stage::Refine(place, 0, 0)
+            };
+        }
+        if !self.ranges.is_excluded(group, needed) {
+            let compared = self.ranges.look(scene.template, &tile, place.pass, group, needed, scene.scorer);
+            self.spend(compared);
+        }
+        Stage::Exclude(place, group + 1)
+    }
+
+    fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize) -> Stage {
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        if group >= tile.groups() {
+            return self.next(scene, place);
+        }
+        if offset >= SIDE * SIDE || self.ranges.is_excluded(group, self.leaders.needed()) {
+            return Stage::Refine(place, group + 1, 0);
+        }
+        let (column, row) = tile.group(group);
+        let (column, row) = (column + offset % SIDE, row + offset / SIDE);
+        let (first_column, first_row) = tile.new_in_group(group);
+        let is_new = column >= first_column && row >= first_row;
+        let (column, row) = (tile.column + column, tile.row + row);
+        if is_new && column >= place.column && row >= place.row {
+            let (x, y) = scene.window.position(column, row);
+            self.score(scene, x, y);
+        }
+        Stage::Refine(place, group, offset + 1)
+    }
+
+    /// The next tile.
+    fn next(&self, scene: &Scene<'_>, place: Place) -> Stage {
+        let (columns, rows) = scene.window.size();
+        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        if tile.column + tile.columns < columns {
+            Stage::Spread(Place { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
+        } else if tile.row + tile.rows < rows {
+            Stage::Spread(Place { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
+        } else {
+            Stage::Done
+        }
+    }
+
+    fn offset(&mut self, scene: &Scene<'_>, column: usize, row: usize) -> Stage {
+        let (columns, rows) = scene.window.size();
+        if row >= rows {
+            return Stage::Done;
+        }
+        let (x, y) = scene.window.position(column, row);
+        self.score(scene, x, y);
+        if column + 1 < columns { Stage::Offsets(column + 1, row) } else { Stage::Offsets(0, row + 1) }
+    }
+
+    #[inline(never)] // one copy in flash
+    fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
+        self.spend(area(scene));
+        let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
+        let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
+        if let Some(score) = score {
+            self.leaders.note(&scene.window, Peak { x, y, score });
+        }
+    }
+}
+
+const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
+
+/// The SAD of every other row of a box wholly inside the frame; any part of it that is more than `enough`, once it is more.
+#[inline(never)] // one copy in flash
+fn sad(scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
+    let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
+    Some(scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough))
+}
+
+fn area(scene: &Scene<'_>) -> u32 {
+    u32::from(scene.template.width()) * u32::from(scene.template.height())
+}

@@ -1,0 +1,215 @@
+//! The search against a map of all scores: it must find what is there, whatever it leaves out and wherever it is cut.
+
+use super::*;
+use crate::similarity::{Backend, Scorer, Table, score_at};
+use crate::{Frame, Image, Radius, Rect};
+use proptest::prelude::*;
+use std::{vec, vec::Vec};
+
+/// Pictures that are hard on bounds and ties.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Noise,
+    /// Noise of few gray levels.
+    Faint,
+    Constant,
+    /// Black and white.
+    Saturated,
+    Periodic,
+    /// Stripes: every block of 4x4 has the same range.
+    EqualRanges,
+    Gradient,
+}
+
+const KINDS: [Kind; 7] =
+    [Kind::Noise, Kind::Faint, Kind::Constant, Kind::Saturated, Kind::Periodic, Kind::EqualRanges, Kind::Gradient];
+
+fn hash(x: u32, y: u32, seed: u32) -> u32 {
+    let bits = (x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ seed).wrapping_mul(0xC2B2_AE35);
+    (bits ^ bits >> 15).wrapping_mul(0x27D4_EB2F) >> 24
+}
+
+impl Kind {
+    fn level(self, x: u32, y: u32, seed: u32) -> u8 {
+        let level = match self {
+            Self::Noise => hash(x, y, seed),
+            Self::Faint => 100 + hash(x, y, seed) % 6,
+            Self::Constant => seed % 256,
+            Self::Saturated => 255 * (hash(x, y, seed) % 2),
+            Self::Periodic => 60 + 90 * ((x / 2 + y / 2 + seed) % 2),
+            Self::EqualRanges => 100 + 50 * ((y + hash(x, 0, seed)) % 2),
+            Self::Gradient => (x * 3 + y * 2 + seed) % 256,
+        };
+        level as u8
+    }
+}
+
+/// A frame, and a template that occurs in it or does not.
+#[derive(Clone, Debug)]
+struct Case {
+    kind: Kind,
+    seed: u32,
+    frame: (u16, u16),
+    template: (u16, u16),
+    /// How many gray levels the template is away from what is there.
+    noise: u8,
+    window: Window,
+    threshold: u16,
+    neighbourhood: u16,
+    scale: &'static Table,
+}
+
+static STEEP: Table = match Table::new(20) {
+    Ok(table) => table,
+    Err(_) => panic!("20 is in range"),
+};
+
+/// As many pixels as the search's working memory has room for, exactly or nearly, so that tiles are small.
+const PIXELS: usize = 24 * 20;
+
+prop_compose! {
+    fn case()(
+        kind in prop::sample::select(&KINDS[..]),
+        seed in any::<u32>(),
+        frame in (1u16..70, 1u16..60),
+        template in (1u16..=24, 1u16..=20),
+        place in (-6i32..70, -6i32..60),
+        radius in (0u16..34, 0u16..30),
+        noise in prop::sample::select(vec![0u8, 1, 5, 40]),
+        threshold in prop_oneof![0u16..=64, 0u16..=256],
+        neighbourhood in 0u16..10,
+        steep in any::<bool>(),
+    ) -> Case {
+        let template = (template.0.min(frame.0), template.1.min(frame.1));
+        let padding = 6;
+        let at = |at: i32, frame: u16, size: u16| at.min(i32::from(frame) + padding - i32::from(size));
+        let target = Rect::new(at(place.0, frame.0, template.0), at(place.1, frame.1, template.1), template.0, template.1);
+        let bounds = Rect::new(0, 0, frame.0, frame.1);
+        let window = Window::new(target, Radius { x: radius.0, y: radius.1 }, bounds, 6);
+        let scale = if steep { &STEEP } else { &Table::PAPER };
+        Case { kind, seed, frame, template, noise, window, threshold, neighbourhood, scale }
+    }
+}
+
+impl Case {
+    fn pixels(&self) -> (Vec<u8>, Vec<u8>) {
+        let (width, height) = (u32::from(self.frame.0), u32::from(self.frame.1));
+        let frame = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let frame: Vec<u8> = frame.map(|(x, y)| self.kind.level(x, y, self.seed)).collect();
+        let (left, top) = (width - u32::from(self.template.0), height - u32::from(self.template.1));
+        let (left, top) = (self.seed % (left + 1), self.seed / 7 % (top + 1));
+        let mut template = Vec::new();
+        for y in 0..u32::from(self.template.1) {
+            for x in 0..u32::from(self.template.0) {
+                let level = frame[((top + y) * width + left + x) as usize];
+                let noise = hash(x, y, self.seed ^ 1) % (u32::from(self.noise) + 1);
+                template.push(level.saturating_add(noise as u8));
+            }
+        }
+        (frame, template)
+    }
+
+    /// The best of all offsets, and the best outside its neighbourhood.
+    fn expected(&self, score: impl Fn(i32, i32) -> u32) -> Found {
+        let all = || self.window.ys().flat_map(|y| self.window.xs().map(move |x| (x, y)));
+        let peaks = all().map(|(x, y)| Peak { x, y, score: score(x, y) });
+        let (centre_x, centre_y) = self.window.centre();
+        // The tie rule, said once more.
+        let order = |peak: &Peak| {
+            let (dx, dy) = (i64::from(peak.x - centre_x), i64::from(peak.y - centre_y));
+            (Reverse(peak.score), dx * dx + dy * dy, peak.y, peak.x)
+        };
+        let peak = peaks.min_by_key(order).unwrap();
+        let near = i32::from(self.neighbourhood);
+        let far = all().filter(|(x, y)| (x - peak.x).abs().max((y - peak.y).abs()) > near);
+        Found { peak, runner_up: Some(far.map(|(x, y)| score(x, y)).max().unwrap_or(0)) }
+    }
+}
+
+/// How a search is asked for.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    pruning: bool,
+    runner_up: bool,
+    afterwards: bool,
+    work: u32,
+}
+
+fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, way: Way) -> (Found, u64) {
+    let scorer = Scorer::new(backend, case.scale, case.threshold);
+    let scene = Scene { frame, template, window: case.window, scorer: &scorer };
+    let mut search = Search::<PIXELS, 128>::new();
+    search.begin(&scene, way.pruning, (way.runner_up && !way.afterwards).then_some(case.neighbourhood));
+    let mut work = 0;
+    let mut run = |search: &mut Search<PIXELS, 128>| {
+        while !search.is_done() {
+            work += u64::from(search.step(&scene, way.work));
+        }
+    };
+    run(&mut search);
+    if way.runner_up && way.afterwards {
+        search.begin_runner_up(&scene, case.neighbourhood);
+        run(&mut search);
+    }
+    (search.found(&case.window).unwrap(), work)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 3 } else { 1500 }))]
+
+    #[test]
+    fn peak_and_runner_up_are_those_of_the_whole_map(
+        case in case(),
+        (pruning, runner_up, afterwards) in any::<(bool, bool, bool)>(),
+        work in prop::sample::select(vec![1u32, 100, 3000, u32::MAX]),
+    ) {
+        let (pixels, template) = case.pixels();
+        let frame = Frame::whole(Image::new(&pixels, case.frame.0, case.frame.1).unwrap());
+        let template = Image::new(&template, case.template.0, case.template.1).unwrap();
+        let plain = Scorer::new(Backend::Scalar, case.scale, case.threshold);
+        let mut expected = case.expected(|x, y| score_at(&frame, template, x, y, &plain).unwrap());
+        if !runner_up {
+            expected.runner_up = None;
+        }
+        let way = Way { pruning, runner_up, afterwards, work };
+        for backend in Backend::available() {
+            let (found, _) = search(&case, backend, frame, template, way);
+            prop_assert_eq!(found, expected, "{:?}, {:?}, {:?}", backend, way, &case);
+        }
+    }
+
+    /// Work is counted, not measured: this bounds what a search does where no offset can be excluded.
+    #[test]
+    fn a_search_costs_little_more_than_scoring_every_offset(case in case(), runner_up in any::<bool>()) {
+        let (pixels, template) = case.pixels();
+        let frame = Frame::whole(Image::new(&pixels, case.frame.0, case.frame.1).unwrap());
+        let template = Image::new(&template, case.template.0, case.template.1).unwrap();
+        let way = Way { pruning: true, runner_up, afterwards: false, work: u32::MAX };
+        let (_, work) = search(&case, Backend::best(), frame, template, way);
+        let (columns, rows) = case.window.size();
+        let offsets = (columns * rows) as u64;
+        let pixels = u64::from(case.template.0) * u64::from(case.template.1);
+        // A sixteenth each for groups (those at the edges are not full), for ranges and for the descent; the start.
+        let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
+        let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4);
+        prop_assert!(work <= most, "{work} of {}", offsets * pixels);
+    }
+}
+
+#[test]
+fn among_equals_the_closest_wins_then_the_upper_then_the_left_one() {
+    let window = Window::new(Rect::new(10, 10, 4, 4), Radius { x: 5, y: 5 }, Rect::new(0, 0, 24, 24), 2);
+    let best_of = |equals: &[(i32, i32)]| {
+        let mut leaders = leaders::Leaders::<11>::new();
+        leaders.reset(&window, None);
+        for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
+            leaders.note(&window, Peak { x, y, score: u32::from(equals.contains(&(x, y))) });
+        }
+        let peak = leaders.found(&window).unwrap().peak;
+        (peak.x, peak.y)
+    };
+    assert_eq!(best_of(&[(8, 10), (10, 11), (15, 15)]), (10, 11));
+    assert_eq!(best_of(&[(10, 11), (11, 10), (9, 10), (10, 9)]), (10, 9));
+    assert_eq!(best_of(&[(11, 10), (9, 10)]), (9, 10));
+    assert_eq!(best_of(&[]), (10, 10));
+}

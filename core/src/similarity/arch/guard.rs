@@ -1,0 +1,85 @@
+//! Memory for tests of kernels: a byte too many that is read or written, before a slice or after it, ends the test.
+//!
+//! On Unix the slice touches a page that may not be accessed. Elsewhere, and under Miri, which watches by itself, it is an
+//! allocation of its own that ends where it ends.
+
+/// Which end of a slice is watched to the byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Before,
+    After,
+}
+
+#[cfg(all(unix, not(miri)))]
+mod memory {
+    use super::Side;
+    use core::{ptr, slice};
+
+    /// Pages that may be accessed between two that may not.
+    pub(in super::super) struct Guarded {
+        first: *mut u8,
+        page: usize,
+        room: usize,
+    }
+
+    impl Guarded {
+        pub(in super::super) fn with_room(bytes: usize) -> Self {
+            // SAFETY: these calls touch nothing but the new mapping, whose inner pages alone are made accessible.
+            unsafe {
+                let page = usize::try_from(libc::sysconf(libc::_SC_PAGESIZE)).expect("pages have a size");
+                let room = bytes.next_multiple_of(page).max(page);
+                let flags = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS;
+                let all = libc::mmap(ptr::null_mut(), room + 2 * page, libc::PROT_NONE, flags, -1, 0);
+                assert_ne!(all, libc::MAP_FAILED);
+                let first = all.cast::<u8>().add(page);
+                assert_eq!(libc::mprotect(first.cast(), room, libc::PROT_READ | libc::PROT_WRITE), 0);
+                Self { first, page, room }
+            }
+        }
+
+        /// So many bytes, which begin or end next to what may not be accessed.
+        pub(in super::super) fn slice(&mut self, length: usize, side: Side) -> &mut [u8] {
+            assert!(length <= self.room);
+            let start = if side == Side::Before { 0 } else { self.room - length };
+            // SAFETY: start + length is at most `room`; the bytes are initialised (zero), and borrowed as this is.
+            unsafe { slice::from_raw_parts_mut(self.first.add(start), length) }
+        }
+    }
+
+    impl Drop for Guarded {
+        fn drop(&mut self) {
+            // SAFETY: the mapping as it was made; nothing borrows it any more.
+            unsafe { libc::munmap(self.first.sub(self.page).cast(), self.room + 2 * self.page) };
+        }
+    }
+}
+
+#[cfg(not(all(unix, not(miri))))]
+mod memory {
+    use super::Side;
+    use std::vec::Vec;
+
+    pub(in super::super) struct Guarded(Vec<u8>);
+
+    impl Guarded {
+        pub(in super::super) fn with_room(_: usize) -> Self {
+            Self(Vec::new())
+        }
+
+        pub(in super::super) fn slice(&mut self, length: usize, _: Side) -> &mut [u8] {
+            self.0 = std::vec![0; length];
+            &mut self.0
+        }
+    }
+}
+
+pub(super) use memory::Guarded;
+
+impl Guarded {
+    /// A copy of `bytes` that is watched at `side`.
+    pub(super) fn copy(&mut self, bytes: &[u8], side: Side) -> &[u8] {
+        let slice = self.slice(bytes.len(), side);
+        slice.copy_from_slice(bytes);
+        slice
+    }
+}

@@ -1,0 +1,115 @@
+//! The plain loops beside a faster backend (feature `verify`): a difference is a panic that says what was asked.
+
+use super::super::{Table, scalar};
+use crate::image::Image;
+
+/// The score that a backend gave for pictures, where it was asked for one of at least `floor`.
+#[track_caller]
+pub(super) fn score(
+    answer: Option<u32>,
+    (patch, template): (Image<'_>, Image<'_>),
+    (table, threshold): (&Table, u16),
+    floor: u32,
+) {
+    let expected = Some(scalar::score(patch, template, table, threshold)).filter(|&score| score >= floor);
+    assert_eq!(
+        answer, expected,
+        "score of at least {floor} at threshold {threshold}, given and expected: {patch:?}, {template:?}"
+    );
+}
+
+/// The distance that a backend gave, where it was asked for one of up to `enough`.
+#[track_caller]
+pub(super) fn distance(answer: u32, (patch, template): (Image<'_>, Image<'_>), enough: u32) {
+    let exact = scalar::distance(patch, template, u32::MAX);
+    let right = if exact <= enough { answer == exact } else { answer > enough && answer <= exact };
+    assert!(right, "distance {answer} instead of {exact}, enough {enough}: {patch:?}, {template:?}");
+}
+
+/// What a backend gave for a patch between two pictures.
+#[track_caller]
+pub(super) fn score_between(
+    answer: Option<u32>,
+    (low, high, template): (Image<'_>, Image<'_>, Image<'_>),
+    (table, threshold): (&Table, u16),
+    floor: u32,
+) {
+    let least = scalar::score_between_at_least(low, high, template, table, threshold, floor);
+    let right = answer.is_none_or(|answer| answer >= floor) && answer >= least;
+    assert!(right, "at threshold {threshold} {answer:?} reached instead of {least:?}, floor {floor}: {template:?}");
+}
+
+/// The ranges that a backend gave.
+#[track_caller]
+pub(super) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
+    for (column, answer) in low.iter().zip(high).enumerate() {
+        let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
+        if block.iter().any(|row| row.is_empty()) {
+            return;
+        }
+        let (mut low, mut high) = ([0], [0]);
+        scalar::spread(&block, &mut low, &mut high);
+        assert_eq!((&low[0], &high[0]), answer, "range of column {column}, expected and given");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROW: [u8; 4] = [10, 20, 30, 40];
+    const OTHER: [u8; 4] = [10, 21, 30, 99];
+
+    fn view(row: &[u8; 4]) -> Image<'_> {
+        Image::new(row, 4, 1).unwrap()
+    }
+
+    fn pictures() -> (Image<'static>, Image<'static>) {
+        (view(&ROW), view(&OTHER))
+    }
+
+    #[test]
+    fn what_is_right_is_let_through() {
+        let (patch, template) = pictures();
+        let exact = scalar::score(patch, template, &Table::PAPER, 13);
+        score(Some(exact), pictures(), (&Table::PAPER, 13), exact);
+        score(None, pictures(), (&Table::PAPER, 13), exact + 1);
+        distance(60, pictures(), 60);
+        distance(7, pictures(), 6);
+        score_between(Some(4 * 65535), (view(&ROW), view(&OTHER), view(&OTHER)), (&Table::PAPER, 13), 1);
+        score_between(None, (view(&ROW), view(&ROW), view(&OTHER)), (&Table::PAPER, 13), 4 * 65535);
+        spread(&[&ROW; 4], &[10], &[40]);
+    }
+
+    #[test]
+    #[should_panic(expected = "score of at least 1")]
+    fn a_score_that_is_one_too_large_is_noticed() {
+        let (patch, template) = pictures();
+        let exact = scalar::score(patch, template, &Table::PAPER, 13);
+        score(Some(exact + 1), pictures(), (&Table::PAPER, 13), 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "score of at least 1")]
+    fn a_score_that_is_withheld_is_noticed() {
+        score(None, pictures(), (&Table::PAPER, 13), 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "distance 6 instead of 60, enough 6")]
+    fn a_distance_that_ends_too_early_is_noticed() {
+        distance(6, pictures(), 6);
+    }
+
+    #[test]
+    #[should_panic(expected = "reached instead of")]
+    fn a_bound_that_is_too_low_is_noticed() {
+        score_between(Some(4 * 65535 - 1), (view(&ROW), view(&OTHER), view(&OTHER)), (&Table::PAPER, 13), 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "range of column 0")]
+    fn a_wrong_range_is_noticed() {
+        spread(&[&ROW; 4], &[10], &[39]);
+    }
+}

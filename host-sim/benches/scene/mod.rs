@@ -1,0 +1,80 @@
+//! What the benches search: the built-in recording, so every run and every machine has the same pixels.
+
+use host_sim::sequence::GrayFrame;
+use host_sim::sequence::synthetic::{self, HEIGHT, WIDTH};
+use smr_core::similarity::Backend;
+use smr_core::{Answer, Config, Radius, Rect, Tracker};
+
+/// Room for a template of 64x64 pixels and a window of +-16, as on a microcontroller.
+pub type Small = Tracker<4096, 33>;
+
+/// Three frames in which the target moves freely.
+const FIRST: usize = 40;
+
+/// Searched to each side.
+const RADIUS: Radius = Radius { x: 16, y: 16 };
+
+/// A tracker that is about to search a frame.
+pub struct Prepared {
+    tracker: Box<Small>,
+    frame: GrayFrame,
+}
+
+/// The target, in a box of another size around the same middle, with the window inside the frame.
+pub fn target(width: u16, height: u16) -> Rect {
+    let truth = synthetic::truth(FIRST).and_then(|truth| truth.to_rect()).expect("the target is visible");
+    let place = |from: i32, own: u16, size: u16, radius: u16, frame: u16| {
+        let middle = from + (i32::from(own) - i32::from(size)) / 2;
+        middle.clamp(i32::from(radius), i32::from(frame) - i32::from(size) - i32::from(radius))
+    };
+    let x = place(truth.x, truth.width, width, RADIUS.x, WIDTH);
+    let y = place(truth.y, truth.height, height, RADIUS.y, HEIGHT);
+    Rect::new(x, y, width, height)
+}
+
+/// The first frame.
+pub fn frame() -> GrayFrame {
+    synthetic::frame(FIRST)
+}
+
+/// A tracker without a target.
+pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
+    let mut config = Config::paper();
+    config.window = RADIUS;
+    config.window_limit = RADIUS;
+    config.backend = Some(backend);
+    config.pruning = pruning;
+    Box::new(Small::new(config).expect("the configuration can be used"))
+}
+
+impl Prepared {
+    /// Locked in the first frame, updated with the second: template and alpha are such as they are on the way.
+    pub fn new(backend: Backend, pruning: bool, target: Rect) -> Self {
+        let mut tracker = tracker(backend, pruning);
+        tracker.lock(&frame().frame(), target).expect("the box lies in the frame");
+        tracker.update(&synthetic::frame(FIRST + 1).frame()).expect("the frame is whole");
+        Self { tracker, frame: synthetic::frame(FIRST + 2) }
+    }
+
+    /// Searches the third frame.
+    pub fn update(&mut self) -> Answer {
+        self.tracker.update(&self.frame.frame()).expect("the frame is whole")
+    }
+}
+
+/// A patch and a template of the target's next frame, and the threshold that they are compared with.
+pub struct Patch {
+    pub frame: GrayFrame,
+    pub template: GrayFrame,
+    pub target: Rect,
+}
+
+/// Two pictures of 64x64 pixels of the target, one frame apart.
+pub fn patch() -> Patch {
+    let target = target(64, 64);
+    let first = frame();
+    let cut = first.frame().patch(target).expect("the box lies in the frame");
+    let pixels = cut.rows().flatten().copied().collect();
+    let template = GrayFrame { width: target.width, height: target.height, pixels };
+    Patch { frame: synthetic::frame(FIRST + 1), template, target }
+}

@@ -1,0 +1,44 @@
+//! Time of the parts that matter, on the built-in recording, for every backend that this machine has: `cargo bench -p
+//! host-sim --bench time`. `host-sim bench` measures whole recordings.
+
+mod scene;
+
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use scene::Prepared;
+use smr_core::similarity::{Backend, Scorer, Table};
+use smr_core::{Image, Rect};
+use std::hint::black_box;
+
+/// A threshold as it is on the way: alpha is a quarter of the largest change.
+const THRESHOLD: u16 = 30;
+
+fn score(criterion: &mut Criterion) {
+    let patch = scene::patch();
+    let f = patch.frame.frame().patch(patch.target).expect("the box lies in the frame");
+    let Rect { width, height, .. } = patch.target;
+    let g = Image::new(&patch.template.pixels, width, height).expect("it is whole");
+    let mut group = criterion.benchmark_group("score 64x64");
+    for backend in Backend::available() {
+        let scorer = Scorer::new(backend, &Table::PAPER, THRESHOLD);
+        group.bench_function(format!("{backend:?}"), |bencher| {
+            bencher.iter(|| scorer.score(black_box(f), black_box(g)));
+        });
+    }
+}
+
+fn update(criterion: &mut Criterion) {
+    for (width, height) in [(64, 64), (24, 28)] {
+        let mut group = criterion.benchmark_group(format!("update {width}x{height}, +-16"));
+        for backend in Backend::available() {
+            for (name, pruning) in [("pruned", true), ("exhaustive", false)] {
+                let prepare = || Prepared::new(backend, pruning, scene::target(width, height));
+                group.bench_function(format!("{backend:?}, {name}"), |bencher| {
+                    bencher.iter_batched_ref(prepare, Prepared::update, BatchSize::LargeInput);
+                });
+            }
+        }
+    }
+}
+
+criterion_group!(benches, score, update);
+criterion_main!(benches);

@@ -1,0 +1,102 @@
+//! Instructions of an update on the emulated boards: the firmware in QEMU, with its window of +-16, on the recordings' own
+//! boxes.
+
+use crate::sequence::Sequence;
+use crate::spread::Spread;
+use crate::target::Recording;
+use crate::target::firmware;
+use crate::target::protocol::TooBig;
+use crate::target::qemu::{Qemu, Setup};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+
+/// A board.
+pub struct Board {
+    setup: Setup,
+    elf: PathBuf,
+    counts: Vec<u64>,
+    figures: Figures,
+}
+
+/// What was measured on a board.
+#[derive(Clone, Debug, Serialize)]
+pub struct Figures {
+    pub machine: &'static str,
+    /// Of all frames of all recordings.
+    pub instructions: Spread<u64>,
+    pub recordings: Vec<Measured>,
+    /// Recordings that the firmware has no room for, and why.
+    pub skipped: Vec<String>,
+    /// Recordings that it did not answer as the host does.
+    pub differences: Vec<String>,
+}
+
+/// One recording on a board.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measured {
+    pub sequence: String,
+    /// Width and height of the box.
+    pub target: [u16; 2],
+    pub frames: u32,
+    pub instructions: Spread<u64>,
+}
+
+impl Board {
+    /// Builds the firmware.
+    ///
+    /// # Errors
+    /// It does not build.
+    pub fn new(setup: Setup) -> Result<Self> {
+        let elf = firmware::build("replay", setup.machine)?;
+        let figures = Figures {
+            machine: setup.machine.name(),
+            instructions: Spread::default(),
+            recordings: vec![],
+            skipped: vec![],
+            differences: vec![],
+        };
+        Ok(Self { setup, elf, counts: vec![], figures })
+    }
+
+    /// Runs it on a recording, in whole.
+    ///
+    /// # Errors
+    /// QEMU's, or the recording's. That a box is too big for the firmware is none.
+    pub fn add(&mut self, sequence: Sequence) -> Result<()> {
+        let target = sequence.start()?;
+        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+        let Sequence { name, frames, .. } = sequence;
+        let recording = Recording::write(&name, frames, target, usize::MAX, folder.path())?;
+        let report = match self.run(&recording, folder.path()) {
+            Err(error) if error.is::<TooBig>() => {
+                self.figures.skipped.push(format!("{name}: {error}"));
+                return Ok(());
+            }
+            report => report?,
+        };
+        if let Some(difference) = &report.difference {
+            self.figures.differences.push(format!("{name}, frame {}: {}", difference.frame, difference.what));
+        }
+        self.counts.extend(&report.counts);
+        self.figures.recordings.push(Measured {
+            sequence: name,
+            target: [target.width, target.height],
+            frames: report.frames,
+            instructions: report.instructions,
+        });
+        Ok(())
+    }
+
+    fn run(&self, recording: &Recording, folder: &Path) -> Result<crate::target::Report> {
+        let mut qemu = Qemu::start(&self.setup, &self.elf, folder, Stdio::null())?;
+        recording.compare(&mut qemu, folder)
+    }
+
+    /// What was measured so far.
+    #[must_use]
+    pub fn figures(&self) -> Figures {
+        Figures { instructions: Spread::of(&self.counts), ..self.figures.clone() }
+    }
+}

@@ -1,0 +1,91 @@
+//! What is wanted of smr-core, and whether it was reached. The goals hold for templates of 64x64 pixels (on boards: the
+//! recordings' own boxes) in the TLD recordings.
+
+use super::report::Report;
+use super::sad::Sad;
+use super::searches::Way;
+use serde::Serialize;
+use smr_core::Radius;
+use smr_core::similarity::Backend;
+
+/// One goal: something that is to be at most so much.
+#[derive(Clone, Debug, Serialize)]
+pub struct Goal {
+    pub work: String,
+    pub at_most: f64,
+    /// Nothing for ratios.
+    pub unit: &'static str,
+    pub measured: Option<f64>,
+    pub reached: Option<bool>,
+}
+
+impl Goal {
+    /// What was measured, if it was, against what is wanted.
+    #[must_use]
+    pub fn new(work: String, at_most: f64, unit: &'static str, measured: Option<f64>) -> Self {
+        let reached = measured.map(|measured| measured <= at_most);
+        Self { work, at_most, unit, measured, reached }
+    }
+
+    /// In words, as far as is known.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let share = self.measured.unwrap_or(0.0) / self.at_most;
+        match self.reached {
+            None => "not measured".to_owned(),
+            Some(true) => format!("reached: {share:.2} of it"),
+            Some(false) => format!("missed: {share:.2} times as much"),
+        }
+    }
+}
+
+const NEAR: Radius = Radius { x: 16, y: 16 };
+const FAR: Radius = Radius { x: 60, y: 50 };
+
+/// Every goal, with what `report` says about it.
+#[must_use]
+pub fn all(report: &Report) -> Vec<Goal> {
+    let avx2 = |pruning| Way::Update { backend: Backend::Avx2, pruning };
+    let avx512 = Way::Update { backend: Backend::Avx512, pruning: false };
+    let psadbw = Way::Sad(Sad::Psadbw);
+    let mut goals = vec![
+        ratio(report, NEAR, avx2(true), Way::OpenCv, 1.0 / 10.0),
+        ratio(report, NEAR, avx2(true), avx2(false), 1.0 / 8.0),
+        ratio(report, FAR, avx2(true), Way::OpenCv, 1.0 / 3.0),
+    ];
+    for radius in [NEAR, FAR] {
+        goals.push(ratio(report, radius, avx2(false), psadbw, 2.4));
+        goals.push(ratio(report, radius, avx512, psadbw, 1.6));
+    }
+    goals.push(instructions(report, "mps2-an386", "Cortex-M4", 0.7));
+    goals.push(instructions(report, "mps3-an547", "Cortex-M55", 0.25));
+    goals.push(Goal::new("the whole eval, 2 threads".to_owned(), 4.0, "s", report.eval_seconds));
+    goals
+}
+
+fn ratio(report: &Report, radius: Radius, of: Way, to: Way, at_most: f64) -> Goal {
+    let work = format!("+-{}x{}: {of} / {to}", radius.x, radius.y);
+    // Of templates of another size nothing is wanted.
+    let measured = report.ratio(radius, of, to).filter(|_| report.template == "64x64");
+    Goal::new(work, at_most, "", measured)
+}
+
+fn instructions(report: &Report, machine: &str, processor: &str, at_most: f64) -> Goal {
+    let board = report.boards.iter().find(|board| board.machine == machine && !board.recordings.is_empty());
+    let measured = board.map(|board| board.instructions.median as f64 / 1e6);
+    Goal::new(format!("{processor} ({machine}), +-16: an update"), at_most, "M instructions", measured)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts() {
+        let goal = |measured| Goal::new(String::new(), 2.0, "s", measured);
+        assert_eq!(goal(Some(1.0)).verdict(), "reached: 0.50 of it");
+        assert_eq!(goal(Some(2.0)).verdict(), "reached: 1.00 of it");
+        assert_eq!(goal(Some(3.0)).verdict(), "missed: 1.50 times as much");
+        assert_eq!(goal(None).verdict(), "not measured");
+    }
+}

@@ -1,0 +1,119 @@
+//! How fast it is: here, and on the emulated boards; beside OpenCV and a plain SAD search, in the same run.
+//!
+//! - [`case`]: what is timed, searches in frames of recordings.
+//! - [`clock`]: how it is timed.
+//! - [`searches`]: the same searches in every way that there is. [`sad`] and [`opencv`] are the yardsticks.
+//! - [`speeds`]: frames per second by size of template and window.
+//! - [`boards`]: instructions of an update in QEMU.
+//! - [`goals`]: what is wanted.
+//! - [`report`]: what was measured, for JSON; [`table`] as text.
+//!
+//! Everything here runs on one thread, so that ways do not slow each other down. Instructions on the host are not counted
+//! here, for that takes rights that users mostly do not have: `.ci/instructions` counts them with valgrind.
+
+pub mod boards;
+pub mod case;
+pub mod clock;
+pub mod goals;
+pub mod opencv;
+pub mod report;
+pub mod sad;
+pub mod searches;
+pub mod speeds;
+pub mod table;
+
+use crate::sequence::Sequence;
+use anyhow::{Context, Result};
+use case::Size;
+use clock::Patience;
+use searches::{Searches, Way};
+use smr_core::Radius;
+use speeds::Speeds;
+use std::time::Duration;
+
+/// What is wanted.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    pub template: Size,
+    pub windows: Vec<Radius>,
+    /// Every so many frames is one that is timed.
+    pub every: usize,
+    /// How often one search is timed.
+    pub patience: Patience,
+    /// How long one way may take in all, in each window.
+    pub each: Duration,
+    /// What runs Python.
+    pub python: String,
+}
+
+/// A run: recordings go in one after the other.
+pub struct Bench {
+    pub settings: Settings,
+    pub recordings: Vec<String>,
+    pub windows: Vec<Searches>,
+    pub speeds: Speeds,
+    /// OpenCV's version, or why it is not timed; `None` before it was tried.
+    pub opencv: Option<Result<String, String>>,
+}
+
+/// Of the cases, every so many is one for [`Speeds`], which has many combinations to time.
+const SPEEDS_EVERY: u32 = 3;
+
+impl Bench {
+    /// About `expected` cases will come.
+    #[must_use]
+    pub fn new(settings: Settings, expected: usize) -> Self {
+        let ways = Way::all();
+        let expected = u32::try_from(expected).unwrap_or(u32::MAX);
+        let searches = |&radius| Searches::new(radius, settings.template, &ways, settings.each, expected);
+        let windows = settings.windows.iter().map(searches).collect();
+        let speeds = Speeds::new(settings.each / 4, expected.div_ceil(SPEEDS_EVERY));
+        Self { settings, recordings: vec![], windows, speeds, opencv: None }
+    }
+
+    /// Times the searches in a recording; `progress` is called after each case.
+    ///
+    /// # Errors
+    /// The recording's. That OpenCV cannot be timed is none.
+    pub fn add(&mut self, sequence: Sequence, progress: impl Fn()) -> Result<()> {
+        let name = sequence.name.clone();
+        let mut count = 0;
+        case::triples(sequence, self.settings.every, |triple| {
+            for window in &mut self.windows {
+                window.add(triple, &name, self.settings.patience)?;
+            }
+            if count % SPEEDS_EVERY == 0 {
+                self.speeds.add(triple, self.settings.patience)?;
+            }
+            count += 1;
+            progress();
+            Ok(())
+        })
+        .with_context(|| name.clone())?;
+        for window in &mut self.windows {
+            time_opencv(window, &self.settings, &mut self.opencv);
+        }
+        self.recordings.push(name);
+        Ok(())
+    }
+}
+
+/// Once it has failed it is not tried again.
+fn time_opencv(window: &mut Searches, settings: &Settings, version: &mut Option<Result<String, String>>) {
+    if window.pending().is_empty() {
+        return;
+    }
+    if let Some(Err(_)) = version {
+        return window.opencv(&[]);
+    }
+    match opencv::times(&settings.python, window.pending(), settings.patience) {
+        Ok(done) => {
+            window.opencv(&done.times);
+            *version = Some(Ok(done.version));
+        }
+        Err(error) => {
+            window.opencv(&[]);
+            *version = Some(Err(format!("{error:#}")));
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! What was measured, as it is printed with `--json`; the tables are made of it.
+
+use super::boards::Figures;
+use super::goals::{self, Goal};
+use super::sad::Sad;
+use super::searches::{Searches, Timed, Way};
+use super::speeds::Speed;
+use super::{Bench, opencv};
+use crate::spread::Spread;
+use serde::{Serialize, Serializer};
+use smr_core::Radius;
+use smr_core::similarity::Backend;
+use std::time::Duration;
+
+/// Everything.
+#[derive(Serialize)]
+pub struct Report {
+    /// What this machine says its processor is.
+    pub processor: String,
+    pub recordings: Vec<String>,
+    /// `64x64`, or `own`.
+    pub template: String,
+    pub every: usize,
+    pub opencv: OpenCv,
+    pub windows: Vec<Window>,
+    pub speeds: Vec<Speed>,
+    pub boards: Vec<Figures>,
+    /// Seconds that `eval` takes of the recordings, on two threads.
+    pub eval_seconds: Option<f64>,
+    pub goals: Vec<Goal>,
+    /// Cases and frames in which two ways, or a board and the host, gave different answers.
+    pub differences: Vec<String>,
+}
+
+#[derive(Serialize)]
+pub struct OpenCv {
+    pub call: &'static str,
+    pub version: Option<String>,
+    /// Why there are no times.
+    pub not_timed: Option<String>,
+}
+
+/// All searches in windows of one size.
+#[derive(Serialize)]
+pub struct Window {
+    #[serde(serialize_with = "as_text")]
+    pub window: Radius,
+    pub offsets: u32,
+    pub cases: usize,
+    /// Cases without room for the window.
+    pub skipped: usize,
+    pub ways: Vec<Row>,
+    pub ratios: Vec<Ratio>,
+}
+
+/// One way to search.
+#[derive(Serialize)]
+pub struct Row {
+    #[serde(serialize_with = "shown")]
+    pub way: Way,
+    pub cases: usize,
+    pub nanoseconds: Spread<u64>,
+    /// For each offset and pixel, whether they were compared or not; the median.
+    pub nanoseconds_per_offset_pixel: f64,
+    /// Of the comparisons of an exhaustive search, those that were made; the median.
+    pub work_left: Option<f64>,
+}
+
+/// How many times as long one way takes as another: the median of the cases' ratios.
+#[derive(Clone, Serialize)]
+pub struct Ratio {
+    #[serde(serialize_with = "shown")]
+    pub of: Way,
+    #[serde(serialize_with = "shown")]
+    pub to: Way,
+    pub cases: usize,
+    pub median: f64,
+}
+
+impl Report {
+    #[must_use]
+    pub fn new(bench: &Bench, boards: Vec<Figures>, eval: Option<Duration>) -> Self {
+        let mut report = Self {
+            processor: processor(),
+            recordings: bench.recordings.clone(),
+            template: match bench.settings.template {
+                super::case::Size::Own => "own".to_owned(),
+                super::case::Size::Of(width, height) => format!("{width}x{height}"),
+            },
+            every: bench.settings.every,
+            opencv: OpenCv::new(bench.opencv.as_ref()),
+            windows: bench.windows.iter().map(Window::new).collect(),
+            speeds: bench.speeds.rows(),
+            differences: bench.windows.iter().flat_map(|window| window.differences.clone()).collect(),
+            boards,
+            eval_seconds: eval.map(|time| time.as_secs_f64()),
+            goals: vec![],
+        };
+        for board in &report.boards {
+            let named = board.differences.iter().map(|difference| format!("{}: {difference}", board.machine));
+            report.differences.extend(named);
+        }
+        report.goals = goals::all(&report);
+        report
+    }
+
+    /// How many times as long `of` takes as `to`, in the window of `radius`.
+    #[must_use]
+    pub fn ratio(&self, radius: Radius, of: Way, to: Way) -> Option<f64> {
+        let window = self.windows.iter().find(|window| window.window == radius)?;
+        window.ratios.iter().find(|ratio| (ratio.of, ratio.to) == (of, to)).map(|ratio| ratio.median)
+    }
+}
+
+impl OpenCv {
+    fn new(tried: Option<&Result<String, String>>) -> Self {
+        let (version, not_timed) = match tried {
+            Some(Ok(version)) => (Some(version.clone()), None),
+            Some(Err(why)) => (None, Some(why.clone())),
+            None => (None, Some("there was no search to time".to_owned())),
+        };
+        Self { call: opencv::CALL, version, not_timed }
+    }
+}
+
+impl Window {
+    fn new(searches: &Searches) -> Self {
+        let Radius { x, y } = searches.radius;
+        Self {
+            window: searches.radius,
+            offsets: (2 * u32::from(x) + 1) * (2 * u32::from(y) + 1),
+            cases: searches.comparisons.len(),
+            skipped: searches.skipped,
+            ways: searches.ways.iter().filter_map(|timed| Row::new(timed, &searches.comparisons)).collect(),
+            ratios: pairs().into_iter().filter_map(|(of, to)| Ratio::new(searches, of, to)).collect(),
+        }
+    }
+}
+
+impl Row {
+    /// `None` for a way that was not timed.
+    fn new(timed: &Timed, comparisons: &[u64]) -> Option<Self> {
+        let times: Vec<(Duration, u64)> =
+            timed.times.iter().zip(comparisons).filter_map(|(time, &all)| Some(((*time)?, all))).collect();
+        if times.is_empty() {
+            return None;
+        }
+        let nanoseconds: Vec<u64> = times.iter().map(|(time, _)| nanoseconds(*time)).collect();
+        let each: Vec<f64> = times.iter().map(|(time, all)| time.as_secs_f64() * 1e9 / *all as f64).collect();
+        let left: Vec<f64> =
+            timed.work.iter().zip(comparisons).filter_map(|(work, &all)| Some((*work)? as f64 / all as f64)).collect();
+        Some(Self {
+            way: timed.way,
+            cases: times.len(),
+            nanoseconds: Spread::of(&nanoseconds),
+            nanoseconds_per_offset_pixel: Spread::of(&each).median,
+            work_left: (!left.is_empty()).then(|| Spread::of(&left).median),
+        })
+    }
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+impl Ratio {
+    /// `None` if no case was timed in both ways.
+    fn new(searches: &Searches, of: Way, to: Way) -> Option<Self> {
+        let ratios = searches.ratios(of, to);
+        (!ratios.is_empty()).then(|| Self { of, to, cases: ratios.len(), median: Spread::of(&ratios).median })
+    }
+}
+
+/// What is compared with what.
+fn pairs() -> Vec<(Way, Way)> {
+    let yardsticks = Sad::available().map(Way::Sad);
+    let yardsticks: Vec<Way> = yardsticks.chain([Way::OpenCv]).collect();
+    let mut pairs = Vec::new();
+    for backend in Backend::available() {
+        let [pruned, exhaustive] = [true, false].map(|pruning| Way::Update { backend, pruning });
+        pairs.push((pruned, exhaustive));
+        pairs.extend(yardsticks.iter().flat_map(|&yardstick| [(pruned, yardstick), (exhaustive, yardstick)]));
+    }
+    pairs
+}
+
+/// A window as on the command line.
+pub(super) fn as_text<S: Serializer>(radius: &Radius, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&format_args!("{}x{}", radius.x, radius.y))
+}
+
+fn shown<S: Serializer>(way: &Way, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(way)
+}
+
+/// Linux tells the processor's name, others at least what kind it is.
+fn processor() -> String {
+    let file = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let line = file.lines().find(|line| line.starts_with("model name"));
+    let name = line.and_then(|line| line.split_once(':')).map(|(_, name)| name.trim().to_owned());
+    name.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}

@@ -1,0 +1,242 @@
+//! The same searches, run in every way that there is: times side by side, from one run.
+
+use super::case::{Case, Size, Triple};
+use super::clock::{Budget, Patience, shortest, timed};
+use super::sad::Sad;
+use crate::Tracker;
+use crate::sequence::GrayFrame;
+use anyhow::{Result, ensure};
+use smr_core::similarity::Backend;
+use smr_core::{Answer, Radius};
+use std::fmt;
+use std::time::Duration;
+
+/// A way to search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// `Tracker::update`; without pruning it scores every offset in full.
+    Update { backend: Backend, pruning: bool },
+    /// A search of the least sum of absolute differences.
+    Sad(Sad),
+    /// `matchTemplate`, in another process.
+    OpenCv,
+}
+
+/// As it stands in tables and in JSON.
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Update { backend, pruning: true } => write!(f, "{backend:?}, pruned"),
+            Self::Update { backend, pruning: false } => write!(f, "{backend:?}, exhaustive"),
+            Self::Sad(Sad::Plain) => f.write_str("SAD, plain loop"),
+            Self::Sad(Sad::Psadbw) => f.write_str("SAD, AVX2 psadbw"),
+            Self::OpenCv => f.write_str("OpenCV matchTemplate"),
+        }
+    }
+}
+
+impl Way {
+    /// What this machine can run here; the fastest backends first.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let updates = |backend| [true, false].map(|pruning| Self::Update { backend, pruning });
+        let sads = Sad::available().map(Self::Sad);
+        Backend::available().flat_map(updates).chain(sads).chain([Self::OpenCv]).collect()
+    }
+}
+
+/// All searches in windows of one size.
+pub struct Searches {
+    pub radius: Radius,
+    pub size: Size,
+    /// Offsets times pixels, of each case.
+    pub comparisons: Vec<u64>,
+    /// Cases that had no room for the window.
+    pub skipped: usize,
+    pub ways: Vec<Timed>,
+    /// Cases in which two ways gave different answers.
+    pub differences: Vec<String>,
+    /// What OpenCV has not timed yet.
+    pending: Vec<(GrayFrame, GrayFrame)>,
+}
+
+/// One way: what it took in each case; `None` where it was left out.
+pub struct Timed {
+    pub way: Way,
+    pub times: Vec<Option<Duration>>,
+    /// Comparisons that were made.
+    pub work: Vec<Option<u64>>,
+    budget: Budget,
+}
+
+impl Searches {
+    /// Nothing timed yet. Each way may take `each` in all, for about `expected` cases.
+    #[must_use]
+    pub fn new(radius: Radius, size: Size, ways: &[Way], each: Duration, expected: u32) -> Self {
+        let timed = |&way| Timed { way, times: vec![], work: vec![], budget: Budget::new(each, expected) };
+        let ways = ways.iter().map(timed).collect();
+        Self { radius, size, comparisons: vec![], skipped: 0, ways, differences: vec![], pending: vec![] }
+    }
+
+    /// Times the search of `triple` in every way that runs here.
+    ///
+    /// # Errors
+    /// The tracker's, or a yardstick that does not measure what it should.
+    pub fn add(&mut self, triple: &Triple, recording: &str, patience: Patience) -> Result<()> {
+        let Some(case) = Case::new(triple, self.size, self.radius)? else {
+            self.skipped += 1;
+            return Ok(());
+        };
+        self.comparisons.push(case.comparisons());
+        let (mut answers, mut sums) = (Vec::new(), Vec::new());
+        for timed in &mut self.ways {
+            let done = if timed.budget.allows() { timed.way.run(&case, patience)? } else { None };
+            timed.times.push(done.as_ref().map(|done| done.time));
+            timed.work.push(done.as_ref().and_then(|done| done.work));
+            let Some(done) = done else { continue };
+            timed.budget.spend(done.spent);
+            answers.extend(done.answer.map(|answer| (timed.way, answer)));
+            sums.extend(done.sum);
+        }
+        ensure!(sums.windows(2).all(|sums| sums[0] == sums[1]), "the SAD searches do not find the same: {sums:?}");
+        if let Some(difference) = difference(&answers) {
+            self.differences.push(format!("{recording}, frame {}: {difference}", triple.number));
+        }
+        self.pending.push((case.crop, case.template));
+        Ok(())
+    }
+
+    /// What OpenCV is still to time.
+    #[must_use]
+    pub fn pending(&self) -> &[(GrayFrame, GrayFrame)] {
+        &self.pending
+    }
+
+    /// OpenCV's times for what was pending; none, if it could not.
+    pub fn opencv(&mut self, times: &[Duration]) {
+        self.pending.clear();
+        let opencv = self.ways.iter_mut().filter(|timed| timed.way == Way::OpenCv);
+        for timed in opencv {
+            let first = timed.times.len().saturating_sub(times.len());
+            for (time, &measured) in timed.times[first..].iter_mut().zip(times) {
+                *time = Some(measured);
+            }
+        }
+    }
+
+    /// How many times as long `of` took as `to`, in every case that both were timed in.
+    #[must_use]
+    pub fn ratios(&self, of: Way, to: Way) -> Vec<f64> {
+        let times = |way| self.ways.iter().find(|timed| timed.way == way).map_or(&[][..], |timed| &timed.times);
+        let both = times(of).iter().zip(times(to)).filter_map(|(of, to)| Some(((*of)?, (*to)?)));
+        both.map(|(of, to)| of.as_secs_f64() / to.as_secs_f64().max(1e-9)).collect()
+    }
+}
+
+/// One way in one case.
+struct Done {
+    time: Duration,
+    /// With all that had to be prepared, and all repetitions.
+    spent: Duration,
+    work: Option<u64>,
+    answer: Option<Answer>,
+    /// Of a SAD search.
+    sum: Option<u32>,
+}
+
+impl Way {
+    /// `None` for what does not run here.
+    fn run(self, case: &Case, patience: Patience) -> Result<Option<Done>> {
+        let (done, spent) = timed(|| match self {
+            Self::Update { backend, pruning } => update(case, backend, pruning, patience).map(Some),
+            Self::Sad(sad) => Ok(Some(least_sum(case, sad, patience)?)),
+            Self::OpenCv => Ok(None),
+        });
+        Ok(done?.map(|done| Done { spent, ..done }))
+    }
+}
+
+fn update(case: &Case, backend: Backend, pruning: bool, patience: Patience) -> Result<Done> {
+    let mut tracker = case.tracker(backend, pruning)?;
+    let mut answer = None;
+    // The search changes the tracker: each time it starts from the same state.
+    let time = shortest(patience, || {
+        case.prepare(&mut tracker)?;
+        let frame = case.frame();
+        let (result, time) = timed(|| tracker.update(&frame));
+        answer = Some(result?);
+        Ok(time)
+    })?;
+    let work = if pruning { work(case, &mut tracker)? } else { case.comparisons() };
+    Ok(Done { time, spent: Duration::ZERO, work: Some(work), answer, sum: None })
+}
+
+/// Comparisons that an update makes.
+fn work(case: &Case, tracker: &mut Tracker) -> Result<u64> {
+    case.prepare(tracker)?;
+    let mut update = tracker.begin(&case.frame())?;
+    while !update.step(u32::MAX) {}
+    let work = update.work();
+    let _ = update.finish();
+    Ok(work)
+}
+
+fn least_sum(case: &Case, sad: Sad, patience: Patience) -> Result<Done> {
+    let mut sum = None;
+    let time = shortest(patience, || {
+        let (found, time) = timed(|| sad.search(&case.crop, &case.template));
+        sum = Some(found.2);
+        Ok(time)
+    })?;
+    Ok(Done { time, spent: Duration::ZERO, work: Some(case.comparisons()), answer: None, sum })
+}
+
+/// The first answer that is not the first of all; the runner-up may be left out by one way and not by another.
+fn difference(answers: &[(Way, Answer)]) -> Option<String> {
+    let same = |a: &Answer| (a.bbox, a.state, a.ratio, a.alpha, a.found.peak);
+    let (first, rest) = answers.split_first()?;
+    let (way, answer) = rest.iter().find(|(_, answer)| same(answer) != same(&first.1))?;
+    Some(format!("{way} answers {answer:?}, {} {:?}", first.0, first.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::case::triples;
+    use crate::sequence::{OpenOptions, open, synthetic};
+
+    #[test]
+    fn every_way_is_timed_in_every_case_and_all_agree() {
+        let ways = Way::all();
+        let radius = Radius { x: 4, y: 3 };
+        let mut searches = Searches::new(radius, Size::Of(16, 16), &ways, Duration::from_secs(60), 3);
+        let patience = Patience { repeats: 2, enough: Duration::from_secs(1) };
+        let sequence = open(synthetic::NAME.as_ref(), &OpenOptions::default()).unwrap();
+        triples(sequence, 60, |triple| searches.add(triple, "synthetic", patience)).unwrap();
+        assert_eq!((searches.skipped, searches.comparisons.as_slice()), (0, &[63 * 256; 3][..]));
+        assert_eq!(searches.differences, [""; 0]);
+        let timed = |way| searches.ways.iter().find(|timed| timed.way == way).unwrap();
+        let scalar = |pruning| Way::Update { backend: Backend::Scalar, pruning };
+        assert_eq!(timed(scalar(false)).work, [Some(63 * 256); 3]);
+        assert!(timed(scalar(true)).times.iter().all(Option::is_some));
+        assert!(timed(Way::OpenCv).times.iter().all(Option::is_none));
+
+        assert_eq!(searches.pending().len(), 3);
+        assert!(searches.ratios(scalar(true), Way::OpenCv).is_empty());
+        searches.opencv(&[Duration::from_secs(1); 3]);
+        assert_eq!(searches.ratios(Way::OpenCv, Way::OpenCv), [1.0; 3]);
+        assert!(searches.pending().is_empty());
+    }
+
+    #[test]
+    fn answers_that_differ_are_noticed() {
+        let mut tracker = Tracker::new(smr_core::Config::paper()).unwrap();
+        let frame = synthetic::frame(0);
+        tracker.lock(&frame.frame(), smr_core::Rect::new(36, 24, 24, 28)).unwrap();
+        let answer = tracker.update(&frame.frame()).unwrap();
+        let (one, other) = (Way::Update { backend: Backend::Scalar, pruning: false }, Way::OpenCv);
+        assert_eq!(difference(&[(one, answer), (other, answer)]), None);
+        let moved = Answer { alpha: answer.alpha + 1, ..answer };
+        assert!(difference(&[(one, answer), (other, moved)]).unwrap().starts_with("OpenCV matchTemplate answers"));
+    }
+}

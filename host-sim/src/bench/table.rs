@@ -1,0 +1,223 @@
+//! The report as text.
+
+use super::boards::Figures;
+use super::report::{Report, Row, Window};
+use super::speeds::{Speed, TEMPLATES, WINDOWS};
+use crate::evaluate::aligned;
+use crate::spread::Spread;
+use smr_core::Radius;
+
+const NOTHING: &str = "-";
+
+/// Everything that was measured, table by table.
+#[must_use]
+pub fn text(report: &Report) -> String {
+    let Report { processor, recordings, template, every, .. } = report;
+    let mut parts = vec![format!(
+        "{processor}, one thread; {}: every {every}. frame with ground truth, template {template}\n",
+        recordings.join(", ")
+    )];
+    parts.extend(report.windows.iter().map(window));
+    parts.push(opencv(report));
+    parts.push(ratios(&report.windows));
+    parts.push(speeds(&report.speeds));
+    parts.push("instructions on this machine are not counted here: .ci/instructions does, with valgrind\n".to_owned());
+    if !report.boards.is_empty() {
+        parts.push(boards(report));
+    }
+    parts.push(goals(report));
+    parts.retain(|part| !part.is_empty());
+    parts.join("\n")
+}
+
+fn window(window: &Window) -> String {
+    let Window { offsets, cases, skipped, ways, .. } = window;
+    let mut title = format!("window {}: {offsets} offsets, {cases} searches", plus_minus(window.window));
+    if *skipped > 0 {
+        title += &format!("; {skipped} left out, for which the frame has no room");
+    }
+    if *cases == 0 {
+        return title + "\n";
+    }
+    let header = ["way", "searches", "median us", "p95 us", "max us", "ns/offset/pixel", "work left"];
+    let mut lines = vec![header.map(String::from).to_vec()];
+    lines.extend(ways.iter().map(row));
+    format!("{title}\n{}", aligned(&lines, 1))
+}
+
+fn row(row: &Row) -> Vec<String> {
+    let microseconds = |nanoseconds: u64| format!("{:.1}", nanoseconds as f64 / 1e3);
+    vec![
+        row.way.to_string(),
+        row.cases.to_string(),
+        microseconds(row.nanoseconds.median),
+        microseconds(row.nanoseconds.p95),
+        microseconds(row.nanoseconds.max),
+        format!("{:.4}", row.nanoseconds_per_offset_pixel),
+        row.work_left.map_or(NOTHING.to_owned(), |left| format!("{:.1} %", left * 100.0)),
+    ]
+}
+
+fn opencv(report: &Report) -> String {
+    let opencv = &report.opencv;
+    match (&opencv.version, &opencv.not_timed) {
+        (Some(version), _) => format!("OpenCV {version}: {} on the same pixels\n", opencv.call),
+        (None, why) => format!("OpenCV was not timed: {}\n", why.as_deref().unwrap_or(NOTHING)),
+    }
+}
+
+/// Pairs down, windows across.
+fn ratios(windows: &[Window]) -> String {
+    let mut header = vec!["times as long (median)".to_owned(), "as".to_owned()];
+    header.extend(windows.iter().map(|window| plus_minus(window.window)));
+    let mut lines = vec![header];
+    let mut pairs = Vec::new();
+    for ratio in windows.iter().flat_map(|window| &window.ratios) {
+        if !pairs.contains(&(ratio.of, ratio.to)) {
+            pairs.push((ratio.of, ratio.to));
+        }
+    }
+    for (of, to) in pairs {
+        let mut line = vec![of.to_string(), to.to_string()];
+        line.extend(windows.iter().map(|window| {
+            let ratio = window.ratios.iter().find(|ratio| (ratio.of, ratio.to) == (of, to));
+            ratio.map_or(NOTHING.to_owned(), |ratio| format!("{:.3}", ratio.median))
+        }));
+        lines.push(line);
+    }
+    if lines.len() > 1 { aligned(&lines, 2) } else { String::new() }
+}
+
+/// Templates down, windows across.
+fn speeds(speeds: &[Speed]) -> String {
+    let mut header = vec!["frames per second".to_owned()];
+    header.extend(WINDOWS.map(plus_minus));
+    let mut lines = vec![header];
+    for (name, value) in
+        [("pruned", (|speed| speed.pruned) as fn(&Speed) -> Option<f64>), ("exhaustive", |speed| speed.exhaustive)]
+    {
+        lines.extend(TEMPLATES.map(|side| {
+            let of_side = speeds.iter().filter(|speed| speed.template == side);
+            let figure = |speed| value(speed).map_or(NOTHING.to_owned(), |value| format!("{value:.0}"));
+            std::iter::once(format!("{side}x{side}, {name}")).chain(of_side.map(figure)).collect()
+        }));
+    }
+    aligned(&lines, 1)
+}
+
+fn boards(report: &Report) -> String {
+    let header = ["instructions of an update, +-16", "recording", "box", "frames", "median", "p95", "max"];
+    let mut lines = vec![header.map(String::from).to_vec()];
+    let mut notes = String::new();
+    for board in &report.boards {
+        lines.extend(board.recordings.iter().map(|measured| {
+            let [width, height] = measured.target;
+            let names = [board.machine, &measured.sequence, &format!("{width}x{height}")].map(str::to_owned);
+            instructions(names, measured.frames, measured.instructions)
+        }));
+        if !board.recordings.is_empty() {
+            lines.push(all_of(board));
+        }
+        for skipped in &board.skipped {
+            notes += &format!("left out on {}: {skipped}\n", board.machine);
+        }
+    }
+    aligned(&lines, 2) + &notes
+}
+
+fn all_of(board: &Figures) -> Vec<String> {
+    let frames = board.recordings.iter().map(|measured| measured.frames).sum();
+    instructions([board.machine, "all", NOTHING].map(str::to_owned), frames, board.instructions)
+}
+
+fn instructions(names: [String; 3], frames: u32, of: Spread<u64>) -> Vec<String> {
+    let figures = [frames.into(), of.median, of.p95, of.max].map(|figure| figure.to_string());
+    names.into_iter().chain(figures).collect()
+}
+
+fn goals(report: &Report) -> String {
+    let header = ["goal (64x64 in the TLD recordings)", "at most", "measured", "verdict"];
+    let mut lines = vec![header.map(String::from).to_vec()];
+    for goal in &report.goals {
+        let figure = |value: f64| format!("{value:.3} {}", goal.unit).trim_end().to_owned();
+        let measured = goal.measured.map_or(NOTHING.to_owned(), figure);
+        lines.push(vec![goal.work.clone(), figure(goal.at_most), measured, goal.verdict()]);
+    }
+    aligned(&lines, 1)
+}
+
+fn plus_minus(radius: Radius) -> String {
+    format!("+-{}x{}", radius.x, radius.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::boards::Measured;
+    use crate::bench::goals::Goal;
+    use crate::bench::report::{OpenCv, Ratio};
+    use crate::bench::sad::Sad;
+    use crate::bench::searches::Way;
+
+    fn report() -> Report {
+        let plain = Way::Sad(Sad::Plain);
+        let nanoseconds = Spread { median: 1_250, p95: 2_000, max: 3_000 };
+        let row = |way, work_left| Row { way, cases: 2, nanoseconds, nanoseconds_per_offset_pixel: 0.5, work_left };
+        let ratios = vec![Ratio { of: plain, to: Way::OpenCv, cases: 2, median: 1.5 }];
+        let (near, ways) = (Radius { x: 1, y: 1 }, vec![row(plain, Some(1.0)), row(Way::OpenCv, None)]);
+        let window = Window { window: near, offsets: 9, cases: 2, skipped: 1, ways, ratios };
+        let empty = Window { window: WINDOWS[4], offsets: 12221, cases: 0, skipped: 3, ways: vec![], ratios: vec![] };
+        let figures = Spread { median: 10, p95: 20, max: 30 };
+        let target = [24, 28];
+        let measured = Measured { sequence: "one".into(), target, frames: 7, instructions: figures };
+        let board = Figures {
+            machine: "mps2-an386",
+            instructions: figures,
+            recordings: vec![measured],
+            skipped: vec!["two: the box is too big".into()],
+            differences: vec![],
+        };
+        Report {
+            processor: "a processor".into(),
+            recordings: vec!["one".into(), "two".into()],
+            template: "own".into(),
+            every: 5,
+            opencv: OpenCv { call: "a call", version: Some("5.0.0".into()), not_timed: None },
+            windows: vec![window, empty],
+            speeds: vec![],
+            boards: vec![board],
+            eval_seconds: None,
+            goals: vec![Goal::new("work".into(), 2.0, "s", Some(1.0))],
+            differences: vec![],
+        }
+    }
+
+    #[test]
+    fn everything_is_in_a_table() {
+        let expected = [
+            "a processor, one thread; one, two: every 5. frame with ground truth, template own",
+            "window +-1x1: 9 offsets, 2 searches; 1 left out, for which the frame has no room",
+            "SAD, plain loop              2        1.2     2.0     3.0           0.5000    100.0 %",
+            "OpenCV matchTemplate         2        1.2     2.0     3.0           0.5000          -",
+            "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
+            "OpenCV 5.0.0: a call on the same pixels",
+            "SAD, plain loop         OpenCV matchTemplate  1.500        -",
+            "mps2-an386                       one        24x28       7      10   20   30",
+            "mps2-an386                       all            -       7      10   20   30",
+            "left out on mps2-an386: two: the box is too big",
+            "work                                2.000 s   1.000 s  reached: 0.50 of it",
+        ];
+        let text = text(&report());
+        for line in expected {
+            assert!(text.lines().any(|printed| printed == line), "`{line}` is not a line of:\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_was_not_timed_is_said() {
+        let opencv = OpenCv { call: "a call", version: None, not_timed: Some("no module".into()) };
+        let text = text(&Report { opencv, boards: vec![], ..report() });
+        assert!(text.contains("OpenCV was not timed: no module\n"), "{text}");
+        assert!(!text.contains("mps2"), "{text}");
+    }
+}

@@ -1,0 +1,187 @@
+//! `host-sim bench`: how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search.
+
+use super::qemu_options::EmulatorOptions;
+use super::recording_options::RecordingOptions;
+use super::recordings::recordings;
+use super::tracker_options::Pair;
+use super::{Outcome, say};
+use crate::bench::boards::{Board, Figures};
+use crate::bench::case::{self, Size};
+use crate::bench::clock::{Patience, timed};
+use crate::bench::report::Report;
+use crate::bench::{Bench as Run, Settings, table};
+use crate::evaluate::{self, MethodKind};
+use crate::report::speeds;
+use crate::target::qemu::Machine;
+use anyhow::{Context, Result, anyhow, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use smr_core::{Config, Radius};
+use std::fs;
+use std::io::Write;
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// How many searches are timed, unless said otherwise.
+const SEARCHES: usize = 60;
+
+/// A search is not repeated again once all its times together are longer than this.
+const ENOUGH: Duration = Duration::from_millis(10);
+
+/// Threads for the whole evaluation.
+const THREADS: usize = 2;
+
+#[derive(Debug, clap::Args)]
+pub struct Bench {
+    /// Recordings with ground truth beside them, or folders of such recordings
+    #[arg(value_name = "SEQ", default_value = "synthetic")]
+    paths: Vec<PathBuf>,
+    /// Size of the template, or `own`: that of the recording's box
+    #[arg(long, value_name = "WxH", default_value = "64x64")]
+    template: Template,
+    /// Search window to each side, in pixels; may be given several times
+    #[arg(long, value_name = "XxY", default_values = ["16x16", "60x50"])]
+    window: Vec<Pair>,
+    /// Time a search in every N-th frame [default: so that there are about 60 in all]
+    #[arg(long, value_name = "N")]
+    every: Option<NonZeroUsize>,
+    /// Each search is timed up to so many times; the shortest counts
+    #[arg(long, value_name = "N", default_value = "7")]
+    repeat: NonZeroU32,
+    /// How long one way to search may take in all; one that is slower is timed in fewer frames
+    #[arg(long, value_name = "SECONDS", default_value = "2")]
+    seconds: NonZeroU32,
+    /// Count the instructions of an update on this board, in QEMU; may be given several times
+    #[arg(long, value_enum)]
+    machine: Vec<Machine>,
+    /// What runs Python, for OpenCV
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: String,
+    /// Draw frames per second by size of template and window: FILE.svg or FILE.png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    emulator: EmulatorOptions,
+    #[command(flatten)]
+    recording: RecordingOptions,
+}
+
+impl Bench {
+    pub fn run(self) -> Result<Outcome> {
+        let form = self.plot.as_deref().map(speeds::Form::of).transpose()?;
+        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
+        let paths = found?.concat();
+
+        // First what can fail for want of a program.
+        let boards = self.boards(&paths)?;
+        let run = self.time(&paths)?;
+        let (evaluated, time) = timed(|| self.evaluate(&paths));
+        evaluated?;
+        let report = Report::new(&run, boards, Some(time));
+        if let (Some(file), Some(form)) = (&self.plot, form) {
+            let bytes = form.draw(&report.speeds)?;
+            fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
+        }
+        self.print(&report)?;
+        for difference in &report.differences {
+            eprintln!("error: different answers: {difference}");
+        }
+        Ok(if report.differences.is_empty() { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+
+    /// All that is timed on this machine.
+    fn time(&self, paths: &[PathBuf]) -> Result<Run> {
+        let every = self.every.map_or_else(|| self.usual_distance(paths), |every| Ok(every.get()))?;
+        let mut expected = 0;
+        for path in paths {
+            expected += case::count(&self.recording.open(path)?, every)?;
+        }
+        ensure!(expected > 0, "no frame to time: there must be ground truth, and two frames after it");
+        let mut run = Run::new(self.settings(every), expected);
+        let bar = progress_bar("frames", expected);
+        for path in paths {
+            run.add(self.recording.open(path)?, || bar.inc(1))?;
+        }
+        bar.finish_and_clear();
+        Ok(run)
+    }
+
+    fn usual_distance(&self, paths: &[PathBuf]) -> Result<usize> {
+        let mut frames = 0;
+        for path in paths {
+            frames += case::count(&self.recording.open(path)?, 1)?;
+        }
+        Ok((frames / SEARCHES).max(1))
+    }
+
+    fn settings(&self, every: usize) -> Settings {
+        Settings {
+            template: self.template.0,
+            windows: self.window.iter().map(|&Pair(x, y)| Radius { x, y }).collect(),
+            every,
+            patience: Patience { repeats: self.repeat.get(), enough: ENOUGH },
+            each: Duration::from_secs(self.seconds.get().into()),
+            python: self.python.clone(),
+        }
+    }
+
+    /// Instructions of an update on every board that is asked for, on the same recordings.
+    fn boards(&self, paths: &[PathBuf]) -> Result<Vec<Figures>> {
+        let bar = progress_bar("recordings on boards", self.machine.len() * paths.len());
+        let mut figures = Vec::new();
+        for &machine in &self.machine {
+            let mut board = Board::new(self.emulator.setup(machine))?;
+            for path in paths {
+                board.add(self.recording.open(path)?)?;
+                bar.inc(1);
+            }
+            figures.push(board.figures());
+        }
+        bar.finish_and_clear();
+        Ok(figures)
+    }
+
+    /// What `host-sim eval` does, decoding included.
+    fn evaluate(&self, paths: &[PathBuf]) -> Result<()> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
+        let one = |path: &PathBuf| {
+            evaluate::evaluate(self.recording.open(path)?, &[MethodKind::Smr], &Config::paper(), &[], || ()).map(|_| ())
+        };
+        pool.install(|| paths.par_iter().map(one).collect())
+    }
+
+    fn print(&self, report: &Report) -> Result<()> {
+        let text = if self.json { serde_json::to_string_pretty(report)? + "\n" } else { table::text(report) };
+        say(|out| out.write_all(text.as_bytes()))
+    }
+}
+
+/// What is done, on standard error; nothing is drawn if that is no terminal.
+fn progress_bar(what: &'static str, all: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}, {eta} left");
+    let bar = ProgressBar::new(all as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.with_message(what)
+}
+
+/// `64x64` or `own`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Template(Size);
+
+impl FromStr for Template {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if text == "own" {
+            return Ok(Self(Size::Own));
+        }
+        let expected = || anyhow!("expected two whole numbers above 0 like 64x64, or own");
+        let Pair(width, height) = text.parse().map_err(|_| expected())?;
+        ensure!(width > 0 && height > 0, expected());
+        Ok(Self(Size::Of(width, height)))
+    }
+}
