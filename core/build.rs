@@ -1,5 +1,4 @@
-//! The linker scripts of the firmware in `examples/`, and which of Arm's instructions the processor has: cfg `smr_dsp` and
-//! `smr_helium`.
+//! The linker scripts of the firmware in `examples/`, and the best that Arm's processor has: cfg `smr_helium` or `smr_dsp`.
 //!
 //! The scripts are not in `.cargo/config.toml`: its flags would be those of every other firmware in this repository, too.
 
@@ -12,11 +11,10 @@ fn main() {
         println!("cargo::rustc-link-arg-examples=-Tlink.x");
         println!("cargo::rustc-link-arg-examples=-Tdefmt.x");
         let processor = Processor::read();
-        if processor.has_dsp() {
-            println!("cargo::rustc-cfg=smr_dsp");
-        }
         if processor.has_helium() {
             println!("cargo::rustc-cfg=smr_helium");
+        } else if processor.has_dsp() {
+            println!("cargo::rustc-cfg=smr_dsp");
         }
     }
 }

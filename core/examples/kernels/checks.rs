@@ -4,6 +4,16 @@ use crate::memory::{Memory, ROOM};
 use smr_core::Image;
 use smr_core::similarity::{Backend, Scorer, Table, scalar};
 
+/// The steepest, one between, and the paper's.
+static TABLES: [Table; 3] = [table(1), table(40), Table::PAPER];
+
+const fn table(scale: u16) -> Table {
+    match Table::new(scale) {
+        Ok(table) => table,
+        Err(_) => Table::PAPER,
+    }
+}
+
 /// The kernels of a backend, and how often they were compared.
 pub struct Checks {
     pub backend: Backend,
@@ -13,8 +23,8 @@ pub struct Checks {
 /// What was not as the plain loop has it.
 pub struct Difference {
     pub what: &'static str,
-    pub width: u16,
-    pub height: u16,
+    pub width: usize,
+    pub height: usize,
     pub threshold: u16,
 }
 
@@ -42,7 +52,13 @@ impl Checks {
         for threshold in 0..=256 {
             self.alignments(threshold, memory)?;
         }
-        (0..=200).try_for_each(|columns| self.means(columns, memory))
+        for (width, height) in (1..=150).flat_map(|width| [1, 2, 5].map(|height| (width, height))) {
+            for gap in 0..3 {
+                let strides = (usize::from(width) + gap, usize::from(width) + 2 * gap);
+                self.between(memory, Shape { width, height, strides }, (width * 7 + height * 13) % 257)?;
+            }
+        }
+        (0..=200).try_for_each(|columns| self.spread(columns, memory))
     }
 
     /// At the ends of the memory and at its start, with and without a gap between the rows.
@@ -69,11 +85,12 @@ impl Checks {
 
     /// Pictures at the end of what they are in (`last`), or at its start.
     fn pair(&mut self, patch: &[u8], template: &[u8], last: bool, shape: Shape, threshold: u16) -> Outcome {
-        let wrong = |what| Difference { what, width: shape.width, height: shape.height, threshold };
+        let wrong = |what| Difference { what, width: shape.width.into(), height: shape.height.into(), threshold };
         let view = |memory, stride| picture(memory, stride, shape, last).ok_or(wrong("no picture"));
         let (patch, template) = (view(patch, shape.strides.0)?, view(template, shape.strides.1)?);
-        let scorer = Scorer::new(self.backend, &Table::PAPER, threshold);
-        let score = scalar::score(patch, template, &Table::PAPER, threshold);
+        let table = TABLES.get(usize::from((shape.height + threshold) % 3)).unwrap_or(&Table::PAPER);
+        let scorer = Scorer::new(self.backend, table, threshold);
+        let score = scalar::score(patch, template, table, threshold);
         let most = u32::from(shape.width) * u32::from(shape.height) * u32::from(Table::ONE);
         for floor in [0, 1, score / 2, score.saturating_sub(1), score, score + 1, score.midpoint(most), most, u32::MAX]
         {
@@ -89,26 +106,65 @@ impl Checks {
         Ok(())
     }
 
-    /// One of the eight rows, and what is written, at the edge; every row at another alignment.
-    fn means(&mut self, columns: u16, memory: &mut Memory) -> Outcome {
-        let wrong = |what| Difference { what, width: columns, height: 8, threshold: 0 };
+    /// What a patch between two pictures reaches at most: no less than the plain loop says, and not much more.
+    fn between(&mut self, memory: &mut Memory, shape: Shape, threshold: u16) -> Outcome {
+        let wrong = |what| Difference { what, width: shape.width.into(), height: shape.height.into(), threshold };
+        let bytes = (usize::from(shape.height) - 1) * shape.strides.0 + usize::from(shape.width);
+        let from = ROOM - 2 * bytes;
+        let both = memory.end.get_mut(from..).unwrap_or_default();
+        let (below, above) = both.split_at_mut_checked(bytes).unwrap_or_default();
+        for (below, above) in below.iter_mut().zip(above.iter_mut()) {
+            (*below, *above) = ((*below).min(*above), (*below).max(*above));
+        }
+        let view = |pixels, stride| Image::with_stride(pixels, shape.width, shape.height, stride).ok();
+        let template = memory.other_end.get(from..).unwrap_or_default();
+        let pictures = (view(below, shape.strides.0), view(above, shape.strides.0), view(template, shape.strides.1));
+        let (Some(below), Some(above), Some(template)) = pictures else { return Err(wrong("no picture")) };
+        let table = TABLES.get(usize::from((shape.height + threshold) % 3)).unwrap_or(&Table::PAPER);
+        let scorer = Scorer::new(self.backend, table, threshold);
+        let most = u32::from(shape.width) * u32::from(shape.height) * u32::from(Table::ONE);
+        for (low, high) in [(below, above), (above, above)] {
+            let exact = scalar::score_between_at_least(low, high, template, table, threshold, 0).unwrap_or(0);
+            for floor in [0, 1, exact / 2, exact, exact + 1, exact.midpoint(most), most] {
+                let answer = scorer.score_between_at_least(low, high, template, floor);
+                let right = match answer {
+                    Some(answer) => answer >= exact.max(floor) && answer <= most,
+                    None => exact < floor,
+                };
+                self.compare(right).ok_or(wrong("score between"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// One of the four rows, and what is written, at the edge; every row at another alignment, and one of them may be
+    /// shorter.
+    fn spread(&mut self, columns: usize, memory: &mut Memory) -> Outcome {
+        let wrong = |what| Difference { what, width: columns, height: 4, threshold: 0 };
         let scorer = Scorer::new(self.backend, &Table::PAPER, 13);
-        let columns = usize::from(columns);
-        let mut expected = [0; 256];
-        for at_edge in 0..8 {
-            let mut rows: [&[u8]; 8] = core::array::from_fn(|row| {
-                memory.other_end.get(row * 301..).and_then(|row| row.get(..columns)).unwrap_or_default()
+        for at_edge in 0..4 {
+            let mut rows: [&[u8]; 4] = core::array::from_fn(|row| {
+                let missing = usize::from(row == columns % 8).min(columns);
+                part(memory.other_end, row * 301, columns + 3 - missing)
             });
             if let Some(row) = rows.get_mut(at_edge) {
-                *row = memory.end.get(ROOM - columns..).unwrap_or_default();
+                *row = part(memory.end, ROOM - columns - 3, columns + 3);
             }
-            let expected = expected.get_mut(..columns).ok_or(wrong("no room"))?;
-            scalar::means(&rows, expected);
             // At the start nothing can be before it, and after it the noise stays as it is.
-            let before: [u8; 256] = memory.start.first_chunk().copied().ok_or(wrong("no room"))?;
-            scorer.means(&rows, memory.start.get_mut(..columns).ok_or(wrong("no room"))?);
-            let right = memory.start.starts_with(expected) && memory.start.get(columns..256) == before.get(columns..);
-            self.compare(right).ok_or(wrong("means"))?;
+            let mut low: [u8; 256] = memory.start.first_chunk().copied().ok_or(wrong("no room"))?;
+            let mut high: [u8; 256] = memory.start.last_chunk().copied().ok_or(wrong("no room"))?;
+            let (lows, highs) = memory.start.split_at_mut_checked(ROOM - 256).ok_or(wrong("no room"))?;
+            scalar::spread(
+                &rows,
+                low.get_mut(..columns).unwrap_or_default(),
+                high.get_mut(..columns).unwrap_or_default(),
+            );
+            scorer.spread(
+                &rows,
+                lows.get_mut(..columns).unwrap_or_default(),
+                highs.get_mut(..columns).unwrap_or_default(),
+            );
+            self.compare(lows.starts_with(&low) && *highs == high).ok_or(wrong("spread"))?;
         }
         Ok(())
     }
@@ -117,6 +173,10 @@ impl Checks {
         self.compared += 1;
         right.then_some(())
     }
+}
+
+fn part(memory: &[u8], from: usize, length: usize) -> &[u8] {
+    memory.get(from..).and_then(|memory| memory.get(..length)).unwrap_or_default()
 }
 
 fn picture(memory: &[u8], stride: usize, shape: Shape, last: bool) -> Option<Image<'_>> {

@@ -72,11 +72,15 @@ fn compared(counter: &mut Counter, memory: &mut Memory, backend: Backend, width:
         counter.count(|| scorer.score_at_least(black_box(patch), black_box(template), floor)),
     );
     line("score", counter.count(|| scorer.score(black_box(patch), black_box(template))));
+    line(
+        "score between",
+        counter.count(|| scorer.score_between_at_least(black_box(patch), black_box(patch), black_box(template), 0)),
+    );
     if height == 8 {
         let mut rows = patch.rows();
-        let rows: [&[u8]; 8] = core::array::from_fn(|_| rows.next().unwrap_or_default());
-        let means = memory.start.get_mut(..usize::from(width))?;
-        line("means", counter.count(|| scorer.means(black_box(&rows), black_box(means))));
+        let rows: [&[u8]; 4] = core::array::from_fn(|_| rows.next().unwrap_or_default());
+        let (low, high) = memory.start.split_at_mut_checked(usize::from(width) - 3)?;
+        line("spread (of eight rows)", 8 * counter.count(|| scorer.spread(black_box(&rows), low, black_box(high))));
     }
     Some(())
 }

@@ -27,7 +27,7 @@ fn main() -> ! {
     if let Err(difference) = checks.all(&mut memory) {
         let Difference { what, width, height, threshold } = difference;
         error!(
-            "{}: {=str} of {=u16}x{=u16}, threshold {=u16}",
+            "{}: {=str} of {=usize}x{=usize}, threshold {=u16}",
             Debug2Format(&checks.backend),
             what,
             width,

@@ -1,16 +1,17 @@
 //! The kernels by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
 //!
 //! - `usada8` adds the four absolute differences of two registers to a third.
-//! - `uqsub8` subtracts and stops at zero: what is left of a threshold after a difference.
+//! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and what is left of a threshold after that.
+//! - `usub8` compares, and `sel` then selects: the larger of each two pixels, and the smaller.
 //!
 //! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
 //! spills for want of registers. Rows begin at any address: these processors load words from there, unless firmware has
 //! set `UNALIGN_TRP`, which compilers for them do not allow for either.
 
 use super::super::{Table, scalar};
-use super::Kernels;
-use super::filter::{Compared, Filter};
+use super::filter::{Filter, Limit, blocks};
 use super::rows::Rows;
+use super::{Kernels, Plain};
 use crate::image::Image;
 use core::arch::asm;
 
@@ -19,6 +20,10 @@ const LANES: usize = 4;
 
 /// The columns that `distance` goes down at a time: the words for which its loop is unrolled.
 const STRIP: usize = 32 * LANES;
+
+/// The columns that the filter goes down at a time, and the bytes of its code for a word.
+const FILTER_STRIP: usize = 16 * LANES;
+const FILTER_WORD: usize = 34;
 
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
@@ -34,11 +39,19 @@ impl Dsp {
 impl Kernels for Dsp {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let compare = |f, g, width, threshold| {
-            // SAFETY: the filter gives addresses of `width` bytes each, at least four.
-            unsafe { compared(f, g, width, threshold) }
-        };
-        self.0.score_at_least::<LANES>(patch, template, floor, compare)
+        self.0.score_at_least::<LANES>(patch, template, floor, loss)
+    }
+
+    #[inline(never)]
+    fn score_between_at_least(
+        &self,
+        _: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        self.0.most::<LANES>(&Rows::between(low, high, template), floor, loss)
     }
 
     #[inline(never)]
@@ -58,6 +71,17 @@ impl Kernels for Dsp {
             column += STRIP;
         }
         sum.wrapping_sub(start).cast_unsigned()
+    }
+
+    #[inline(never)]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        let blocks = blocks(rows, low, high);
+        if blocks < LANES {
+            return scalar::spread(rows, low, high);
+        }
+        let addresses = rows.each_ref().map(|row| row.as_ptr());
+        // SAFETY: so many blocks of pixels are there, and so much room: at least four.
+        unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
     }
 }
 
@@ -80,7 +104,6 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     // SAFETY: of each row, whole words and the last word of `width` are read; nothing is written.
     unsafe {
         asm!(
-            ".p2align 2", // for adr; from here to 4 it is whole words
             "adr.w {words}, 4f",
             "sub {words}, {words}, r2, lsl #3", // eight bytes of code for each word
             "2:",
@@ -92,6 +115,7 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
             "usada8 {sum}, r2, r3, {sum}",
             "3:",
             "mov pc, {words}",
+            ".p2align 2", // so that 4 is where adr can point to
             ".irp offset,124,120,116,112,108,104,100,96,92,88,84,80,76,72,68,64,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
             "ldr.n r2, [r0, #\\offset]",
             "ldr.n r3, [r1, #\\offset]",
@@ -120,75 +144,233 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
-/// Compares two rows of `width` pixels.
-///
-/// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, or as 0. So the
-/// sum over min(difference, threshold) is that of `usada8`; without the one over min(difference, threshold - 1) it is the
-/// number of pixels that do not count.
-///
+/// Of each two pixels of two registers the smaller (`least`) or the larger (`most`).
+macro_rules! of_two {
+    (least, $to:literal, $x:literal, $y:literal) => {
+        concat!("usub8 {h}, ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
+    };
+    (most, $to:literal, $x:literal, $y:literal) => {
+        concat!("usub8 {h}, ", $x, ", ", $y, "\nsel ", $to, ", ", $x, ", ", $y)
+    };
+}
+
+/// The same of each four rows of pixels three to the right of `at`, or none.
+macro_rules! of_four_rows {
+    ($right:literal, $low:literal, $high:literal) => {
+        concat!(
+            "ldrd {e}, {f}, [{rows}]\n",
+            concat!("add {at}, {at}, #", $right, "\n"),
+            "ldr {e}, [{e}, {at}]\n",
+            "ldr {f}, [{f}, {at}]\n",
+            concat!("usub8 {h}, {e}, {f}\nsel ", $low, ", {f}, {e}\nsel ", $high, ", {e}, {f}\n"),
+            "ldrd {e}, {f}, [{rows}, #8]\n",
+            "ldr {e}, [{e}, {at}]\n",
+            "ldr {f}, [{f}, {at}]\n",
+            concat!("sub {at}, {at}, #", $right, "\n"),
+            "usub8 {h}, {e}, {f}\nsel {g}, {f}, {e}\nsel {e}, {e}, {f}\n",
+            of_two!(least, $low, $low, "{g}"),
+            "\n",
+            of_two!(most, $high, $high, "{e}"),
+        )
+    };
+}
+
+/// Of each four neighbours in columns 0 to 3 and 3 to 6.
+macro_rules! of_four_columns {
+    ($what:ident, $first:literal, $last:literal) => {
+        concat!(
+            concat!("lsr {e}, ", $last, ", #8\n"),
+            concat!("lsr {f}, ", $first, ", #8\n"),
+            "orr {f}, {f}, {e}, lsl #24\n", // 1 to 4
+            of_two!($what, $last, $first, $last),
+            concat!("\nlsr ", $first, ", ", $first, ", #16\n"),
+            concat!("orr ", $first, ", ", $first, ", {e}, lsl #16\n"), // 2 to 5
+            of_two!($what, $last, $last, "{f}"),
+            "\n",
+            of_two!($what, $last, $last, $first),
+        )
+    };
+}
+
 /// # Safety
-/// At `f` and `g`, `width` bytes can be read, at least four.
+/// At all `rows` there are `blocks` bytes and three more, at `low` and at `high` there are `blocks`: at least four.
 #[inline(always)]
-unsafe fn compared(f: *const u8, g: *const u8, width: usize, threshold: u8) -> Compared {
-    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
-    let (up_to_threshold, up_to_one_less): (u32, u32);
-    // SAFETY: whole words of `width` are read, then the word that ends with the row.
+unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usize) {
+    // SAFETY: four blocks at a time, from the last ones down; the first four may be some of those before again. For each
+    // four, of every row the word that begins where they do is read, and the one three bytes to the right.
     unsafe {
         asm!(
-            "lsrs {n}, {n}, #1",
-            "bcs 3f", // an odd one
-            "b 4f",
             "2:",
-            "ldr {a}, [{f}], #4",
-            "ldr {b}, [{g}], #4",
-            "uqsub8 {d}, {a}, {b}",
-            "uqsub8 {a}, {b}, {a}",
-            "orr {a}, {a}, {d}",
-            "uqsub8 {d}, {threshold}, {a}",
-            "uqsub8 {a}, {one_less}, {a}",
-            "usada8 {sum}, {threshold}, {d}, {sum}",
-            "usada8 {less}, {one_less}, {a}, {less}",
-            "3:",
-            "ldr {a}, [{f}], #4",
-            "ldr {b}, [{g}], #4",
-            "5:",
-            "uqsub8 {d}, {a}, {b}",
-            "uqsub8 {a}, {b}, {a}",
-            "orr {a}, {a}, {d}",
-            "uqsub8 {d}, {threshold}, {a}",
-            "uqsub8 {a}, {one_less}, {a}",
-            "usada8 {sum}, {threshold}, {d}, {sum}",
-            "usada8 {less}, {one_less}, {a}, {less}",
-            "4:",
-            "subs {n}, {n}, #1",
+            of_four_rows!("0", "{a}", "{b}"),
+            of_four_rows!("3", "{c}", "{d}"),
+            of_four_columns!(least, "{a}", "{c}"),
+            of_four_columns!(most, "{b}", "{d}"),
+            "str {c}, [{low}, {at}]",
+            "str {d}, [{high}, {at}]",
+            "subs {at}, {at}, #4",
             "bpl 2b",
-            "cbz r0, 6f",
-            "add {f}, {f}, r0",
-            "add {g}, {g}, r0",
-            "ldr {a}, [{f}, #-4]",
-            "ldr {b}, [{g}, #-4]",
-            "rsb {d}, r0, #4",
-            "lsl {d}, {d}, #3",
-            "lsr {a}, {a}, {d}",
-            "lsr {b}, {b}, {d}",
-            "movs r0, #0",
-            "mov {n}, #0",
-            "b 5b",
-            "6:",
-            f = inout(reg) f => _,
-            g = inout(reg) g => _,
+            "adds {at}, {at}, #4", // of the blocks before, there are that many left
+            "it ne",
+            "movne {at}, #0",
+            "bne 2b",
             a = out(reg) _,
             b = out(reg) _,
+            c = out(reg) _,
             d = out(reg) _,
-            n = inout(reg) width / LANES => _,
-            inout("r0") width % LANES => _,
-            threshold = in(reg) in_lanes(threshold),
-            one_less = in(reg) in_lanes(threshold - 1),
-            sum = inout(reg) 0 => up_to_threshold,
-            less = inout(reg) 0 => up_to_one_less,
-            options(readonly, nostack),
+            e = out(reg) _,
+            f = out(reg) _,
+            g = out(reg) _,
+            h = out(reg) _,
+            rows = in(reg) rows,
+            low = in(reg) low,
+            high = in(reg) high,
+            at = inout(reg) blocks - LANES => _,
+            options(nostack),
         );
     }
-    let different = up_to_threshold - up_to_one_less;
-    Compared { different, differences: up_to_threshold - different * u32::from(threshold) }
+}
+
+/// What the pictures, which have at least four columns, lose at least; once that is more than is allowed, any part of it
+/// that is.
+#[inline(never)]
+fn loss(pair: &Rows, limit: &Limit) -> u32 {
+    let mut clipped = Clipped::default();
+    let mut column = 0;
+    while column < pair.width && clipped.loss(limit) <= limit.allowed {
+        let width = FILTER_STRIP.min(pair.width - column);
+        // SAFETY: the strip is a part of the pair, which has at least four columns.
+        unsafe { clipped.add(pair, column, width, limit) };
+        column += FILTER_STRIP;
+    }
+    clipped.loss(limit)
+}
+
+/// Sums of min(difference, threshold), and of min(difference, threshold - 1): these differ by 1 for every pixel that does
+/// not count.
+#[derive(Default)]
+struct Clipped {
+    by_threshold: u32,
+    by_one_less: u32,
+}
+
+/// What a round of the loop over rows needs, apart from what is always in registers.
+#[repr(C)]
+struct Round {
+    f_stride: usize,
+    g_stride: usize,
+    /// What is lost for each unit of the two sums.
+    of_threshold: u32,
+    of_one_less: u32,
+    allowed: u32,
+    /// Where the template's rows end.
+    end: *const u8,
+    none: usize,
+    words: usize,
+}
+
+impl Limit {
+    /// With M and M' the two sums, M - M' pixels do not count, and M less (M - M') * threshold is the sum of the
+    /// differences of the others. So this is lost for each unit of M; and less by what is lost for each level, for M'.
+    fn of_threshold(&self) -> u32 {
+        u32::from(Table::ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
+    }
+}
+
+impl Clipped {
+    fn loss(&self, limit: &Limit) -> u32 {
+        let by_threshold = limit.of_threshold().wrapping_mul(self.by_threshold);
+        by_threshold.wrapping_add(limit.chord.wrapping_sub(limit.of_threshold()).wrapping_mul(self.by_one_less))
+    }
+
+    /// Adds `width` (1..=`FILTER_STRIP`) columns from `column` on, until more is lost than is allowed.
+    ///
+    /// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, and no
+    /// farther than 0: that is what `usada8` adds.
+    ///
+    /// # Safety
+    /// The pair has these columns, and at least four.
+    #[inline(always)]
+    unsafe fn add(&mut self, pair: &Rows, column: usize, width: usize, limit: &Limit) {
+        let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
+        let left = width % LANES;
+        let template = pair.template.wrapping_add(column);
+        let mut round = Round {
+            f_stride: pair.patch_stride,
+            g_stride: pair.template_stride,
+            of_threshold: limit.of_threshold(),
+            of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
+            allowed: limit.allowed,
+            end: template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+            none: 8 * (LANES - left),
+            words: width / LANES * FILTER_WORD,
+        };
+        // SAFETY: of each row, whole words and the last word of `width` are read; what the patch is at most has rows as far
+        // apart as the patch. Nothing but `round` is written.
+        unsafe {
+            asm!(
+                "adr.w r2, 4f",
+                "ldr r3, [{round}, #28]",
+                "sub r2, r2, r3",
+                "orr r2, r2, #1", // Thumb
+                "str r2, [{round}, #28]",
+                "2:",
+                "cbz r5, 3f",
+                "ldr r2, [r0, r5]",
+                "ldr r3, [r1, r5]",
+                "uqsub8 {d}, r2, r3",
+                "ldr r2, [r4, r5]",
+                "uqsub8 r2, r3, r2",
+                "orr r2, r2, {d}",
+                "ldr {d}, [{round}, #24]",
+                "lsr r2, r2, {d}",
+                "uqsub8 {d}, {threshold}, r2",
+                "uqsub8 r2, {one_less}, r2",
+                "usada8 {sum}, {threshold}, {d}, {sum}",
+                "usada8 {less}, {one_less}, r2, {less}",
+                "3:",
+                "ldr.w pc, [{round}, #28]",
+                ".p2align 2", // so that 4 is where adr can point to
+                ".irp offset,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
+                "ldr.n r2, [r0, #\\offset]",
+                "ldr.n r3, [r1, #\\offset]",
+                "uqsub8 {d}, r2, r3",
+                "ldr.n r2, [r4, #\\offset]",
+                "uqsub8 r2, r3, r2",
+                "orr.w r2, r2, {d}",
+                "uqsub8 {d}, {threshold}, r2",
+                "uqsub8 r2, {one_less}, r2",
+                "usada8 {sum}, {threshold}, {d}, {sum}",
+                "usada8 {less}, {one_less}, r2, {less}",
+                ".endr",
+                "4:",
+                "ldrd r2, r3, [{round}]",
+                "add r0, r0, r2",
+                "add r4, r4, r2",
+                "add r1, r1, r3",
+                "ldrd r2, r3, [{round}, #8]",
+                "mul r2, r2, {sum}",
+                "mla r2, r3, {less}, r2",
+                "ldrd r3, {d}, [{round}, #16]",
+                "cmp r2, r3",
+                "bhi 5f",
+                "cmp r1, {d}",
+                "bne.w 2b",
+                "5:",
+                inout("r0") pair.patch.wrapping_add(column) => _,
+                inout("r1") template => _,
+                inout("r4") pair.high.wrapping_add(column) => _,
+                out("r2") _,
+                out("r3") _,
+                // The last columns are the upper part of the last word, which begins in the columns before.
+                in("r5") if left == 0 { 0 } else { width.wrapping_sub(LANES) },
+                d = out(reg) _,
+                threshold = in(reg) in_lanes(limit.threshold),
+                one_less = in(reg) in_lanes(limit.threshold - 1),
+                sum = inout(reg) self.by_threshold,
+                less = inout(reg) self.by_one_less,
+                round = in(reg) &raw mut round,
+                options(nostack),
+            );
+        }
+    }
 }

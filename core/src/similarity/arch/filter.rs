@@ -1,70 +1,72 @@
-//! What the backends for Arm's microcontrollers share: a bound that excludes offsets without the table.
+//! What the backends for Arm's microcontrollers share: a bound of the score that needs no table.
 //!
 //! A pixel that counts and differs by d loses at least c * d of its 65535 ([`scalar::chord`]), one that does not loses all.
 //! How many do not, and the sum of the differences of those that do, are sums of bytes, and that is what these instruction
-//! sets are fast at; a table they can only look up pixel by pixel. So an offset is first tried by this bound, and scored by
-//! the plain loop if that does not exclude it.
+//! sets are fast at; a table they can only look up pixel by pixel. So a group of offsets is bounded by this alone, and where
+//! much is asked of an offset it is first tried by this, and scored by the plain loop if that does not exclude it.
 
-use super::super::{Table, scalar};
 use super::rows::Rows;
+use super::{Kernels, Plain};
 use crate::image::Image;
+use crate::similarity::{Table, scalar};
 
-/// What two rows have of each other.
-pub(super) struct Compared {
-    /// How many pixels do not count.
-    pub(super) different: u32,
-    /// The sum of the differences of those that do.
-    pub(super) differences: u32,
-}
-
-/// A table, cut off at a threshold, and the bound that goes with it.
+/// The plain loop, and what goes before it.
 pub(super) struct Filter {
-    table: &'static Table,
-    threshold: u16,
+    plain: Plain,
     chord: u32,
 }
 
+/// When pictures are excluded: once their pixels have lost more than `allowed`.
+pub(super) struct Limit {
+    /// A pixel counts if it differs by less: 1..=255.
+    pub(super) threshold: u8,
+    /// What a pixel that counts loses with each gray level. One that does not count loses [`Table::ONE`].
+    pub(super) chord: u32,
+    pub(super) allowed: u32,
+}
+
+/// What two pictures lose at least; once that is more than is allowed, any part of it that is.
+pub(super) type Loss = fn(&Rows, &Limit) -> u32;
+
 impl Filter {
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self { table, threshold, chord: scalar::chord(table, threshold) }
+        Self { plain: Plain { table, threshold }, chord: scalar::chord(table, threshold) }
     }
 
-    /// As [`scalar::score_at_least`]. `compare` is given the addresses of two rows, their width, which is at least
-    /// `NARROWEST`, and the threshold (1..=255).
+    /// As [`scalar::score_at_least`]. `loss` is asked of two pictures of at least `NARROWEST` columns.
     #[inline(always)] // into the one function of a backend that calls it
     pub(super) fn score_at_least<const NARROWEST: usize>(
         &self,
         patch: Image<'_>,
         template: Image<'_>,
         floor: u32,
-        compare: impl FnMut(*const u8, *const u8, usize, u8) -> Compared,
+        loss: Loss,
     ) -> Option<u32> {
-        let pair = Rows::of(patch, template);
-        if pair.width >= NARROWEST && self.excludes(&pair, floor, compare) {
-            return None;
+        let rows = Rows::of(patch, template);
+        // Where less is asked for, the bound excludes too few to be worth its time.
+        if floor > rows.full_after(0) / 8 * 5 {
+            self.most::<NARROWEST>(&rows, floor, loss)?;
         }
-        scalar::score_at_least(patch, template, self.table, self.threshold, floor)
+        self.plain.score_at_least(patch, template, floor)
     }
 
-    /// True only if the score is less than `floor`.
+    /// The score that `rows` reach at most, if that is at least `floor`.
     #[inline(always)]
-    fn excludes(
-        &self,
-        pair: &Rows,
-        floor: u32,
-        mut compare: impl FnMut(*const u8, *const u8, usize, u8) -> Compared,
-    ) -> bool {
-        let threshold = match u8::try_from(self.threshold) {
-            // No score is less than 0, which is the floor of those who want any score.
-            Ok(threshold) if threshold > 0 && floor > 0 => threshold,
-            _ => return false,
-        };
-        let mut reachable = scalar::full(pair.width * pair.height);
-        pair.each(|f, g| {
-            let row = compare(f, g, pair.width, threshold);
-            reachable -= row.different * u32::from(Table::ONE) + row.differences * self.chord;
-            reachable >= floor
-        });
-        reachable < floor
+    pub(super) fn most<const NARROWEST: usize>(&self, rows: &Rows, floor: u32, loss: Loss) -> Option<u32> {
+        let full = rows.full_after(0);
+        let allowed = full.checked_sub(floor)?;
+        let threshold = u8::try_from(self.plain.threshold).unwrap_or(0);
+        // Of what is too narrow for the loop, and of pixels that all count or none, nothing is known.
+        if threshold == 0 || rows.width < NARROWEST || rows.patch_stride != rows.high_stride {
+            return Some(full);
+        }
+        let loss = loss(rows, &Limit { threshold, chord: self.chord, allowed });
+        full.checked_sub(loss).filter(|&most| most >= floor)
     }
+}
+
+/// How many blocks of 4x4 pixels, side by side, four rows have the pixels and `low` and `high` the room for.
+#[inline]
+pub(super) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
+    rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))
 }

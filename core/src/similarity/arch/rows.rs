@@ -53,7 +53,7 @@ impl Rows {
 
     /// Gives `compare` the addresses of each two rows, from the top and as long as it says true.
     #[inline(always)]
-    #[cfg_attr(target_arch = "x86_64", allow(dead_code))] // there, rows are looked at in blocks
+    #[cfg_attr(not(target_arch = "aarch64"), allow(dead_code))] // elsewhere rows are looked at in blocks, or by asm!
     pub(super) fn each(&self, mut compare: impl FnMut(*const u8, *const u8) -> bool) {
         for y in 0..self.height {
             let (f, g) = self.row(y);
@@ -68,18 +68,21 @@ impl Rows {
     ///
     /// That is what [`Image::with_stride`] has checked.
     #[inline]
+    #[cfg_attr(target_arch = "arm", allow(dead_code))] // whole loops are asm! there
     pub(super) fn row(&self, y: usize) -> (*const u8, *const u8) {
         (place(self.patch, self.patch_stride, y), place(self.template, self.template_stride, y))
     }
 
     /// The same of what the patch is at most.
     #[inline]
+    #[cfg_attr(target_arch = "arm", allow(dead_code))]
     pub(super) fn high_row(&self, y: usize) -> *const u8 {
         place(self.high, self.high_stride, y)
     }
 }
 
 #[inline]
+#[cfg_attr(target_arch = "arm", allow(dead_code))]
 fn place(first: *const u8, stride: usize, y: usize) -> *const u8 {
     first.wrapping_add(y.wrapping_mul(stride))
 }
