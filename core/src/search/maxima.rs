@@ -34,6 +34,12 @@ impl<const SPAN: usize> Maxima<SPAN> {
         raise(&mut self.rows, *window.ys().start(), candidate.y, candidate.score);
     }
 
+    /// The largest score that two offsets more than `distance` apart (in x or in y) both have noted, as far as rows and
+    /// columns tell; 0 if there are none.
+    pub(super) fn both_reach(&self, distance: usize) -> u32 {
+        pair(&self.columns, distance).max(pair(&self.rows, distance))
+    }
+
     /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
     pub(super) fn outside(&self, window: &Window, peak: &Peak, neighbourhood: u16) -> u32 {
         let columns = far(&self.columns, *window.xs().start(), peak.x, neighbourhood);
@@ -47,6 +53,17 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     if let Some(maximum) = maxima.get_mut(index) {
         *maximum = score.max(*maximum);
     }
+}
+
+/// The largest number that an entry and another, more than `distance` behind it, both reach.
+fn pair(maxima: &[u32], distance: usize) -> u32 {
+    let mut before = 0;
+    let mut both = 0;
+    for (&maximum, behind) in maxima.iter().zip((distance + 1..).map_while(|from| maxima.get(from..))) {
+        before = maximum.max(before);
+        both = both.max(before.min(behind.iter().copied().max().unwrap_or(0)));
+    }
+    both
 }
 
 fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
