@@ -14,6 +14,7 @@ use super::rows::Rows;
 use super::{Kernels, Plain};
 use crate::image::Image;
 use core::arch::asm;
+use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 /// Pixels in a register.
 const LANES: usize = 4;
@@ -28,11 +29,17 @@ const FILTER_WORD: usize = 34;
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
-pub(super) struct Dsp(Lookup);
+pub(super) struct Dsp {
+    lookup: Lookup,
+    /// How many scores are to be begun without the bound, and how often in turn it has excluded nothing. (Atomic so that
+    /// a scorer can be shared as it can elsewhere; what comes of it does not depend on them.)
+    without: AtomicU8,
+    in_vain: AtomicU8,
+}
 
 impl Dsp {
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self(Lookup::new(table, threshold))
+        Self { lookup: Lookup::new(table, threshold), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
     }
 }
 
@@ -40,11 +47,14 @@ impl Kernels for Dsp {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);
-        if pair.width < LANES || self.0.plain.threshold == 0 {
-            return self.0.plain.score_at_least(patch, template, floor);
+        if pair.width < LANES || self.lookup.plain.threshold == 0 {
+            return self.lookup.plain.score_at_least(patch, template, floor);
+        }
+        if floor > 0 && self.excludes(&pair, floor) {
+            return None;
         }
         // SAFETY: the pictures have at least four columns.
-        let reachable = unsafe { reachable(&pair, self.0.entries(), floor) };
+        let reachable = unsafe { reachable(&pair, self.lookup.entries(), floor) };
         Some(reachable).filter(|&score| score >= floor)
     }
 
@@ -57,7 +67,7 @@ impl Kernels for Dsp {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
-        self.0.most::<LANES>(&Rows::between(low, high, template), floor, loss)
+        self.lookup.most::<LANES>(&Rows::between(low, high, template), floor, loss)
     }
 
     #[inline(never)]
@@ -88,6 +98,23 @@ impl Kernels for Dsp {
         let addresses = rows.each_ref().map(|row| row.as_ptr());
         // SAFETY: so many blocks of pixels are there, and so much room: at least four.
         unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
+    }
+}
+
+impl Dsp {
+    /// True only if the score is less than `floor`. The bound takes half the time of a score, so where it excludes nothing
+    /// it is asked ever less: at last before one score out of 16.
+    #[inline(always)]
+    fn excludes(&self, pair: &Rows, floor: u32) -> bool {
+        if let Some(without) = self.without.load(Relaxed).checked_sub(1) {
+            self.without.store(without, Relaxed);
+            return false;
+        }
+        let excluded = self.lookup.most::<LANES>(pair, floor, loss).is_none();
+        let in_vain = if excluded { 0 } else { (self.in_vain.load(Relaxed) << 1 | 1) & 15 };
+        self.in_vain.store(in_vain, Relaxed);
+        self.without.store(in_vain, Relaxed);
+        excluded
     }
 }
 
