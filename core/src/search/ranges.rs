@@ -160,9 +160,11 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.reach.as_flattened_mut().get_mut(group).and_then(look).unwrap_or(0)
     }
 
-    /// True if no offset of a group reaches `needed`, or 1, as far as has been looked.
-    pub(super) fn is_excluded(&self, group: usize, needed: u32) -> bool {
-        self.reach.as_flattened().get(group).is_some_and(|&reach| reach < needed.max(1))
+    /// The first group from `group` on of which an offset could reach `needed`, and more than nothing, as far as has been
+    /// looked.
+    pub(super) fn next(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
+        let reach = self.reach.as_flattened().get(..tile.groups())?.get(group..)?;
+        Some(group + reach.iter().position(|&reach| reach >= needed.max(1))?)
     }
 }
 

@@ -5,7 +5,7 @@
 //! does not depend on the order.
 
 use super::leaders::Leaders;
-use super::ranges::{Ranges, SIDE};
+use super::ranges::{Ranges, SIDE, Tile};
 use super::{Found, Peak, Window};
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{self, Scorer};
@@ -22,6 +22,8 @@ pub(crate) struct Scene<'a> {
 pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     leaders: Leaders<SPAN>,
     ranges: Ranges<PIXELS, SPAN>,
+    /// The tile that is gone through.
+    tile: Tile,
     stage: Stage,
     pruning: bool,
     /// Comparisons in the present step.
@@ -78,7 +80,8 @@ const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     pub(crate) const fn new() -> Self {
-        Self { leaders: Leaders::new(), ranges: Ranges::new(), stage: Stage::Done, pruning: false, work: 0 }
+        let tile = Tile { column: 0, row: 0, columns: 0, rows: 0 };
+        Self { leaders: Leaders::new(), ranges: Ranges::new(), tile, stage: Stage::Done, pruning: false, work: 0 }
     }
 
     /// Starts anew. Without pruning every offset is scored to its last pixel; with a neighbourhood the runner-up is
@@ -192,48 +195,44 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     #[inline(never)] // one copy in flash
     fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize) -> Stage {
-        let tile = self.ranges.tile(&scene.window, place.column, place.row);
         if row == 0 && place.pass == 0 {
-            self.ranges.start(&tile, area(scene));
+            self.tile = self.ranges.tile(&scene.window, place.column, place.row);
+            self.ranges.start(&self.tile, area(scene));
         }
-        if row >= self.ranges.rows(&tile, place.pass) {
+        if row >= self.ranges.rows(&self.tile, place.pass) {
             return Stage::Exclude(place, 0);
         }
-        let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
+        let ranges = self.ranges.spread(&scene.frame, &scene.window, &self.tile, place.pass, row, scene.scorer);
         self.spend(2 * ranges);
         Stage::Spread(place, row + 1)
     }
 
     fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize) -> Stage {
-        let tile = self.ranges.tile(&scene.window, place.column, place.row);
         let needed = self.leaders.needed();
-        if group >= tile.groups() {
+        let Some(group) = self.ranges.next(&self.tile, group, needed) else {
             return if place.pass + 1 < self.ranges.passes() {
                 Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
             } else {
                 Stage::Refine(place, 0, 0)
             };
-        }
-        if !self.ranges.is_excluded(group, needed) {
-            let compared = self.ranges.look(scene.template, &tile, place.pass, group, needed, scene.scorer);
-            self.spend(compared);
-        }
+        };
+        let compared = self.ranges.look(scene.template, &self.tile, place.pass, group, needed, scene.scorer);
+        self.spend(compared);
         Stage::Exclude(place, group + 1)
     }
 
     fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize) -> Stage {
-        let tile = self.ranges.tile(&scene.window, place.column, place.row);
-        if group >= tile.groups() {
+        let tile = self.tile;
+        let Some(next) = self.ranges.next(&tile, group, self.leaders.needed()) else {
             return self.next(scene, place);
-        }
-        let (first_column, first_row) = tile.new_in_group(group);
-        if offset == 0 && first_column == 0 {
+        };
+        let offset = if next == group { offset } else { 0 };
+        let (first_column, first_row) = tile.new_in_group(next);
+        // At the first group that is left of each row: often enough to learn from what was scored since.
+        if offset == 0 && (group == 0 || first_row != tile.new_in_group(group - 1).1) {
             self.leaders.look_for_pairs();
         }
-        if offset >= SIDE * SIDE || self.ranges.is_excluded(group, self.leaders.needed()) {
-            return Stage::Refine(place, group + 1, 0);
-        }
-        let (column, row) = tile.group(group);
+        let (column, row) = tile.group(next);
         let (column, row) = (column + offset % SIDE, row + offset / SIDE);
         let is_new = column >= first_column && row >= first_row;
         let (column, row) = (tile.column + column, tile.row + row);
@@ -241,13 +240,17 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             let (x, y) = scene.window.position(column, row);
             self.score(scene, x, y);
         }
-        Stage::Refine(place, group, offset + 1)
+        if offset + 1 < SIDE * SIDE {
+            Stage::Refine(place, next, offset + 1)
+        } else {
+            Stage::Refine(place, next + 1, 0)
+        }
     }
 
     /// The next tile.
     fn next(&self, scene: &Scene<'_>, place: Place) -> Stage {
         let (columns, rows) = scene.window.size();
-        let tile = self.ranges.tile(&scene.window, place.column, place.row);
+        let tile = self.tile;
         if tile.column + tile.columns < columns {
             Stage::Spread(Place { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
         } else if tile.row + tile.rows < rows {

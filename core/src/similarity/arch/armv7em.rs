@@ -9,11 +9,12 @@
 //! set `UNALIGN_TRP`, which compilers for them do not allow for either.
 
 use super::super::{Table, scalar};
-use super::filter::{Filter, Limit, blocks};
+use super::filter::{Limit, Lookup, blocks};
 use super::rows::Rows;
 use super::{Kernels, Plain};
 use crate::image::Image;
 use core::arch::asm;
+use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 /// Pixels in a register.
 const LANES: usize = 4;
@@ -28,18 +29,33 @@ const FILTER_WORD: usize = 34;
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
-pub(super) struct Dsp(Filter);
+pub(super) struct Dsp {
+    lookup: Lookup,
+    /// How many scores are to be begun without the bound, and how often in turn it has excluded nothing. (Atomic so that
+    /// a scorer can be shared as it can elsewhere; what comes of it does not depend on them.)
+    without: AtomicU8,
+    in_vain: AtomicU8,
+}
 
 impl Dsp {
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self(Filter::new(table, threshold))
+        Self { lookup: Lookup::new(table, threshold), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
     }
 }
 
 impl Kernels for Dsp {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.0.score_at_least::<LANES>(patch, template, floor, loss)
+        let pair = Rows::of(patch, template);
+        if pair.width < LANES || self.lookup.plain.threshold == 0 {
+            return self.lookup.plain.score_at_least(patch, template, floor);
+        }
+        if floor > 0 && self.excludes(&pair, floor) {
+            return None;
+        }
+        // SAFETY: the pictures have at least four columns.
+        let reachable = unsafe { reachable(&pair, self.lookup.entries(), floor) };
+        Some(reachable).filter(|&score| score >= floor)
     }
 
     #[inline(never)]
@@ -51,7 +67,7 @@ impl Kernels for Dsp {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
-        self.0.most::<LANES>(&Rows::between(low, high, template), floor, loss)
+        self.lookup.most::<LANES>(&Rows::between(low, high, template), floor, loss)
     }
 
     #[inline(never)]
@@ -83,6 +99,117 @@ impl Kernels for Dsp {
         // SAFETY: so many blocks of pixels are there, and so much room: at least four.
         unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
     }
+}
+
+impl Dsp {
+    /// True only if the score is less than `floor`. The bound takes half the time of a score, so where it excludes nothing
+    /// it is asked ever less: at last before one score out of 16.
+    #[inline(always)]
+    fn excludes(&self, pair: &Rows, floor: u32) -> bool {
+        if let Some(without) = self.without.load(Relaxed).checked_sub(1) {
+            self.without.store(without, Relaxed);
+            return false;
+        }
+        let excluded = self.lookup.most::<LANES>(pair, floor, loss).is_none();
+        let in_vain = if excluded { 0 } else { (self.in_vain.load(Relaxed) << 1 | 1) & 15 };
+        self.in_vain.store(in_vain, Relaxed);
+        self.without.store(in_vain, Relaxed);
+        excluded
+    }
+}
+
+/// What a round of the loop over rows of `reachable` needs, apart from what is always in registers.
+#[repr(C)]
+struct Row {
+    f_stride: usize,
+    g_stride: usize,
+    /// Where the last columns are that are not a whole word, as the upper part of a word; 0 if there are none.
+    last: usize,
+    /// The lower bits of that word, which are columns before.
+    none: usize,
+    /// Where the template's rows end.
+    end: *const u8,
+}
+
+/// The score; or, once the pixels that are left cannot lift it to the floor any more, less than the floor.
+///
+/// # Safety
+/// The pictures have at least four columns; there are 256 entries, the first of which is [`Table::ONE`].
+#[inline(always)]
+unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
+    let mut reachable = pair.full_after(0);
+    let left = pair.width % LANES;
+    let words = pair.width - left;
+    let row = Row {
+        f_stride: pair.patch_stride.wrapping_sub(words),
+        g_stride: pair.template_stride.wrapping_sub(words),
+        last: if left == 0 { 0 } else { pair.width - LANES },
+        none: 8 * (LANES - left),
+        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+    };
+    // SAFETY: of each row whole words are read, and the word that ends with it; of the table entries up to 255. Nothing is
+    // written.
+    unsafe {
+        asm!(
+            "2:",
+            "add {end}, {f}, {words}",
+            "ldrd r2, r3, [{row}, #8]",
+            "cbz r2, 3f",
+            "ldr {w}, [{f}, r2]",
+            "ldr r2, [{g}, r2]",
+            "lsr {w}, {w}, r3",
+            "lsr r2, r2, r3", // what is no pixel of its own is equal
+            "uqsub8 r3, {w}, r2",
+            "uqsub8 {w}, r2, {w}",
+            "b 4f",
+            "3:",
+            "ldr {w}, [{f}], #4",
+            "ldr r2, [{g}], #4",
+            "uqsub8 r3, {w}, r2",
+            "uqsub8 {w}, r2, {w}",
+            "4:",
+            "orr {w}, {w}, r3",
+            "uxtb r2, {w}",
+            "ubfx r3, {w}, #8, #8",
+            "ldrh r2, [{entries}, r2, lsl #1]",
+            "ldrh r3, [{entries}, r3, lsl #1]",
+            "add {reachable}, {reachable}, r2",
+            "add {reachable}, {reachable}, r3",
+            "ubfx r2, {w}, #16, #8",
+            "lsr r3, {w}, #24",
+            "ldrh r2, [{entries}, r2, lsl #1]",
+            "ldrh r3, [{entries}, r3, lsl #1]",
+            "add {reachable}, {reachable}, r2",
+            "add {reachable}, {reachable}, r3",
+            "cmp {f}, {end}",
+            "bne 3b",
+            "sub {reachable}, {reachable}, {full}",
+            "cmp {reachable}, {floor}",
+            "blo 5f",
+            "ldrd r2, r3, [{row}]",
+            "add {f}, {f}, r2",
+            "add {g}, {g}, r3",
+            "ldr r2, [{row}, #16]",
+            "cmp {g}, r2",
+            "bne 2b",
+            "5:",
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            w = out(reg) _,
+            out("r2") _,
+            out("r3") _,
+            end = out(reg) _,
+            words = in(reg) words,
+            row = in(reg) &raw const row,
+            entries = in(reg) entries,
+            // With what is added for what is no pixel.
+            full = in(reg) scalar::full(pair.width.next_multiple_of(LANES)),
+            floor = in(reg) floor,
+            reachable = inout(reg) reachable,
+            options(readonly, nostack),
+        );
+    }
+    reachable
 }
 
 /// Apart, so that what it needs does not burden the usual case.

@@ -1,18 +1,18 @@
-//! What the backends for Arm's microcontrollers share: a bound of the score that needs no table.
+//! What the backends for Arm's microcontrollers share: the table as they look it up, and a bound of the score that needs none.
 //!
 //! A pixel that counts and differs by d loses at least c * d of its 65535 ([`scalar::chord`]), one that does not loses all.
 //! How many do not, and the sum of the differences of those that do, are sums of bytes, and that is what these instruction
-//! sets are fast at; a table they can only look up pixel by pixel. So a group of offsets is bounded by this alone, and where
-//! much is asked of an offset it is first tried by this, and scored by the plain loop if that does not exclude it.
+//! sets are fast at; a table they can only look up pixel by pixel. So a group of offsets is bounded by this alone.
 
+use super::Plain;
 use super::rows::Rows;
-use super::{Kernels, Plain};
-use crate::image::Image;
 use crate::similarity::{Table, scalar};
 
-/// The plain loop, and what goes before it.
-pub(super) struct Filter {
-    plain: Plain,
+/// A table, cut off at a threshold.
+pub(super) struct Lookup {
+    pub(super) plain: Plain,
+    /// 0 from the threshold on.
+    entries: [u16; 256],
     chord: u32,
 }
 
@@ -28,30 +28,20 @@ pub(super) struct Limit {
 /// What two pictures lose at least; once that is more than is allowed, any part of it that is.
 pub(super) type Loss = fn(&Rows, &Limit) -> u32;
 
-impl Filter {
+impl Lookup {
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self { plain: Plain { table, threshold }, chord: scalar::chord(table, threshold) }
+        let mut entries = *table.entries();
+        entries.iter_mut().skip(threshold.into()).for_each(|entry| *entry = 0);
+        Self { plain: Plain { table, threshold }, entries, chord: scalar::chord(table, threshold) }
     }
 
-    /// As [`scalar::score_at_least`]. `loss` is asked of two pictures of at least `NARROWEST` columns.
+    pub(super) fn entries(&self) -> *const u16 {
+        self.entries.as_ptr()
+    }
+
+    /// The score that `rows` reach at most, if that is at least `floor`. `loss` is asked of pictures of at least
+    /// `NARROWEST` columns.
     #[inline(always)] // into the one function of a backend that calls it
-    pub(super) fn score_at_least<const NARROWEST: usize>(
-        &self,
-        patch: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-        loss: Loss,
-    ) -> Option<u32> {
-        let rows = Rows::of(patch, template);
-        // Where less is asked for, the bound excludes too few to be worth its time.
-        if floor > rows.full_after(0) / 8 * 5 {
-            self.most::<NARROWEST>(&rows, floor, loss)?;
-        }
-        self.plain.score_at_least(patch, template, floor)
-    }
-
-    /// The score that `rows` reach at most, if that is at least `floor`.
-    #[inline(always)]
     pub(super) fn most<const NARROWEST: usize>(&self, rows: &Rows, floor: u32, loss: Loss) -> Option<u32> {
         let full = rows.full_after(0);
         let allowed = full.checked_sub(floor)?;

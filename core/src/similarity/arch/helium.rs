@@ -1,5 +1,6 @@
 //! The kernels by Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels in a register.
 //!
+//! - `vldrh` with a register of offsets loads as many entries of the table.
 //! - `vabav` adds the absolute differences of two registers to a third.
 //! - `vpt` compares, and lets the instructions after it work where it holds, or where it does not.
 //! - In a loop from `dlstp` to `letp`, which counts pixels down in `lr`, the last round works in as many lanes as there are
@@ -7,8 +8,8 @@
 //!
 //! `asm!`, as there are no intrinsics.
 
-use super::super::Table;
-use super::filter::{Filter, Limit, blocks};
+use super::super::{Table, scalar};
+use super::filter::{Limit, Lookup, blocks};
 use super::rows::Rows;
 use super::{Kernels, Plain};
 use crate::image::Image;
@@ -17,18 +18,59 @@ use core::arch::asm;
 /// Pixels in a register.
 const LANES: usize = 16;
 
-pub(super) struct Helium(Filter);
+pub(super) struct Helium(Lookup);
 
 impl Helium {
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self(Filter::new(table, threshold))
+        Self(Lookup::new(table, threshold))
     }
 }
 
 impl Kernels for Helium {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.0.score_at_least::<1>(patch, template, floor, loss)
+        let pair = Rows::of(patch, template);
+        let mut reachable = pair.full_after(0);
+        // How far a row's loop goes: whole registers, of half as many pixels.
+        let advance = pair.width.next_multiple_of(LANES / 2);
+        // SAFETY: of every row, the pixels up to `width` are read, of which there is at least one; and of the table entries
+        // up to 255. Nothing is written.
+        unsafe {
+            asm!(
+                "2:",
+                "dlstp.16 lr, {width}",
+                "3:",
+                "vldrb.u16 q0, [r0], #8",
+                "vldrb.u16 q1, [r1], #8",
+                "vabd.u16 q0, q0, q1",
+                "vldrh.u16 q1, [{entries}, q0, uxtw #1]",
+                "vaddva.u16 r2, q1",
+                "letp lr, 3b",
+                "sub r2, r2, {full}",
+                "cmp r2, {floor}",
+                "blo 4f",
+                "add r0, r0, {f_stride}",
+                "add r1, r1, {g_stride}",
+                "subs {rows}, {rows}, #1",
+                "bne 2b",
+                "4:",
+                inout("r0") pair.patch => _,
+                inout("r1") pair.template => _,
+                f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
+                g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+                rows = inout(reg) pair.height => _,
+                width = in(reg) pair.width,
+                full = in(reg) scalar::full(pair.width),
+                floor = in(reg) floor,
+                entries = in(reg) self.0.entries(),
+                inout("r2") reachable,
+                out("lr") _,
+                out("q0") _,
+                out("q1") _,
+                options(readonly, nostack),
+            );
+        }
+        Some(reachable).filter(|&score| score >= floor)
     }
 
     #[inline(never)]
