@@ -18,7 +18,7 @@ use core::slice;
 const LANES: usize = 32;
 
 /// So many rows are added before it is looked whether the end is already certain.
-const ROWS_A_LOOK: usize = 4;
+const ROWS_A_LOOK: usize = 8;
 
 /// Entries that one shuffle looks up.
 const SEGMENT: usize = 16;
@@ -149,7 +149,7 @@ impl Lookup {
         let needed = Rows::pixels_of(floor);
         let mut y = 0;
         while y < rows.height {
-            let until = rows.height.min(y + if WHOLE <= 1 { 2 * ROWS_A_LOOK } else { ROWS_A_LOOK });
+            let until = rows.height.min(y + ROWS_A_LOOK);
             while y < until {
                 let ((f, g), h) = (rows.row(y), rows.high_row(y));
                 let mut at = 0;

@@ -14,7 +14,7 @@ use core::arch::x86_64::*;
 const LANES: usize = 64;
 
 /// So many rows are added before it is looked whether the end is already certain.
-const ROWS_A_LOOK: usize = 4;
+const ROWS_A_LOOK: usize = 8;
 
 /// The first 128 entries of a table, low bytes and high bytes apart.
 pub(super) struct Lookup {
@@ -136,7 +136,7 @@ impl Lookup {
                 counted += count(outside(f, h, g), end);
             }
             y += 1;
-            if counted + rows.pixels_after(y) < needed {
+            if (y.is_multiple_of(ROWS_A_LOOK) || y == rows.height) && counted + rows.pixels_after(y) < needed {
                 return None;
             }
         }
