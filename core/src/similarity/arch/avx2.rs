@@ -5,7 +5,8 @@
 //! 2. A shuffle gives zero where the top bit of the index is set. The differences are moved up, with saturation, so that
 //!    those of other segments have it: the lookup is the test d < threshold, too.
 //! 3. `psadbw` against zero adds eight bytes exactly; a plane's sum over 65537 pixels is below 2^25.
-//! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
+//! 4. Of a patch that lies between two pictures the pixels that count are counted, without a lookup: a bound.
+//! 5. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
 //!    byte outside a row is read, whatever its width.
 
 use super::super::{Table, scalar};
@@ -136,8 +137,8 @@ impl Lookup {
         }
     }
 
-    /// A bound of a score for less than its price: every pixel that counts is taken to be fully similar. `WHOLE` and `END` are
-    /// as for [`Lookup::sum_at_least`].
+    /// A bound of a score: every pixel that counts is taken to be fully similar. It reads three pictures for about the price that the
+    /// score of two has. `WHOLE` and `END` are as for [`Lookup::sum_at_least`].
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed.
