@@ -137,8 +137,8 @@ impl Lookup {
         }
     }
 
-    /// A bound of a score: every pixel that counts is taken to be fully similar. It reads three pictures for about the price that the
-    /// score of two has. `WHOLE` and `END` are as for [`Lookup::sum_at_least`].
+    /// A bound of a score: every pixel that counts is taken to be fully similar. It reads three pictures for about the price
+    /// that the score of two has. `WHOLE` and `END` are as for [`Lookup::sum_at_least`].
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed.

@@ -108,8 +108,8 @@ impl Lookup {
         }
     }
 
-    /// A bound of a score: every pixel that counts is taken to be fully similar. It reads three pictures for about the price that the
-    /// score of two has.
+    /// A bound of a score: every pixel that counts is taken to be fully similar. It reads three pictures for about the price
+    /// that the score of two has.
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed.
