@@ -49,6 +49,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     }
 }
 
+#[inline(never)] // one copy in flash
 fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     let far_away = (first..).zip(maxima).filter(|(at, _)| at.abs_diff(peak) > u32::from(neighbourhood));
     far_away.map(|(_, &maximum)| maximum).max().unwrap_or(0)

@@ -74,6 +74,7 @@ fn pixel(f: u8, g: u8, table: &Table, threshold: u16) -> u32 {
 /// # Ok::<(), smr_core::ImageError>(())
 /// ```
 #[must_use]
+#[inline(never)] // one copy in flash
 pub fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     let mut sum = 0;
     for (f, g) in patch.rows().zip(template.rows()) {
@@ -131,6 +132,7 @@ pub fn score_between_at_least(
 /// scalar::spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
 /// assert_eq!((low, high), ([1, 5], [9, 9]));
 /// ```
+#[inline(never)] // one copy in flash
 pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let blocks = rows.each_ref().map(|row| row.windows(4));
     let [a, b, c, d] = blocks;
