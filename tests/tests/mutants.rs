@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// What is changed: file in `core/src`, the text that stands there once, and what replaces it.
-const MUTANTS: [(&str, &str, &str, &str); 11] = [
+const MUTANTS: [(&str, &str, &str, &str); 14] = [
     ("one table entry", "similarity/table.rs", "        Self { entries }", "        entries[7] += 1; Self { entries }"),
     (
         "strictness of the threshold",
@@ -25,10 +25,18 @@ const MUTANTS: [(&str, &str, &str, &str); 11] = [
     ("the state of a leaving target", "tracker.rs", "if self.bounds.contains(target)", "if !target.is_empty()"),
     ("growth of the window", "tracker.rs", "saturating_mul(track.lost_for)", "saturating_mul(track.lost_for.min(1))"),
     (
+        "when the runner-up decides",
+        "config.rs",
+        "self.numerator > self.denominator",
+        "self.numerator > 2 * self.denominator",
+    ),
+    ("what a group can reach", "search/ranges.rs", "others + score)", "others + score / 2)"),
+    ("the last groups of a tile", "search/scan.rs", "column >= first_column && row", "column > first_column && row"),
+    (
         "the gate",
         "tracker.rs",
-        "(_, State::Leaving) => stands_out(gate.leaving)",
-        "(_, State::Leaving) => stands_out(gate.returning)",
+        "(_, State::Leaving) => config.gate.leaving",
+        "(_, State::Leaving) => config.gate.returning",
     ),
 ];
 

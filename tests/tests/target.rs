@@ -101,7 +101,7 @@ fn least_firmware() -> Vec<u8> {
     elf
 }
 
-const HELLO: &[u32] = &[1, 1, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000];
+const HELLO: &[u32] = &[1, 2, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000];
 
 #[test]
 fn a_qemu_that_is_missing_is_asked_for() {
@@ -155,7 +155,7 @@ fn what_the_firmware_refuses_is_said_in_words() {
     bench.refuses(&["--init", "10,10,65,64"], "the box is too big for the firmware: 65x64 is 4160 pixels");
     bench.refuses(&["--init", "10,10,130,30"], "more than the 9216 pixels of its buffer");
     Bench::answering(&[HELLO, &[4, 2, 5]], "").refuses(&[], "synthetic, frame 2: the firmware cannot search the frame");
-    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 1");
+    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 2");
 }
 
 #[test]

@@ -58,7 +58,7 @@
 
 /** Size of a tracker's storage in bytes, a constant expression. A program linked to the library can ask #smr_tracker_size. */
 #define SMR_TRACKER_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 24 * sizeof(size_t) + 96)
+    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 28 * sizeof(size_t) + 96)
 
 /** Alignment of a tracker's storage in bytes, a constant expression. */
 #define SMR_TRACKER_ALIGN (sizeof(size_t))

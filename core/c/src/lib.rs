@@ -7,8 +7,9 @@
 //!
 //! `libsmr.a` allocates nothing, has no globals and needs nothing of an operating system. For a microcontroller
 //! (`target_os = "none"`) it is `no_std` and brings its own panic handler, which no call can reach. For a host the
-//! compiler's `core` is made for unwinding, which only `std` can answer for; so there `std` is linked, for that and for
-//! nothing else, and a panic, were there one, would abort at the boundary: it never unwinds into C.
+//! compiler's `core` is made for unwinding, which only `std` can answer for; so there `std` is linked, for that and to ask
+//! the machine which instruction sets it has, and a panic, were there one, would abort at the boundary: it never unwinds
+//! into C.
 
 #![no_std]
 #![deny(missing_docs)]

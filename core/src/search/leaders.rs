@@ -70,6 +70,18 @@ impl<const SPAN: usize> Leaders<SPAN> {
         }
     }
 
+    /// Looks for pairs among all that has been noted; `note` sees only those with the peak.
+    pub(super) fn look_for_pairs(&mut self) {
+        if let Some(runner_up) = &mut self.runner_up {
+            let distance = 2 * usize::from(runner_up.neighbourhood);
+            runner_up.floor = runner_up.floor.max(self.maxima.both_reach(distance));
+        }
+    }
+
+    pub(super) const fn looks_for_runner_up(&self) -> bool {
+        self.runner_up.is_some()
+    }
+
     pub(super) fn found(&self, window: &Window) -> Option<Found> {
         let peak = self.best?;
         let runner_up = self.runner_up.map(|runner_up| self.maxima.outside(window, &peak, runner_up.neighbourhood));

@@ -34,6 +34,12 @@ impl<const SPAN: usize> Maxima<SPAN> {
         raise(&mut self.rows, *window.ys().start(), candidate.y, candidate.score);
     }
 
+    /// The largest score that two offsets more than `distance` apart (in x or in y) both have noted, as far as rows and
+    /// columns tell; 0 if there are none.
+    pub(super) fn both_reach(&self, distance: usize) -> u32 {
+        pair(&self.columns, distance).max(pair(&self.rows, distance))
+    }
+
     /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
     pub(super) fn outside(&self, window: &Window, peak: &Peak, neighbourhood: u16) -> u32 {
         let columns = far(&self.columns, *window.xs().start(), peak.x, neighbourhood);
@@ -49,8 +55,26 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     }
 }
 
-#[inline(never)] // one copy in flash
+/// The largest number that an entry and another, more than `distance` behind it, both reach.
+fn pair(maxima: &[u32], distance: usize) -> u32 {
+    let mut before = 0;
+    let mut both = 0;
+    for (&maximum, behind) in maxima.iter().zip((distance + 1..).map_while(|from| maxima.get(from..))) {
+        before = maximum.max(before);
+        both = both.max(before.min(largest(behind)));
+    }
+    both
+}
+
+/// The largest entry more than `neighbourhood` away from the peak, which is one of them.
 fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
-    let far_away = (first..).zip(maxima).filter(|(at, _)| at.abs_diff(peak) > u32::from(neighbourhood));
-    far_away.map(|(_, &maximum)| maximum).max().unwrap_or(0)
+    let peak = usize::try_from(peak.saturating_sub(first)).unwrap_or(0);
+    let before = maxima.get(..peak.saturating_sub(neighbourhood.into()));
+    let behind = maxima.get(peak + usize::from(neighbourhood) + 1..);
+    [before, behind].map(|far| largest(far.unwrap_or_default())).into_iter().max().unwrap_or(0)
+}
+
+#[inline(never)] // one copy in flash
+fn largest(maxima: &[u32]) -> u32 {
+    maxima.iter().copied().max().unwrap_or(0)
 }

@@ -1,7 +1,7 @@
 //! The search: every offset of the window scored or excluded, in steps of as little work as is asked for.
 //!
-//! First the last position and a descent from it, to have a good score early; then tile by tile, pass by pass (see
-//! `ranges.rs`). An offset is excluded together with its group, or scored until it cannot reach what is needed; the answer
+//! First the last position and a descent from it, to have a good score early, and for the runner-up a few far apart; then
+//! tile by tile, pass by pass (see `ranges.rs`). An offset is excluded together with its group, or scored until it cannot reach what is needed; the answer
 //! does not depend on the order.
 
 use super::leaders::Leaders;
@@ -35,6 +35,8 @@ enum Stage {
     /// The last position itself.
     Start,
     Descent(Descent),
+    /// The next of nine offsets spread over the window.
+    Scout(i32),
     /// The next row of ranges of a pass.
     Spread(Place, usize),
     /// The next group.
@@ -97,7 +99,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if let Some(peak) = peak {
             self.leaders.note(&scene.window, peak);
         }
-        self.stage = self.first(scene);
+        self.stage = Stage::Scout(0);
     }
 
     /// Goes on until `work` comparisons have been made, or a few more: those of a row of ranges, of a group, of an offset
@@ -109,6 +111,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.stage = match self.stage {
                 Stage::Start => self.start(scene),
                 Stage::Descent(descent) => self.descend(scene, descent),
+                Stage::Scout(number) => self.scout(scene, number),
                 Stage::Spread(place, row) => self.spread(scene, place, row),
                 Stage::Exclude(place, group) => self.exclude(scene, place, group),
                 Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset),
@@ -141,7 +144,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             Some(distance) if first_step(&scene.window) > 0 => {
                 Stage::Descent(Descent { x, y, distance, step: first_step(&scene.window) })
             }
-            _ => self.first(scene),
+            _ => Stage::Scout(0),
         }
     }
 
@@ -163,7 +166,21 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             return Stage::Descent(best);
         }
         self.score(scene, best.x, best.y);
-        self.first(scene)
+        Stage::Scout(0)
+    }
+
+    /// Scores the window's corners, the middles of its edges and its middle: where the runner-up is looked for, two of them
+    /// tell how much it is at least. Nine scores are a sixteenth of 144.
+    fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
+        let (columns, rows) = scene.window.size();
+        if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 144 {
+            self.leaders.look_for_pairs();
+            return self.first(scene);
+        }
+        let part = |of: usize, number: i32| (of - 1) * number.unsigned_abs() as usize / 2;
+        let (x, y) = scene.window.position(part(columns, number % 3), part(rows, number / 3));
+        self.score(scene, x, y);
+        Stage::Scout(number + 1)
     }
 
     /// What the window begins with.
@@ -210,9 +227,13 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             return self.next(scene, place);
         };
         let offset = if next == group { offset } else { 0 };
+        let (first_column, first_row) = tile.new_in_group(next);
+        // At the first group that is left of each row: often enough to learn from what was scored since.
+        if offset == 0 && (group == 0 || first_row != tile.new_in_group(group - 1).1) {
+            self.leaders.look_for_pairs();
+        }
         let (column, row) = tile.group(next);
         let (column, row) = (column + offset % SIDE, row + offset / SIDE);
-        let (first_column, first_row) = tile.new_in_group(next);
         let is_new = column >= first_column && row >= first_row;
         let (column, row) = (tile.column + column, tile.row + row);
         if is_new && column >= place.column && row >= place.row {

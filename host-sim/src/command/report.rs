@@ -59,7 +59,9 @@ impl Report {
     }
 
     fn watch(&self) -> Result<Film> {
-        let config = self.tracker.config()?;
+        let mut config = self.tracker.config()?;
+        // It is drawn; where nothing depends on it, looking for it changes nothing else.
+        config.runner_up = smr_core::RunnerUp::Always;
         let sequence = self.recording.open(&self.sequence)?;
         let progress = progress(sequence.length);
         let film = report::watch(sequence, &config, self.choice(), || progress.inc(1));

@@ -1,7 +1,7 @@
 //! The numbers of the method on the command line, the same for every command that runs the tracker.
 
 use crate::reference::Numbers;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use smr_core::similarity::{Backend, Table};
 use smr_core::{Config, Fraction, Radius, RunnerUp};
@@ -32,9 +32,10 @@ pub struct TrackerOptions {
     /// The runner-up is more than this many pixels away from the peak [default: 8]
     #[arg(long)]
     neighbourhood: Option<u16>,
-    /// How scores are computed; changes nothing but the time [default: the fastest that this machine has]
-    #[arg(long, value_enum)]
-    backend: Option<BackendName>,
+    /// How scores are computed; changes nothing but the time [default: the fastest that
+    /// this machine has]
+    #[arg(long, value_name = "NAME", value_parser = backend)]
+    backend: Option<Backend>,
     /// Score every offset to its last pixel; changes nothing but the time
     #[arg(long)]
     exhaustive: bool,
@@ -43,21 +44,12 @@ pub struct TrackerOptions {
     runner_up_always: bool,
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-enum BackendName {
-    Scalar,
-    Avx2,
-    Avx512,
-}
-
-impl From<BackendName> for Backend {
-    fn from(name: BackendName) -> Self {
-        match name {
-            BackendName::Scalar => Self::Scalar,
-            BackendName::Avx2 => Self::Avx2,
-            BackendName::Avx512 => Self::Avx512,
-        }
-    }
+/// What this machine has, by its name in small letters.
+fn backend(text: &str) -> Result<Backend> {
+    let name_of = |backend: Backend| format!("{backend:?}").to_lowercase();
+    let names = || Backend::available().map(name_of).collect::<Vec<_>>().join(", ");
+    let found = Backend::available().find(|&backend| name_of(backend) == text);
+    found.with_context(|| format!("this machine has {}", names()))
 }
 
 impl TrackerOptions {
@@ -79,10 +71,7 @@ impl TrackerOptions {
             config.table = Box::leak(Box::new(table));
         }
         config.growth = self.growth.unwrap_or(config.growth);
-        config.backend = self.backend.map(Backend::from);
-        if let Some(missing) = config.backend.filter(|backend| !backend.is_available()) {
-            bail!("--backend: this machine has no {missing:?}");
-        }
+        config.backend = self.backend;
         config.pruning = !self.exhaustive;
         if self.runner_up_always {
             config.runner_up = RunnerUp::Always;

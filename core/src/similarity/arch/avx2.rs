@@ -61,12 +61,10 @@ impl Kernels for Lookup {
         floor: u32,
     ) -> Option<u32> {
         let rows = Rows::between(low, high, template);
-        if rows.width < LANES {
-            return self.sum(&rows, floor);
-        }
-        // SAFETY: a `Lookup` exists only where AVX2 does, the pictures are borrowed, and a register's width is there.
+        // SAFETY: a `Lookup` exists only where AVX2 does, and the pictures are borrowed.
         unsafe {
             match (rows.width / LANES, rows.width.is_multiple_of(LANES)) {
+                (0, _) => self.count_at_least::<0, true>(&rows, floor),
                 (1, true) => self.count_at_least::<1, false>(&rows, floor),
                 (1, false) => self.count_at_least::<1, true>(&rows, floor),
                 (2, true) => self.count_at_least::<2, false>(&rows, floor),
@@ -131,55 +129,48 @@ impl Lookup {
         }
     }
 
-    /// A bound of a score for half of its price: every pixel that counts is taken to be fully similar. `WHOLE` and `END` are as
-    /// for [`Lookup::sum_at_least`].
+    /// A bound of a score for less than its price: every pixel that counts is taken to be fully similar. `WHOLE` and `END` are
+    /// as for [`Lookup::sum_at_least`].
     ///
     /// # Safety
-    /// The pictures that `rows` were made of are borrowed, and at least 32 pixels wide.
+    /// The pictures that `rows` were made of are borrowed.
     #[target_feature(enable = "avx2")]
     unsafe fn count_at_least<const WHOLE: usize, const END: bool>(&self, rows: &Rows, floor: u32) -> Option<u32> {
         let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
         let (whole, end) = (if WHOLE == ANY { rows.width / LANES } else { WHOLE }, End::of(rows.width));
-        let last = _mm256_set1_epi8(last.cast_signed());
-        let mut counted = 0;
+        let mut count = Count { last: _mm256_set1_epi8(last.cast_signed()), bytes: _mm256_setzero_si256(), flushed: 0 };
         let mut y = 0;
         while y < rows.height {
-            // Bytes that count up to 255: rows enough for a look are few registers.
-            let mut counts = _mm256_setzero_si256();
             let until = rows.height.min(y + ROWS_A_LOOK);
-            let most_registers = 255 / ROWS_A_LOOK;
             while y < until {
                 let ((f, g), h) = (rows.row(y), rows.high_row(y));
-                for at in (0..whole).map(|register| register * LANES) {
+                let mut at = 0;
+                while at < whole * LANES {
                     // SAFETY: at + 32 is at most the width.
-                    let difference = unsafe {
-                        outside(load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at)))
-                    };
-                    // All bits, which is -1, where the difference is at most the last one that counts.
-                    counts = _mm256_sub_epi8(counts, _mm256_cmpeq_epi8(_mm256_min_epu8(difference, last), difference));
-                    if WHOLE == ANY && at / LANES % most_registers == most_registers - 1 {
-                        counted += total(counts);
-                        counts = _mm256_setzero_si256();
+                    let (f, h, g) =
+                        unsafe { (load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at))) };
+                    count.add(outside(f, h, g), _mm256_set1_epi8(-1));
+                    at += LANES;
+                    if WHOLE == ANY && at.is_multiple_of(Count::MOST * LANES) {
+                        count.flush();
                     }
                 }
                 if END {
-                    // SAFETY: the row is as wide as `end` was made for, and that is 32 at least.
-                    let difference = unsafe { outside(end.load::<1>(f), end.load::<1>(h), end.load::<1>(g)) };
-                    let counts_here = _mm256_cmpeq_epi8(_mm256_min_epu8(difference, last), difference);
-                    counts = _mm256_sub_epi8(counts, _mm256_and_si256(counts_here, end.valid));
+                    // SAFETY: the row is as wide as `end` was made for.
+                    let (f, h, g) = unsafe { (end.load::<WHOLE>(f), end.load::<WHOLE>(h), end.load::<WHOLE>(g)) };
+                    count.add(outside(f, h, g), end.valid);
                 }
                 if WHOLE == ANY {
-                    counted += total(counts);
-                    counts = _mm256_setzero_si256();
+                    count.flush();
                 }
                 y += 1;
             }
-            counted += total(counts);
-            if counted * u32::from(Table::ONE) + rows.full_after(y) < floor {
+            count.flush();
+            if count.score() + rows.full_after(y) < floor {
                 return None;
             }
         }
-        Some(counted * u32::from(Table::ONE))
+        Some(count.score())
     }
 
     /// The usual widths have a loop of their own.
@@ -219,7 +210,8 @@ impl Lookup {
             high: plane::<SEGMENTS>(&self.high),
         };
         let mut sums = Sums { low: _mm256_setzero_si256(), high: _mm256_setzero_si256() };
-        for y in (0..rows.height).step_by(2) {
+        let mut y = 0;
+        while y < rows.height {
             walk.add_row::<SEGMENTS, WHOLE, END>(y, &mut sums);
             if y + 1 < rows.height {
                 walk.add_row::<SEGMENTS, WHOLE, END>(y + 1, &mut sums);
@@ -228,6 +220,7 @@ impl Lookup {
                     return None;
                 }
             }
+            y += 2;
         }
         Some(sums.score()).filter(|&score| score >= floor)
     }
@@ -247,17 +240,18 @@ impl Walk<'_> {
     #[inline]
     #[target_feature(enable = "avx2")]
     fn add_row<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(&self, y: usize, sums: &mut Sums) {
-        let ((f, g), h) = (self.rows.row(y), self.rows.high_row(y));
-        for at in (0..self.whole).map(|register| register * LANES) {
+        let (f, g) = self.rows.row(y);
+        let mut at = 0;
+        while at < self.whole * LANES {
             // SAFETY: at + 32 is at most the width.
-            let difference =
-                unsafe { outside(load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at))) };
-            sums.add(look_up::<SEGMENTS>(&self.low, &self.high, difference));
+            let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
+            sums.add(look_up::<SEGMENTS>(&self.low, &self.high, outside(f, f, g)));
+            at += LANES;
         }
         if END {
             // SAFETY: the row is as wide as `end` was made for.
-            let difference =
-                unsafe { outside(self.end.load::<WHOLE>(f), self.end.load::<WHOLE>(h), self.end.load::<WHOLE>(g)) };
+            let (f, g) = unsafe { (self.end.load::<WHOLE>(f), self.end.load::<WHOLE>(g)) };
+            let difference = outside(f, f, g);
             let planes = look_up::<SEGMENTS>(&self.low, &self.high, difference);
             sums.add((_mm256_and_si256(planes.0, self.end.valid), _mm256_and_si256(planes.1, self.end.valid)));
         }
@@ -354,6 +348,42 @@ impl Sums {
     }
 }
 
+/// How many pixels count.
+struct Count {
+    /// The largest difference that does.
+    last: __m256i,
+    /// In 32 parts, of up to 255 registers.
+    bytes: __m256i,
+    /// And of those before.
+    flushed: u32,
+}
+
+impl Count {
+    /// So many registers can be counted before the next [`Count::flush`], and 127 more.
+    const MOST: usize = 128;
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn add(&mut self, difference: __m256i, valid: __m256i) {
+        let counts = _mm256_cmpeq_epi8(_mm256_min_epu8(difference, self.last), difference);
+        // All bits are -1.
+        self.bytes = _mm256_sub_epi8(self.bytes, _mm256_and_si256(counts, valid));
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn flush(&mut self) {
+        self.flushed += across(_mm256_sad_epu8(self.bytes, _mm256_setzero_si256()));
+        self.bytes = _mm256_setzero_si256();
+    }
+
+    /// The score of so many equal pixels, which fits a `u32` for as many as a template may have.
+    #[inline]
+    const fn score(&self) -> u32 {
+        self.flushed * Table::ONE as u32
+    }
+}
+
 /// See [`scalar::distance`]; the parameters are those of [`Lookup::sum_at_least`].
 ///
 /// # Safety
@@ -365,10 +395,12 @@ unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32
     let mut sum = _mm256_setzero_si256();
     for y in 0..rows.height {
         let (f, g) = rows.row(y);
-        for at in (0..whole).map(|register| register * LANES) {
+        let mut at = 0;
+        while at < whole * LANES {
             // SAFETY: at + 32 is at most the width.
             let (f, g) = unsafe { (load(f.wrapping_add(at)), load(g.wrapping_add(at))) };
             sum = _mm256_add_epi64(sum, _mm256_sad_epu8(f, g));
+            at += LANES;
         }
         if END {
             // SAFETY: the row is as wide as `end` was made for.
@@ -385,28 +417,66 @@ unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32
 
 /// See [`scalar::spread`].
 #[target_feature(enable = "avx2")]
-fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+pub(super) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
     let Some(last) = columns.checked_sub(LANES) else {
         return scalar::spread(rows, low, high);
     };
-    // The last columns are done together with some before them, which come out the same again.
-    for at in (0..last).step_by(LANES).chain([last]) {
-        let rows = rows.map(|row| row.as_ptr().wrapping_add(at));
-        // SAFETY: at + 32 is at most `columns`; no row is shorter than that and three, nor are `low` and `high` shorter.
-        unsafe {
-            let (mut lowest, mut highest) = (_mm256_set1_epi8(-1), _mm256_setzero_si256());
-            for row in rows {
-                for column in 0..4 {
-                    let pixels = load(row.wrapping_add(column));
-                    lowest = _mm256_min_epu8(lowest, pixels);
-                    highest = _mm256_max_epu8(highest, pixels);
-                }
-            }
-            _mm256_storeu_si256(low.as_mut_ptr().wrapping_add(at).cast(), lowest);
-            _mm256_storeu_si256(high.as_mut_ptr().wrapping_add(at).cast(), highest);
-        }
+    let rows = rows.each_ref().map(|row| row.as_ptr());
+    let mut at = 0;
+    while at < last {
+        // SAFETY: at + 32 is less than `columns`, and no row is shorter than that.
+        let (lowest, highest) = unsafe { column_ranges(&rows, at) };
+        let lowest = _mm256_min_epu8(lowest, further::<1>(lowest));
+        let highest = _mm256_max_epu8(highest, further::<1>(highest));
+        let lowest = _mm256_min_epu8(lowest, further::<2>(lowest));
+        let highest = _mm256_max_epu8(highest, further::<2>(highest));
+        // SAFETY: neither of the two is shorter than `columns`.
+        unsafe { (store(low, at, lowest), store(high, at, highest)) };
+        // The last three are not whole; they come out again.
+        at += LANES - 3;
     }
+    // The last columns are done together with some before them, which come out the same, and with three loads more a row,
+    // as there is no register to the right of them.
+    let (mut lowest, mut highest) = (_mm256_set1_epi8(-1), _mm256_setzero_si256());
+    for column in 0..4 {
+        // SAFETY: last + 32 is `columns`, and no row is shorter than that and three.
+        let ranges = unsafe { column_ranges(&rows, last + column) };
+        (lowest, highest) = (_mm256_min_epu8(lowest, ranges.0), _mm256_max_epu8(highest, ranges.1));
+    }
+    // SAFETY: neither of the two is shorter than `columns`.
+    unsafe { (store(low, last, lowest), store(high, last, highest)) };
+}
+
+/// The lowest and the highest of four rows in 32 columns from `at` on.
+///
+/// # Safety
+/// There are so many readable bytes in each row.
+#[inline]
+#[target_feature(enable = "avx2")]
+unsafe fn column_ranges(rows: &[*const u8; 4], at: usize) -> (__m256i, __m256i) {
+    // SAFETY: the caller has seen to it.
+    let [a, b, c, d] = rows.map(|row| unsafe { load(row.wrapping_add(at)) });
+    let lowest = _mm256_min_epu8(_mm256_min_epu8(a, b), _mm256_min_epu8(c, d));
+    let highest = _mm256_max_epu8(_mm256_max_epu8(a, b), _mm256_max_epu8(c, d));
+    (lowest, highest)
+}
+
+/// What is so many bytes further on; at the end zeroes.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn further<const BY: i32>(bytes: __m256i) -> __m256i {
+    const UPPER_HALF: i32 = 0x81; // and zeroes above it
+    _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<UPPER_HALF>(bytes, bytes), bytes)
+}
+
+/// # Safety
+/// There are 32 bytes from `at` on.
+#[inline]
+#[target_feature(enable = "avx2")]
+unsafe fn store(row: &mut [u8], at: usize, bytes: __m256i) {
+    // SAFETY: the caller has seen to it; the store needs no alignment.
+    unsafe { _mm256_storeu_si256(row.as_mut_ptr().wrapping_add(at).cast(), bytes) };
 }
 
 /// The end of a row: the 1 to 31 pixels that are left where whole registers have been taken off.
@@ -504,13 +574,6 @@ fn load_half(pixels: &[u8; 16]) -> __m128i {
 #[target_feature(enable = "avx2")]
 fn outside(low: __m256i, high: __m256i, g: __m256i) -> __m256i {
     _mm256_or_si256(_mm256_subs_epu8(low, g), _mm256_subs_epu8(g, high))
-}
-
-/// The sum of the bytes.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn total(bytes: __m256i) -> u32 {
-    across(_mm256_sad_epu8(bytes, _mm256_setzero_si256()))
 }
 
 /// The sum of the four parts.

@@ -6,7 +6,7 @@
 //! 3. Masked loads touch no byte outside a row, so the end of a row is a register like all others.
 
 use super::super::Table;
-use super::{Kernels, Plain, rows::Rows};
+use super::{Kernels, Plain, avx2, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
 
@@ -60,8 +60,9 @@ impl Kernels for Lookup {
 
     #[inline]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        // SAFETY: a `Lookup` exists only where these instructions do.
-        unsafe { spread(rows, low, high) }
+        // By the narrower registers: a row of ranges is one or two of the wide ones and a part, which would cost as much.
+        // SAFETY: a `Lookup` exists only where these instructions do, which are none without AVX2.
+        unsafe { avx2::spread(rows, low, high) }
     }
 
     #[inline]
@@ -118,19 +119,23 @@ impl Lookup {
         let threshold = _mm512_set1_epi8(self.threshold.cast_signed());
         let count = |difference, valid| _mm512_mask_cmplt_epu8_mask(valid, difference, threshold).count_ones();
         let mut counted = 0;
-        for y in 0..rows.height {
+        let mut y = 0;
+        while y < rows.height {
             let ((f, g), h) = (rows.row(y), rows.high_row(y));
-            for at in (0..whole).map(|register| register * LANES) {
+            let mut at = 0;
+            while at < whole * LANES {
                 // SAFETY: at + 64 is at most the width.
-                let difference = unsafe { outside([f, h, g].map(|row| row.wrapping_add(at)), u64::MAX) };
-                counted += count(difference, u64::MAX);
+                let [f, h, g] = unsafe { [f, h, g].map(|row| load(row.wrapping_add(at), u64::MAX)) };
+                counted += count(outside(f, h, g), u64::MAX);
+                at += LANES;
             }
             if end > 0 {
                 // SAFETY: `end` has no lane that is not below the width.
-                let difference = unsafe { outside([f, h, g].map(|row| row.wrapping_add(whole * LANES)), end) };
-                counted += count(difference, end);
+                let [f, h, g] = unsafe { [f, h, g].map(|row| load(row.wrapping_add(at), end)) };
+                counted += count(outside(f, h, g), end);
             }
-            if counted * u32::from(Table::ONE) + rows.full_after(y + 1) < floor {
+            y += 1;
+            if counted * u32::from(Table::ONE) + rows.full_after(y) < floor {
                 return None;
             }
         }
@@ -153,7 +158,8 @@ impl Lookup {
         };
         // Two sums, so that a row need not wait for the one before it.
         let (mut even, mut odd) = (Sums::zero(), Sums::zero());
-        for y in (0..rows.height).step_by(2) {
+        let mut y = 0;
+        while y < rows.height {
             walk.add_row::<WIDE>(y, &mut even);
             if y + 1 < rows.height {
                 walk.add_row::<WIDE>(y + 1, &mut odd);
@@ -162,6 +168,7 @@ impl Lookup {
                     return None;
                 }
             }
+            y += 2;
         }
         Some(score(&even, &odd)).filter(|&score| score >= floor)
     }
@@ -185,17 +192,18 @@ impl Walk<'_> {
     #[inline]
     #[target_feature(enable = "avx512bw,avx512vbmi,avx512vnni")]
     fn add_row<const WIDE: bool>(&self, y: usize, sums: &mut Sums) {
-        let ((f, g), h) = (self.rows.row(y), self.rows.high_row(y));
-        for at in (0..self.whole).map(|register| register * LANES) {
+        let (f, g) = self.rows.row(y);
+        let mut at = 0;
+        while at < self.whole * LANES {
             // SAFETY: at + 64 is at most the width.
-            let difference = unsafe { outside([f, h, g].map(|row| row.wrapping_add(at)), u64::MAX) };
-            self.add::<WIDE>(difference, u64::MAX, sums);
+            let (f, g) = unsafe { (load(f.wrapping_add(at), u64::MAX), load(g.wrapping_add(at), u64::MAX)) };
+            self.add::<WIDE>(outside(f, f, g), u64::MAX, sums);
+            at += LANES;
         }
         if self.end > 0 {
-            let at = self.whole * LANES;
             // SAFETY: `end` has no lane that is not below the width.
-            let difference = unsafe { outside([f, h, g].map(|row| row.wrapping_add(at)), self.end) };
-            self.add::<WIDE>(difference, self.end, sums);
+            let (f, g) = unsafe { (load(f.wrapping_add(at), self.end), load(g.wrapping_add(at), self.end)) };
+            self.add::<WIDE>(outside(f, f, g), self.end, sums);
         }
     }
 
@@ -270,13 +278,14 @@ unsafe fn distance<const WHOLE: usize>(rows: &Rows, enough: u32) -> u32 {
     let mut sum = _mm512_setzero_si512();
     for y in 0..rows.height {
         let (f, g) = rows.row(y);
-        for at in (0..whole).map(|register| register * LANES) {
+        let mut at = 0;
+        while at < whole * LANES {
             // SAFETY: at + 64 is at most the width.
             let (f, g) = unsafe { (load(f.wrapping_add(at), u64::MAX), load(g.wrapping_add(at), u64::MAX)) };
             sum = _mm512_add_epi64(sum, _mm512_sad_epu8(f, g));
+            at += LANES;
         }
         if end > 0 {
-            let at = whole * LANES;
             // SAFETY: `end` has no lane that is not below the width.
             let (f, g) = unsafe { (load(f.wrapping_add(at), end), load(g.wrapping_add(at), end)) };
             sum = _mm512_add_epi64(sum, _mm512_sad_epu8(f, g));
@@ -288,40 +297,11 @@ unsafe fn distance<const WHOLE: usize>(rows: &Rows, enough: u32) -> u32 {
     across(sum)
 }
 
-/// By how much the pixels in the lanes of `valid` lie outside their ranges, lowest and highest: |f - g| where a range is one
-/// pixel. 0 in the other lanes.
-///
-/// # Safety
-/// Of the lanes of `valid` there are readable bytes at all three.
+/// By how much 64 pixels lie outside their ranges: |f - g| where a range is one pixel.
 #[inline]
 #[target_feature(enable = "avx512bw")]
-unsafe fn outside([low, high, g]: [*const u8; 3], valid: u64) -> __m512i {
-    // SAFETY: the caller has seen to it.
-    let (low, high, g) = unsafe { (load(low, valid), load(high, valid), load(g, valid)) };
+fn outside(low: __m512i, high: __m512i, g: __m512i) -> __m512i {
     _mm512_or_si512(_mm512_subs_epu8(low, g), _mm512_subs_epu8(g, high))
-}
-
-/// See [`scalar::spread`](super::super::scalar::spread).
-#[target_feature(enable = "avx512bw")]
-fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
-    for at in (0..columns).step_by(LANES) {
-        let valid = lanes((columns - at).min(LANES));
-        let (mut lowest, mut highest) = (_mm512_set1_epi8(-1), _mm512_setzero_si512());
-        for row in rows {
-            for column in 0..4 {
-                // SAFETY: `valid` has no lane beyond `columns`, and every row is three longer.
-                let pixels = unsafe { load(row.as_ptr().wrapping_add(at + column), valid) };
-                lowest = _mm512_min_epu8(lowest, pixels);
-                highest = _mm512_max_epu8(highest, pixels);
-            }
-        }
-        // SAFETY: `valid` has no lane beyond `columns`, which neither of the two is shorter than.
-        unsafe {
-            _mm512_mask_storeu_epi8(low.as_mut_ptr().wrapping_add(at).cast(), valid, lowest);
-            _mm512_mask_storeu_epi8(high.as_mut_ptr().wrapping_add(at).cast(), valid, highest);
-        }
-    }
 }
 
 /// The first `count` lanes, 64 at most.

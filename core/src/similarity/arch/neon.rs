@@ -3,10 +3,12 @@
 //! 1. `tbl` looks up 64 entries of a byte plane and gives zero for a larger index; entries at the threshold and beyond are
 //!    stored as zero. So the lookup is the test d < threshold, too. Larger thresholds take up to four of them.
 //! 2. Bytes are added in pairs, and these to four-byte lanes; a plane's sum over 65537 pixels is below 2^25.
-//! 3. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
+//! 3. Of a patch that lies between two pictures the pixels that count are counted, each taken to be fully similar: a bound,
+//!    for half of the price.
+//! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
 
 use super::super::{Table, scalar};
-use super::{Kernels, rows::Rows};
+use super::{Kernels, Plain, rows::Rows};
 use crate::image::Image;
 use core::arch::aarch64::*;
 use core::slice;
@@ -25,6 +27,8 @@ pub(super) struct Lookup {
     low: [[u8; SEGMENT]; 4],
     high: [[u8; SEGMENT]; 4],
     segments: usize,
+    /// The largest difference that counts, if there is one.
+    last: Option<u8>,
 }
 
 impl Kernels for Lookup {
@@ -42,6 +46,26 @@ impl Kernels for Lookup {
     }
 
     #[inline]
+    fn score_between_at_least(
+        &self,
+        _: &Plain,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        let rows = Rows::between(low, high, template);
+        // SAFETY: this file is compiled only where all has NEON, and the pictures are borrowed.
+        unsafe { self.count_at_least(&rows, floor) }
+    }
+
+    #[inline]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        // SAFETY: this file is compiled only where all has NEON.
+        unsafe { spread(rows, low, high) }
+    }
+
+    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         // SAFETY: this file is compiled only where all has NEON, and both pictures are borrowed.
@@ -52,12 +76,47 @@ impl Kernels for Lookup {
 impl Lookup {
     pub(super) fn new(table: &Table, threshold: u16) -> Self {
         let segments = usize::from(threshold).div_ceil(SEGMENT);
-        let mut lookup = Self { low: [[0; SEGMENT]; 4], high: [[0; SEGMENT]; 4], segments };
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        let mut lookup = Self { low: [[0; SEGMENT]; 4], high: [[0; SEGMENT]; 4], segments, last };
         let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
         lookup
+    }
+
+    /// The number of pixels that count, each fully similar.
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed.
+    #[target_feature(enable = "neon")]
+    unsafe fn count_at_least(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
+        let (end, last) = (End::of(rows.width), vdupq_n_u8(last));
+        let mut count = Count { bytes: vdupq_n_u8(0), registers: 0, flushed: 0 };
+        let mut y = 0;
+        while y < rows.height {
+            let ((f, g), h) = (rows.row(y), rows.high_row(y));
+            let mut at = 0;
+            while at + LANES <= rows.width {
+                // SAFETY: at + 16 is at most the width.
+                let (f, h, g) =
+                    unsafe { (load(f.wrapping_add(at)), load(h.wrapping_add(at)), load(g.wrapping_add(at))) };
+                count.add(vcleq_u8(outside(f, h, g), last));
+                at += LANES;
+            }
+            if end.exists() {
+                // SAFETY: the row is as wide as `end` was made for.
+                let (f, h, g) = unsafe { (end.load(f), end.load(h), end.load(g)) };
+                count.add(vandq_u8(vcleq_u8(outside(f, h, g), last), end.valid));
+            }
+            y += 1;
+            if y.is_multiple_of(ROWS_A_LOOK) && rows.full_after(y) < floor && count.score() + rows.full_after(y) < floor
+            {
+                return None;
+            }
+        }
+        Some(count.score()).filter(|&score| score >= floor)
     }
 
     /// # Safety
@@ -141,6 +200,79 @@ impl Sums {
     #[target_feature(enable = "neon")]
     fn score(&self) -> u32 {
         vaddvq_u32(vaddq_u32(self.low, vshlq_n_u32::<8>(self.high)))
+    }
+}
+
+/// How many pixels count.
+struct Count {
+    /// In 16 parts, of so many registers.
+    bytes: uint8x16_t,
+    registers: u8,
+    /// And of those before.
+    flushed: u32,
+}
+
+impl Count {
+    /// Counts the lanes of which all bits are set.
+    #[inline]
+    #[target_feature(enable = "neon")]
+    fn add(&mut self, counts: uint8x16_t) {
+        self.bytes = vsubq_u8(self.bytes, counts); // all bits are -1
+        self.registers += 1;
+        if self.registers == u8::MAX {
+            self.flush();
+        }
+    }
+
+    #[inline]
+    #[target_feature(enable = "neon")]
+    fn flush(&mut self) {
+        self.flushed += u32::from(vaddlvq_u8(self.bytes));
+        (self.bytes, self.registers) = (vdupq_n_u8(0), 0);
+    }
+
+    #[inline]
+    #[target_feature(enable = "neon")]
+    fn score(&mut self) -> u32 {
+        self.flush();
+        self.flushed * u32::from(Table::ONE)
+    }
+}
+
+/// By how much 16 pixels lie outside their ranges.
+#[inline]
+#[target_feature(enable = "neon")]
+fn outside(low: uint8x16_t, high: uint8x16_t, g: uint8x16_t) -> uint8x16_t {
+    vorrq_u8(vqsubq_u8(low, g), vqsubq_u8(g, high))
+}
+
+/// See [`scalar::spread`].
+#[target_feature(enable = "neon")]
+fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
+    let Some(last) = columns.checked_sub(LANES) else {
+        return scalar::spread(rows, low, high);
+    };
+    let mut at = 0;
+    loop {
+        let (mut lowest, mut highest) = (vdupq_n_u8(u8::MAX), vdupq_n_u8(0));
+        for row in rows {
+            for column in 0..4 {
+                // SAFETY: at + 16 is at most `columns`, and no row is shorter than that and three.
+                let pixels = unsafe { load(row.as_ptr().wrapping_add(at + column)) };
+                (lowest, highest) = (vminq_u8(lowest, pixels), vmaxq_u8(highest, pixels));
+            }
+        }
+        // SAFETY: at + 16 is at most `columns`, and neither of the two is shorter than that.
+        unsafe {
+            vst1q_u8(low.as_mut_ptr().wrapping_add(at), lowest);
+            vst1q_u8(high.as_mut_ptr().wrapping_add(at), highest);
+        }
+        if at >= last {
+            return;
+        }
+        // The last columns are done together with some before them, which come out the same again.
+        at = last.min(at + LANES);
     }
 }
 

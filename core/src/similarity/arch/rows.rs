@@ -43,6 +43,13 @@ impl Rows {
         }
     }
 
+    /// Of every row the first pixels, `width` at most.
+    #[inline]
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for SSE2
+    pub(super) fn first(&self, width: usize) -> Self {
+        Self { width: self.width.min(width), ..*self }
+    }
+
     /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
     #[inline]
     pub(super) fn full_after(&self, y: usize) -> u32 {

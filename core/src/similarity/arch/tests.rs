@@ -132,9 +132,7 @@ fn all_lengths_of_ranges(backend: Backend) {
             let mut seed = length as u32 * 9;
             let rows = rows.each_mut().map(|row| {
                 seed += 1;
-                let bytes: Vec<u8> = noise(length + 3 + (seed as usize % 3), seed).to_vec();
-                let row: &[u8] = row.copy(&bytes, side);
-                row
+                row.copy(&noise(length + 3 + (seed as usize % 3), seed), side)
             });
             let mut expected = (std::vec![7; length + 3], std::vec![7; length + 3]);
             scalar::spread(&rows, &mut expected.0, &mut expected.1);
