@@ -61,12 +61,20 @@ fn pair(maxima: &[u32], distance: usize) -> u32 {
     let mut both = 0;
     for (&maximum, behind) in maxima.iter().zip((distance + 1..).map_while(|from| maxima.get(from..))) {
         before = maximum.max(before);
-        both = both.max(before.min(behind.iter().copied().max().unwrap_or(0)));
+        both = both.max(before.min(largest(behind)));
     }
     both
 }
 
+/// The largest entry more than `neighbourhood` away from the peak, which is one of them.
 fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
-    let far_away = (first..).zip(maxima).filter(|(at, _)| at.abs_diff(peak) > u32::from(neighbourhood));
-    far_away.map(|(_, &maximum)| maximum).max().unwrap_or(0)
+    let peak = usize::try_from(peak.saturating_sub(first)).unwrap_or(0);
+    let before = maxima.get(..peak.saturating_sub(neighbourhood.into()));
+    let behind = maxima.get(peak + usize::from(neighbourhood) + 1..);
+    [before, behind].map(|far| largest(far.unwrap_or_default())).into_iter().max().unwrap_or(0)
+}
+
+#[inline(never)] // one copy in flash
+fn largest(maxima: &[u32]) -> u32 {
+    maxima.iter().copied().max().unwrap_or(0)
 }

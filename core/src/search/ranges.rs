@@ -213,17 +213,24 @@ impl Shape {
 
 /// The ranges of the blocks whose first pixels are at (`x`..., `y`) of the frame; what lies outside it is zeroes.
 fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
-    const ROWS: [u16; SIDE] = [0, 1, 2, 3];
-    const PART: usize = 64;
-    let place = |x: i32, columns: usize| Rect::new(x, y, u16::try_from(columns).unwrap_or(u16::MAX), 4);
-    if let Some(pixels) = frame.patch(place(x, low.len() + SIDE - 1)) {
-        return scorer.spread(&ROWS.map(|row| pixels.row(row)), low, high);
+    let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
+    match frame.patch(Rect::new(x, y, columns, 4)) {
+        Some(pixels) => scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
+        None => spread_at_border(frame, x, y, scorer, low, high),
     }
+}
+
+/// The same where some of the pixels lie outside the frame: of a copy of them, part by part.
+#[cold]
+#[inline(never)] // no part of the usual case, which is inlined
+fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
+    const PART: usize = 64;
     let mut x = x;
     for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
-        let columns = low.len() + SIDE - 1;
         let mut copy = [[0; PART + SIDE - 1]; SIDE];
-        let seen = place(x, columns).intersection(frame.bounds());
+        // No pixel more than needed: others may not be in memory.
+        let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
+        let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
             let down = usize::try_from(seen.y.saturating_sub(y)).unwrap_or(0);
@@ -231,8 +238,7 @@ fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], hi
                 to.iter_mut().skip(right).zip(from).for_each(|(to, &from)| *to = from);
             }
         }
-        let rows = copy.each_ref().map(|row| row.get(..columns).unwrap_or_default());
-        scorer.spread(&rows, low, high);
+        scorer.spread(&copy.each_ref().map(<[u8; PART + SIDE - 1]>::as_slice), low, high);
         x = x.saturating_add(64);
     }
 }

@@ -54,6 +54,8 @@ pub(crate) fn score_at_least(
 }
 
 /// The same for a box that reaches outside the frame.
+#[cold]
+#[inline(never)] // no part of the usual case, which is inlined
 fn score_at_border(frame: &Frame<'_>, template: Image<'_>, target: Rect, scorer: &Scorer, floor: u32) -> Option<u32> {
     let seen = target.intersection(frame.bounds());
     let within = Rect { x: seen.x.saturating_sub(target.x), y: seen.y.saturating_sub(target.y), ..seen };

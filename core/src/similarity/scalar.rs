@@ -74,6 +74,7 @@ fn pixel(f: u8, g: u8, table: &Table, threshold: u16) -> u32 {
 /// # Ok::<(), smr_core::ImageError>(())
 /// ```
 #[must_use]
+#[inline(never)] // one copy in flash
 pub fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     let mut sum = 0;
     for (f, g) in patch.rows().zip(template.rows()) {
@@ -131,6 +132,7 @@ pub fn score_between_at_least(
 /// scalar::spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
 /// assert_eq!((low, high), ([1, 5], [9, 9]));
 /// ```
+#[inline(never)] // one copy in flash
 pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let blocks = rows.each_ref().map(|row| row.windows(4));
     let [a, b, c, d] = blocks;
@@ -161,21 +163,19 @@ pub(super) fn chord(table: &Table, threshold: u16) -> u32 {
 /// `seen` is in the template's own coordinates; empty if the whole template lies on the padding.
 #[must_use]
 pub fn score_on_padding(template: Image<'_>, seen: crate::Rect, table: &Table, threshold: u16) -> u32 {
-    let on_padding = |row: &[u8]| -> u32 { row.iter().map(|&g| pixel(0, g, table, threshold)).sum() };
-    let part = |row: &'_ [u8], from: i32, to: i32| -> u32 {
-        let from = usize::try_from(from).unwrap_or(0);
-        let to = usize::try_from(to).unwrap_or(0);
-        row.get(from..to).map_or(0, on_padding)
-    };
     let mut sum = 0;
     for (y, row) in (0..).zip(template.rows()) {
-        sum += if (seen.y..seen.bottom()).contains(&y) {
-            part(row, 0, seen.x) + part(row, seen.right(), i32::from(template.width()))
-        } else {
-            on_padding(row)
-        };
+        let is_seen = (seen.y..seen.bottom()).contains(&y);
+        let [left, right] = [seen.x, seen.right()].map(|x| if is_seen { usize::try_from(x).unwrap_or(0) } else { 0 });
+        sum += row_on_padding(row.get(..left).unwrap_or_default(), table, threshold);
+        sum += row_on_padding(row.get(right..).unwrap_or_default(), table, threshold);
     }
     sum
+}
+
+#[inline(never)] // one copy in flash
+fn row_on_padding(row: &[u8], table: &Table, threshold: u16) -> u32 {
+    row.iter().map(|&g| pixel(0, g, table, threshold)).sum()
 }
 
 #[cfg(test)]

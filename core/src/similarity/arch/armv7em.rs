@@ -219,6 +219,17 @@ fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     scalar::distance(patch, template, enough)
 }
 
+/// Unrolled in text, not by `.irp`: a compiler that counts lines to tell how far its jumps across them reach must see them.
+macro_rules! distance_of_words {
+    ($($offset:literal)*) => {
+        concat!($(
+            concat!("ldr.n r2, [r0, #", $offset, "]\n"),
+            concat!("ldr.n r3, [r1, #", $offset, "]\n"),
+            "usada8 {sum}, r2, r3, {sum}\n",
+        )*)
+    };
+}
+
 /// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, until that is not negative any more.
 ///
 /// # Safety
@@ -243,11 +254,8 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
             "3:",
             "mov pc, {words}",
             ".p2align 2", // so that 4 is where adr can point to
-            ".irp offset,124,120,116,112,108,104,100,96,92,88,84,80,76,72,68,64,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
-            "ldr.n r2, [r0, #\\offset]",
-            "ldr.n r3, [r1, #\\offset]",
-            "usada8 {sum}, r2, r3, {sum}",
-            ".endr",
+            distance_of_words!(124 120 116 112 108 104 100 96 92 88 84 80 76 72 68 64),
+            distance_of_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
             "4:",
             "add r0, r0, {f_stride}",
             "add r1, r1, {g_stride}",
@@ -403,6 +411,23 @@ impl Limit {
     }
 }
 
+macro_rules! clipped_words {
+    ($($offset:literal)*) => {
+        concat!($(
+            concat!("ldr.n r2, [r0, #", $offset, "]\n"),
+            concat!("ldr.n r3, [r1, #", $offset, "]\n"),
+            "uqsub8 {d}, r2, r3\n",
+            concat!("ldr.n r2, [r4, #", $offset, "]\n"),
+            "uqsub8 r2, r3, r2\n",
+            "orr.w r2, r2, {d}\n",
+            "uqsub8 {d}, {threshold}, r2\n",
+            "uqsub8 r2, {one_less}, r2\n",
+            "usada8 {sum}, {threshold}, {d}, {sum}\n",
+            "usada8 {less}, {one_less}, r2, {less}\n",
+        )*)
+    };
+}
+
 impl Clipped {
     fn loss(&self, limit: &Limit) -> u32 {
         let by_threshold = limit.of_threshold().wrapping_mul(self.by_threshold);
@@ -457,18 +482,7 @@ impl Clipped {
                 "3:",
                 "ldr.w pc, [{round}, #28]",
                 ".p2align 2", // so that 4 is where adr can point to
-                ".irp offset,60,56,52,48,44,40,36,32,28,24,20,16,12,8,4,0",
-                "ldr.n r2, [r0, #\\offset]",
-                "ldr.n r3, [r1, #\\offset]",
-                "uqsub8 {d}, r2, r3",
-                "ldr.n r2, [r4, #\\offset]",
-                "uqsub8 r2, r3, r2",
-                "orr.w r2, r2, {d}",
-                "uqsub8 {d}, {threshold}, r2",
-                "uqsub8 r2, {one_less}, r2",
-                "usada8 {sum}, {threshold}, {d}, {sum}",
-                "usada8 {less}, {one_less}, r2, {less}",
-                ".endr",
+                clipped_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
                 "4:",
                 "ldrd r2, r3, [{round}]",
                 "add r0, r0, r2",
