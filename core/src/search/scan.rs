@@ -113,7 +113,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Descent(descent) => self.descend(scene, descent),
                 Stage::Scout(number) => self.scout(scene, number),
                 Stage::Spread(place, row) => self.spread(scene, place, row),
-                Stage::Exclude(place, group) => self.exclude(scene, place, group),
+                Stage::Exclude(place, group) => self.exclude(scene, place, group, work),
                 Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset),
                 Stage::Offsets(column, row) => self.offset(scene, column, row),
                 Stage::Done => Stage::Done,
@@ -207,18 +207,22 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         Stage::Spread(place, row + 1)
     }
 
-    fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize) -> Stage {
+    fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize, work: u32) -> Stage {
         let needed = self.leaders.needed();
-        let Some(group) = self.ranges.next(&self.tile, group, needed) else {
-            return if place.pass + 1 < self.ranges.passes() {
-                Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
-            } else {
-                Stage::Refine(place, 0, 0)
-            };
-        };
-        let compared = self.ranges.look(scene.template, &self.tile, place.pass, group, needed, scene.scorer);
-        self.spend(compared);
-        Stage::Exclude(place, group + 1)
+        let mut group = group;
+        while let Some(next) = self.ranges.next(&self.tile, group, needed) {
+            let compared = self.ranges.look(scene.template, &self.tile, place.pass, next, needed, scene.scorer);
+            self.spend(compared);
+            group = next + 1;
+            if self.work >= work {
+                return Stage::Exclude(place, group);
+            }
+        }
+        if place.pass + 1 < self.ranges.passes() {
+            Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
+        } else {
+            Stage::Refine(place, 0, 0)
+        }
     }
 
     fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize) -> Stage {
