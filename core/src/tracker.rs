@@ -221,8 +221,9 @@ pub struct Update<'a, const PIXELS: usize, const SPAN: usize> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
-    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most eight times the
-    /// template's pixels. True when nothing is left to do but [`Update::finish`].
+    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most four times the
+    /// template's pixels, or twice the pixels of a row of [`Tracker::window`]. True when nothing is left to do but
+    /// [`Update::finish`].
     pub fn step(&mut self, work: u32) -> bool {
         self.advance(work)
     }
@@ -593,7 +594,7 @@ mod tests {
         let mut update = tracker.begin(&frame).unwrap();
         let mut before = 0;
         while !update.step(500) {
-            assert!(update.work() - before <= 500 + 8 * 144);
+            assert!(update.work() - before <= 500 + 4 * 144);
             before = update.work();
         }
     }

@@ -601,8 +601,8 @@ smr_status smr_begin(struct smr_tracker *tracker,
  *
  * @param tracker  As for #smr_begin.
  * @param frame    The same frame, with the same pixels.
- * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most eight times the template's
- *                 pixels.
+ * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most four times the template's
+ *                 pixels, or twice the pixels of a row of #smr_window.
  * @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
  * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
  */

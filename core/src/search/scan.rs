@@ -1,8 +1,8 @@
 //! The search: every offset of the window scored or excluded, in steps of as little work as is asked for.
 //!
 //! First the last position and a descent from it, to have a good score early, and for the runner-up a few far apart; then
-//! tile by tile, pass by pass (see `ranges.rs`). An offset is excluded together with its group, or scored until it cannot reach what is needed; the answer
-//! does not depend on the order.
+//! tile by tile, pass by pass (see `ranges.rs`). An offset is excluded together with its group, or scored until it cannot
+//! reach what is needed; the answer does not depend on the order.
 
 use super::leaders::Leaders;
 use super::ranges::{Ranges, SIDE, Tile};
@@ -75,7 +75,7 @@ fn first_step(window: &Window) -> i32 {
     }
 }
 
-/// From 8 pixels on the descent finds what the ranges would find soon after.
+/// It sets out with 8 pixels at most: what lies farther away than that and twice as far is left to the ranges.
 const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {

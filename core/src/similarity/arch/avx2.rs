@@ -5,7 +5,8 @@
 //! 2. A shuffle gives zero where the top bit of the index is set. The differences are moved up, with saturation, so that
 //!    those of other segments have it: the lookup is the test d < threshold, too.
 //! 3. `psadbw` against zero adds eight bytes exactly; a plane's sum over 65537 pixels is below 2^25.
-//! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
+//! 4. Of a patch that lies between two pictures the pixels that count are counted, without a lookup: a bound.
+//! 5. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
 //!    byte outside a row is read, whatever its width.
 
 use super::super::{Table, scalar};
@@ -18,7 +19,7 @@ use core::slice;
 const LANES: usize = 32;
 
 /// So many rows are added before it is looked whether the end is already certain.
-const ROWS_A_LOOK: usize = 4;
+const ROWS_A_LOOK: usize = 8;
 
 /// Entries that one shuffle looks up.
 const SEGMENT: usize = 16;
@@ -46,12 +47,12 @@ pub(super) fn is_available() -> bool {
 }
 
 impl Kernels for Lookup {
-    #[inline]
+    #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         self.sum(&Rows::of(patch, template), floor)
     }
 
-    #[inline]
+    #[inline(always)]
     fn score_between_at_least(
         &self,
         _: &Plain,
@@ -74,13 +75,13 @@ impl Kernels for Lookup {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         // SAFETY: a `Lookup` exists only where AVX2 does.
         unsafe { spread(rows, low, high) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         // SAFETY: a `Lookup` exists only where AVX2 does, and both pictures are borrowed.
@@ -108,9 +109,16 @@ impl Lookup {
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
-        let segments = usize::from(threshold).div_ceil(SEGMENT);
+        // Of more than four either a half or all are gone through, those beyond the threshold too.
+        let segments = match usize::from(threshold).div_ceil(SEGMENT) {
+            live @ 0..=4 => live,
+            5..=8 => 8,
+            _ => 16,
+        };
+        planes.0.get_mut(..segments).map(xor_within_halves);
+        planes.1.get_mut(..segments).map(xor_within_halves);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        Some(Self { low: differences(&planes.0), high: differences(&planes.1), segments, last })
+        Some(Self { low: planes.0, high: planes.1, segments, last })
     }
 
     /// The score of rows whose pictures are borrowed.
@@ -123,14 +131,14 @@ impl Lookup {
                 2 => self.sum_by_width::<2>(rows, floor),
                 3 => self.sum_by_width::<3>(rows, floor),
                 4 => self.sum_by_width::<4>(rows, floor),
-                5..=8 => self.sum_by_width::<8>(rows, floor),
+                8 => self.sum_by_width::<8>(rows, floor),
                 _ => self.sum_by_width::<16>(rows, floor),
             }
         }
     }
 
-    /// A bound of a score for less than its price: every pixel that counts is taken to be fully similar. `WHOLE` and `END` are
-    /// as for [`Lookup::sum_at_least`].
+    /// A bound of a score: every pixel that counts is taken to be fully similar. It reads three pictures for about the price
+    /// that the score of two has. `WHOLE` and `END` are as for [`Lookup::sum_at_least`].
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed.
@@ -139,6 +147,7 @@ impl Lookup {
         let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
         let (whole, end) = (if WHOLE == ANY { rows.width / LANES } else { WHOLE }, End::of(rows.width));
         let mut count = Count { last: _mm256_set1_epi8(last.cast_signed()), bytes: _mm256_setzero_si256(), flushed: 0 };
+        let needed = Rows::pixels_of(floor);
         let mut y = 0;
         while y < rows.height {
             let until = rows.height.min(y + ROWS_A_LOOK);
@@ -166,11 +175,11 @@ impl Lookup {
                 y += 1;
             }
             count.flush();
-            if count.score() + rows.full_after(y) < floor {
+            if count.flushed + rows.pixels_after(y) < needed {
                 return None;
             }
         }
-        Some(count.score())
+        Some(count.flushed * u32::from(Table::ONE))
     }
 
     /// The usual widths have a loop of their own.
@@ -261,15 +270,16 @@ impl Walk<'_> {
 /// Whatever number of registers a row fills, but at least one.
 const ANY: usize = usize::MAX;
 
-/// Each segment of a half as what differs from the one before it.
-fn differences(plane: &[[u8; SEGMENT]; 16]) -> [[u8; SEGMENT]; 16] {
-    let mut differences = *plane;
-    for (half, of) in differences.chunks_mut(SEGMENTS_A_HALF).zip(plane.chunks(SEGMENTS_A_HALF)) {
-        for (later, before) in half.iter_mut().skip(1).flatten().zip(of.as_flattened()) {
-            *later ^= before;
+/// Makes each segment of a half what differs from the one before it.
+fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
+    for half in plane.chunks_mut(SEGMENTS_A_HALF) {
+        // From the last on, so that each meets the one before it unchanged.
+        let mut rest = half;
+        while let Some((last, before)) = rest.split_last_mut() {
+            last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
+            rest = before;
         }
     }
-    differences
 }
 
 /// The similarities of 32 pairs of pixels, low bytes and high bytes, by the first `SEGMENTS` segments.
@@ -375,12 +385,6 @@ impl Count {
     fn flush(&mut self) {
         self.flushed += across(_mm256_sad_epu8(self.bytes, _mm256_setzero_si256()));
         self.bytes = _mm256_setzero_si256();
-    }
-
-    /// The score of so many equal pixels, which fits a `u32` for as many as a template may have.
-    #[inline]
-    const fn score(&self) -> u32 {
-        self.flushed * Table::ONE as u32
     }
 }
 

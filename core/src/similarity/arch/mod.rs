@@ -66,8 +66,8 @@ use crate::image::Image;
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
-    /// x86-64 with no more than every one has: distances 16 pixels at a time; a score is the plain loop's, begun only where
-    /// a bound allows it to reach the floor.
+    /// x86-64 with no more than every one has: distances, ranges and bounds 16 pixels at a time; a score is the plain
+    /// loop's, begun only where a bound allows it to reach the floor.
     Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,

@@ -4,7 +4,7 @@
 //!    stored as zero. So the lookup is the test d < threshold, too. Larger thresholds take up to four of them.
 //! 2. Bytes are added in pairs, and these to four-byte lanes; a plane's sum over 65537 pixels is below 2^25.
 //! 3. Of a patch that lies between two pictures the pixels that count are counted, each taken to be fully similar: a bound,
-//!    for half of the price.
+//!    without a lookup.
 //! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
 
 use super::super::{Table, scalar};

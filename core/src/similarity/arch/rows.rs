@@ -53,9 +53,23 @@ impl Rows {
     /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
     #[inline]
     pub(super) fn full_after(&self, y: usize) -> u32 {
-        let pixels = self.width.wrapping_mul(self.height.wrapping_sub(y));
+        u32::from(Table::ONE).wrapping_mul(self.pixels_after(y))
+    }
+
+    /// Pixels in the rows from `y` on.
+    #[inline]
+    pub(super) fn pixels_after(&self, y: usize) -> u32 {
         #[allow(clippy::cast_possible_truncation)] // at most Table::MAX_PIXELS
-        u32::from(Table::ONE).wrapping_mul(pixels as u32)
+        {
+            self.width.wrapping_mul(self.height.wrapping_sub(y)) as u32
+        }
+    }
+
+    /// The least number of equal pixels whose score is at least `floor`.
+    #[inline]
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for those that count, with little time between looks
+    pub(super) const fn pixels_of(floor: u32) -> u32 {
+        floor.div_ceil(Table::ONE as u32)
     }
 
     /// Gives `compare` the addresses of each two rows, from the top and as long as it says true.

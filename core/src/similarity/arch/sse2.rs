@@ -37,7 +37,7 @@ pub(super) const fn is_available() -> bool {
 }
 
 impl Kernels for Bound {
-    #[inline]
+    #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::of(patch, template);
         let looked_at = rows.first(if rows.width <= NARROW { LANES } else { rows.width });
@@ -49,7 +49,7 @@ impl Kernels for Bound {
         scalar::score_at_least(patch, template, self.table, self.threshold, floor)
     }
 
-    #[inline]
+    #[inline(always)]
     fn score_between_at_least(
         &self,
         plain: &Plain,
@@ -66,13 +66,13 @@ impl Kernels for Bound {
         unsafe { self.reach::<true>(&rows, floor) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         // SAFETY: a `Bound` exists only where SSE2 does.
         unsafe { spread(rows, low, high) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         if rows.width < LANES {
