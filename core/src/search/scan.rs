@@ -112,10 +112,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Start => self.start(scene),
                 Stage::Descent(descent) => self.descend(scene, descent),
                 Stage::Scout(number) => self.scout(scene, number),
-                Stage::Spread(place, row) => self.spread(scene, place, row),
+                Stage::Spread(place, row) => self.spread(scene, place, row, work),
                 Stage::Exclude(place, group) => self.exclude(scene, place, group, work),
-                Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset),
-                Stage::Offsets(column, row) => self.offset(scene, column, row),
+                Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset, work),
+                Stage::Offsets(column, row) => self.offsets(scene, column, row, work),
                 Stage::Done => Stage::Done,
             };
         }
@@ -194,29 +194,33 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     #[inline(never)] // one copy in flash
-    fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize) -> Stage {
+    fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize, work: u32) -> Stage {
         if row == 0 && place.pass == 0 {
             self.tile = self.ranges.tile(&scene.window, place.column, place.row);
             self.ranges.start(&self.tile, area(scene));
         }
-        if row >= self.ranges.rows(&self.tile, place.pass) {
-            return Stage::Exclude(place, 0);
+        let tile = self.tile;
+        for row in row..self.ranges.rows(&tile, place.pass) {
+            if self.work >= work {
+                return Stage::Spread(place, row);
+            }
+            let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
+            self.spend(2 * ranges);
         }
-        let ranges = self.ranges.spread(&scene.frame, &scene.window, &self.tile, place.pass, row, scene.scorer);
-        self.spend(2 * ranges);
-        Stage::Spread(place, row + 1)
+        Stage::Exclude(place, 0)
     }
 
+    #[inline(never)] // one copy in flash
     fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize, work: u32) -> Stage {
-        let needed = self.leaders.needed();
-        let mut group = group;
-        while let Some(next) = self.ranges.next(&self.tile, group, needed) {
-            let compared = self.ranges.look(scene.template, &self.tile, place.pass, next, needed, scene.scorer);
-            self.spend(compared);
-            group = next + 1;
+        let (tile, needed) = (self.tile, self.leaders.needed());
+        let mut from = group;
+        while let Some(group) = self.ranges.next(&tile, from, needed) {
             if self.work >= work {
                 return Stage::Exclude(place, group);
             }
+            let compared = self.ranges.look(scene.template, &tile, place.pass, group, needed, scene.scorer);
+            self.spend(compared);
+            from = group + 1;
         }
         if place.pass + 1 < self.ranges.passes() {
             Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
@@ -225,29 +229,45 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize) -> Stage {
+    #[inline(never)] // one copy in flash
+    fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize, work: u32) -> Stage {
         let tile = self.tile;
-        let Some(next) = self.ranges.next(&tile, group, self.leaders.needed()) else {
-            return self.next(scene, place);
-        };
-        let offset = if next == group { offset } else { 0 };
-        let (first_column, first_row) = tile.new_in_group(next);
-        // At the first group that is left of each row: often enough to learn from what was scored since.
-        if offset == 0 && (group == 0 || first_row != tile.new_in_group(group - 1).1) {
-            self.leaders.look_for_pairs();
+        let (mut from, mut offset) = (group, offset);
+        while let Some(group) = self.ranges.next(&tile, from, self.leaders.needed()) {
+            if self.work >= work {
+                return Stage::Refine(place, group, if group == from { offset } else { 0 });
+            }
+            if group != from {
+                offset = 0;
+            }
+            let new = tile.new_in_group(group);
+            // At the first group that is left of each row: often enough to learn from what was scored since.
+            if offset == 0 && (from == 0 || new.1 != tile.new_in_group(from - 1).1) {
+                self.leaders.look_for_pairs();
+            }
+            self.score_in_group(scene, place, tile.group(group), new, offset);
+            offset += 1;
+            from = group + offset / (SIDE * SIDE);
+            offset %= SIDE * SIDE;
         }
-        let (column, row) = tile.group(next);
-        let (column, row) = (column + offset % SIDE, row + offset / SIDE);
-        let is_new = column >= first_column && row >= first_row;
-        let (column, row) = (tile.column + column, tile.row + row);
+        self.next(scene, place)
+    }
+
+    /// Scores an offset of a group, unless it is also one of a group or of a tile before.
+    fn score_in_group(
+        &mut self,
+        scene: &Scene<'_>,
+        place: Place,
+        group: (usize, usize),
+        new: (usize, usize),
+        offset: usize,
+    ) {
+        let (column, row) = (group.0 + offset % SIDE, group.1 + offset / SIDE);
+        let is_new = column >= new.0 && row >= new.1;
+        let (column, row) = (self.tile.column + column, self.tile.row + row);
         if is_new && column >= place.column && row >= place.row {
             let (x, y) = scene.window.position(column, row);
             self.score(scene, x, y);
-        }
-        if offset + 1 < SIDE * SIDE {
-            Stage::Refine(place, next, offset + 1)
-        } else {
-            Stage::Refine(place, next + 1, 0)
         }
     }
 
@@ -264,14 +284,22 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    fn offset(&mut self, scene: &Scene<'_>, column: usize, row: usize) -> Stage {
+    #[inline(never)] // one copy in flash
+    fn offsets(&mut self, scene: &Scene<'_>, column: usize, row: usize, work: u32) -> Stage {
         let (columns, rows) = scene.window.size();
-        if row >= rows {
-            return Stage::Done;
+        let mut column = column;
+        for row in row..rows {
+            while column < columns {
+                if self.work >= work {
+                    return Stage::Offsets(column, row);
+                }
+                let (x, y) = scene.window.position(column, row);
+                self.score(scene, x, y);
+                column += 1;
+            }
+            column = 0;
         }
-        let (x, y) = scene.window.position(column, row);
-        self.score(scene, x, y);
-        if column + 1 < columns { Stage::Offsets(column + 1, row) } else { Stage::Offsets(0, row + 1) }
+        Stage::Done
     }
 
     #[inline(never)] // one copy in flash
