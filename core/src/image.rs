@@ -209,6 +209,12 @@ impl<'a> Image<'a> {
         Some(Self { pixels: self.pixels.get(first * self.stride..)?, height, stride: self.stride * step, ..*self })
     }
 
+    /// A picture of this shape in other bytes; `None` if they are fewer.
+    pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
+        let Self { width, height, stride, .. } = *self;
+        (pixels.len() >= self.pixels.len()).then_some(Image { pixels, width, height, stride })
+    }
+
     fn rest(&self, start: usize, len: usize) -> &'a [u8] {
         self.pixels.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
     }

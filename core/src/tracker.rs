@@ -148,7 +148,11 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        self.begin(frame).map(Update::finish)
+        // Not `begin` and `finish`, between which an update would be moved: it is half a kilobyte where a table is in it.
+        let (track, window) = self.prepare(frame)?;
+        let mut update = self.update_of(frame, track, window);
+        update.begin();
+        Ok(update.run())
     }
 
     /// The same update in steps of a bounded amount of work, for those who have a deadline; the answer does not depend on
@@ -172,7 +176,8 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
-        let mut update = self.update_of(frame)?;
+        let (track, window) = self.prepare(frame)?;
+        let mut update = self.update_of(frame, track, window);
         update.begin();
         Ok(update)
     }
@@ -187,11 +192,12 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         if !self.begun {
             return Err(UpdateError::NotBegun);
         }
-        self.update_of(frame)
+        let (track, window) = self.prepare(frame)?;
+        Ok(self.update_of(frame, track, window))
     }
 
     #[inline(never)] // one copy in flash
-    fn update_of<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
+    fn prepare(&self, frame: &Frame<'_>) -> Result<(Track, Window), UpdateError> {
         let track = self.track.ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
@@ -201,9 +207,14 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         if !pixels.is_empty() && !frame.covered().contains(pixels) {
             return Err(UpdateError::WindowNotInMemory);
         }
+        Ok((track, window))
+    }
+
+    #[inline(always)] // made where it stays
+    fn update_of<'a>(&'a mut self, frame: &Frame<'a>, track: Track, window: Window) -> Update<'a, PIXELS, SPAN> {
         let backend = self.config.backend.unwrap_or_else(Backend::best);
         let scorer = Scorer::new(backend, self.config.table, self.template.threshold());
-        Ok(Update { tracker: self, frame: *frame, window, scorer, track, work: 0 })
+        Update { tracker: self, frame: *frame, window, scorer, track, work: 0 }
     }
 }
 
@@ -238,6 +249,10 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     /// Does what is left, and gives the answer.
     #[must_use]
     pub fn finish(mut self) -> Answer {
+        self.run()
+    }
+
+    fn run(&mut self) -> Answer {
         while !self.advance(u32::MAX) {}
         self.tracker.begun = false;
         let found = self.tracker.search.found(&self.window).unwrap_or(NOTHING);

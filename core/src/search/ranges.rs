@@ -149,7 +149,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let template = template.every(first, passes)?;
             let size = (template.width(), template.height());
             let low = Image::with_stride(low.get(start..)?, size.0, size.1, stride).ok()?;
-            let high = Image::with_stride(high.get(start..)?, size.0, size.1, stride).ok()?;
+            let high = low.like(high.get(start..)?)?;
             let pixels = u32::from(template.width()) * u32::from(template.height());
             // Of what the group can reach, the similarities of these rows are replaced by what their ranges allow.
             let others = *reach - pixels * u32::from(Table::ONE);

@@ -279,50 +279,48 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
-/// Of each two pixels of two registers the smaller (`least`) or the larger (`most`).
+/// Of each two pixels of two registers the smaller (`least`) or the larger (`most`); `free` is lost.
 macro_rules! of_two {
-    (least, $to:literal, $x:literal, $y:literal) => {
-        concat!("usub8 {h}, ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
+    (least, $to:literal, $x:literal, $y:literal, $free:literal) => {
+        concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
     };
-    (most, $to:literal, $x:literal, $y:literal) => {
-        concat!("usub8 {h}, ", $x, ", ", $y, "\nsel ", $to, ", ", $x, ", ", $y)
+    (most, $to:literal, $x:literal, $y:literal, $free:literal) => {
+        concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $x, ", ", $y)
     };
 }
 
-/// The same of each four rows of pixels three to the right of `at`, or none.
+/// The same of each four rows of pixels at `at`.
 macro_rules! of_four_rows {
-    ($right:literal, $low:literal, $high:literal) => {
+    ($low:literal, $high:literal) => {
         concat!(
             "ldrd {e}, {f}, [{rows}]\n",
-            concat!("add {at}, {at}, #", $right, "\n"),
             "ldr {e}, [{e}, {at}]\n",
             "ldr {f}, [{f}, {at}]\n",
-            concat!("usub8 {h}, {e}, {f}\nsel ", $low, ", {f}, {e}\nsel ", $high, ", {e}, {f}\n"),
+            concat!("usub8 ", $low, ", {e}, {f}\nsel ", $low, ", {f}, {e}\nsel ", $high, ", {e}, {f}\n"),
             "ldrd {e}, {f}, [{rows}, #8]\n",
             "ldr {e}, [{e}, {at}]\n",
             "ldr {f}, [{f}, {at}]\n",
-            concat!("sub {at}, {at}, #", $right, "\n"),
-            "usub8 {h}, {e}, {f}\nsel {g}, {f}, {e}\nsel {e}, {e}, {f}\n",
-            of_two!(least, $low, $low, "{g}"),
+            "usub8 {g}, {e}, {f}\nsel {g}, {f}, {e}\nsel {e}, {e}, {f}\n",
+            of_two!(least, $low, $low, "{g}", "{f}"),
             "\n",
-            of_two!(most, $high, $high, "{e}"),
+            of_two!(most, $high, $high, "{e}", "{f}"),
         )
     };
 }
 
-/// Of each four neighbours in columns 0 to 3 and 3 to 6.
+/// Of each four neighbours in columns 0 to 3 and 4 to 7.
 macro_rules! of_four_columns {
-    ($what:ident, $first:literal, $last:literal) => {
+    ($what:ident, $first:literal, $next:literal) => {
         concat!(
-            concat!("lsr {e}, ", $last, ", #8\n"),
-            concat!("lsr {f}, ", $first, ", #8\n"),
-            "orr {f}, {f}, {e}, lsl #24\n", // 1 to 4
-            of_two!($what, $last, $first, $last),
-            concat!("\nlsr ", $first, ", ", $first, ", #16\n"),
-            concat!("orr ", $first, ", ", $first, ", {e}, lsl #16\n"), // 2 to 5
-            of_two!($what, $last, $last, "{f}"),
-            "\n",
-            of_two!($what, $last, $last, $first),
+            concat!("lsr {e}, ", $first, ", #8\n"),
+            concat!("orr {e}, {e}, ", $next, ", lsl #24\n"),
+            of_two!($what, "{e}", "{e}", $first, "{f}"),
+            concat!("\nlsr {f}, ", $first, ", #16\n"),
+            concat!("orr {f}, {f}, ", $next, ", lsl #16\n"),
+            of_two!($what, "{e}", "{e}", "{f}", "{g}"),
+            concat!("\nlsr {f}, ", $first, ", #24\n"),
+            concat!("orr {f}, {f}, ", $next, ", lsl #8\n"),
+            of_two!($what, "{e}", "{e}", "{f}", "{g}"),
         )
     };
 }
@@ -331,23 +329,35 @@ macro_rules! of_four_columns {
 /// At all `rows` there are `blocks` bytes and three more, at `low` and at `high` there are `blocks`: at least four.
 #[inline(always)]
 unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usize) {
-    // SAFETY: four blocks at a time, from the last ones down; the first four may be some of those before again. For each
-    // four, of every row the word that begins where they do is read, and the one three bytes to the right.
+    // SAFETY: four blocks at a time, of words that begin where they do and four bytes to the right. The last four blocks may
+    // be some of those before again: three bytes to the right of them is the last word of a row.
     unsafe {
         asm!(
+            of_four_rows!("{a}", "{b}"),
             "2:",
-            of_four_rows!("0", "{a}", "{b}"),
-            of_four_rows!("3", "{c}", "{d}"),
+            "cmp {at}, {last}",
+            "bhs 3f",
+            "add {at}, {at}, #4",
+            of_four_rows!("{c}", "{d}"),
             of_four_columns!(least, "{a}", "{c}"),
+            "str {e}, [{low}, {at}]",
+            "mov {a}, {c}",
             of_four_columns!(most, "{b}", "{d}"),
-            "str {c}, [{low}, {at}]",
-            "str {d}, [{high}, {at}]",
-            "subs {at}, {at}, #4",
-            "bpl 2b",
-            "adds {at}, {at}, #4", // of the blocks before, there are that many left
-            "it ne",
-            "movne {at}, #0",
-            "bne 2b",
+            "str {e}, [{high}, {at}]",
+            "mov {b}, {d}",
+            "b 2b",
+            "3:",
+            "mov {at}, {last}",
+            of_four_rows!("{a}", "{b}"),
+            "add {at}, {at}, #3",
+            of_four_rows!("{c}", "{d}"),
+            "add {at}, {at}, #1",
+            "lsr {c}, {c}, #8",
+            of_four_columns!(least, "{a}", "{c}"),
+            "str {e}, [{low}, {at}]",
+            "lsr {d}, {d}, #8",
+            of_four_columns!(most, "{b}", "{d}"),
+            "str {e}, [{high}, {at}]",
             a = out(reg) _,
             b = out(reg) _,
             c = out(reg) _,
@@ -355,11 +365,12 @@ unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usi
             e = out(reg) _,
             f = out(reg) _,
             g = out(reg) _,
-            h = out(reg) _,
             rows = in(reg) rows,
-            low = in(reg) low,
-            high = in(reg) high,
-            at = inout(reg) blocks - LANES => _,
+            // `at` is a word ahead where these are written to.
+            low = in(reg) low.wrapping_sub(LANES),
+            high = in(reg) high.wrapping_sub(LANES),
+            at = inout(reg) 0 => _,
+            last = in(reg) blocks - LANES,
             options(nostack),
         );
     }
