@@ -65,7 +65,7 @@ struct Descent {
     step: i32,
 }
 
-/// How far the first step of the descent goes. Each step costs eight offsets: no more of them than a sixteenth of the
+/// How far the first step of the descent goes. Each step costs half of eight offsets: no more of them than a 32nd of the
 /// window.
 fn first_step(window: &Window) -> i32 {
     let (columns, rows) = window.size();
@@ -170,10 +170,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Scores the window's corners, the middles of its edges and its middle: where the runner-up is looked for, two of them
-    /// tell how much it is at least. Nine scores are a sixteenth of 144.
+    /// tell how much it is at least. Nine scores are a 32nd of 288.
     fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
         let (columns, rows) = scene.window.size();
-        if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 144 {
+        if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 288 {
             self.leaders.look_for_pairs();
             return self.first(scene);
         }

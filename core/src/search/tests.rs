@@ -189,7 +189,7 @@ proptest! {
         let (columns, rows) = case.window.size();
         let offsets = (columns * rows) as u64;
         let pixels = u64::from(case.template.0) * u64::from(case.template.1);
-        // A sixteenth each for groups (those at the edges are not full), for ranges and for the descent; the start.
+        // A sixteenth for ranges, a 32nd each for the descent and the scouts; the groups; the start.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
         let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4);
         prop_assert!(work <= most, "{work} of {}", offsets * pixels);

@@ -38,6 +38,7 @@ pub(super) struct Dsp {
 }
 
 impl Dsp {
+    #[inline(always)] // see `Scorer::new`
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
         Self { lookup: Lookup::new(table, threshold), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
     }

@@ -29,10 +29,12 @@ pub(super) struct Limit {
 pub(super) type Loss = fn(&Rows, &Limit) -> u32;
 
 impl Lookup {
+    #[inline(always)] // see `Scorer::new`
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        let mut entries = *table.entries();
-        entries.iter_mut().skip(threshold.into()).for_each(|entry| *entry = 0);
-        Self { plain: Plain { table, threshold }, entries, chord: scalar::chord(table, threshold) }
+        let chord = scalar::chord(table, threshold);
+        let mut lookup = Self { plain: Plain { table, threshold }, entries: *table.entries(), chord };
+        lookup.entries.iter_mut().skip(threshold.into()).for_each(|entry| *entry = 0);
+        lookup
     }
 
     pub(super) fn entries(&self) -> *const u16 {

@@ -21,6 +21,7 @@ const LANES: usize = 16;
 pub(super) struct Helium(Lookup);
 
 impl Helium {
+    #[inline(always)] // see `Scorer::new`
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
         Self(Lookup::new(table, threshold))
     }

@@ -208,23 +208,24 @@ impl Scorer {
     /// Scores by `table` below `threshold`, computed by `backend`; by the plain loop where the machine does not have it or
     /// it does not reach up to the threshold (AVX-512: 128).
     #[must_use]
+    #[inline(always)] // made where it stays: some are too large to be moved about on a small stack
     pub fn new(backend: Backend, table: &'static Table, threshold: u16) -> Self {
         let ready = match backend {
             #[cfg(target_arch = "x86_64")]
-            Backend::Sse2 => sse2::Bound::new(table, threshold).map(Ready::Sse2),
+            Backend::Sse2 => sse2::Bound::new(table, threshold).map_or(Ready::Scalar, Ready::Sse2),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 => avx2::Lookup::new(table, threshold).map(Ready::Avx2),
+            Backend::Avx2 => avx2::Lookup::new(table, threshold).map_or(Ready::Scalar, Ready::Avx2),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx512 => avx512::Lookup::new(table, threshold).map(Ready::Avx512),
+            Backend::Avx512 => avx512::Lookup::new(table, threshold).map_or(Ready::Scalar, Ready::Avx512),
             #[cfg(smr_dsp)]
-            Backend::Dsp => Some(Ready::Dsp(armv7em::Dsp::new(table, threshold))),
+            Backend::Dsp => Ready::Dsp(armv7em::Dsp::new(table, threshold)),
             #[cfg(smr_helium)]
-            Backend::Helium => Some(Ready::Helium(helium::Helium::new(table, threshold))),
+            Backend::Helium => Ready::Helium(helium::Helium::new(table, threshold)),
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            Backend::Neon => Some(Ready::Neon(neon::Lookup::new(table, threshold))),
-            _ => None,
+            Backend::Neon => Ready::Neon(neon::Lookup::new(table, threshold)),
+            _ => Ready::Scalar,
         };
-        Self { plain: Plain { table, threshold }, ready: ready.unwrap_or(Ready::Scalar) }
+        Self { plain: Plain { table, threshold }, ready }
     }
 
     /// The score of two pictures of the same size, as [`scalar::score`] gives it.
