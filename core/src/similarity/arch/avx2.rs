@@ -9,8 +9,8 @@
 //! 5. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
 //!    byte outside a row is read, whatever its width.
 
-use super::super::{Table, scalar};
-use super::{Kernels, Plain, rows::Rows};
+use super::super::Table;
+use super::{Kernels, Plain, rows::Rows, sse2};
 use crate::image::Image;
 use core::arch::x86_64::*;
 use core::slice;
@@ -388,7 +388,7 @@ impl Count {
     }
 }
 
-/// See [`scalar::distance`]; the parameters are those of [`Lookup::sum_at_least`].
+/// See [`scalar::distance`](super::super::scalar::distance); the parameters are those of [`Lookup::sum_at_least`].
 ///
 /// # Safety
 /// The pictures that `rows` were made of are borrowed.
@@ -419,12 +419,12 @@ unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32
     across(sum)
 }
 
-/// See [`scalar::spread`].
+/// See [`scalar::spread`](super::super::scalar::spread).
 #[target_feature(enable = "avx2")]
 pub(super) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
     let Some(last) = columns.checked_sub(LANES) else {
-        return scalar::spread(rows, low, high);
+        return sse2::spread(rows, low, high);
     };
     let rows = rows.each_ref().map(|row| row.as_ptr());
     let mut at = 0;

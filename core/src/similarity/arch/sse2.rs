@@ -171,7 +171,7 @@ unsafe fn outside<const BETWEEN: bool>([low, high, g]: [*const u8; 3]) -> __m128
 
 /// See [`scalar::spread`].
 #[target_feature(enable = "sse2")]
-fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+pub(super) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
     let Some(last) = columns.checked_sub(LANES) else {
         return scalar::spread(rows, low, high);
