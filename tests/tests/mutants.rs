@@ -21,7 +21,7 @@ const MUTANTS: [(&str, &str, &str, &str); 14] = [
     ("padding", "similarity/scalar.rs", "pixel(0, g, table, threshold)", "pixel(1, g, table, threshold)"),
     ("rounding of alpha", "config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "template.rs", "if largest > 0", "if true"),
-    ("the peak's neighbourhood", "search/maxima.rs", "> u32::from(neighbourhood)", ">= u32::from(neighbourhood)"),
+    ("the peak's neighbourhood", "search/maxima.rs", "usize::from(neighbourhood) + 1", "usize::from(neighbourhood)"),
     ("the state of a leaving target", "tracker.rs", "if self.bounds.contains(target)", "if !target.is_empty()"),
     ("growth of the window", "tracker.rs", "saturating_mul(track.lost_for)", "saturating_mul(track.lost_for.min(1))"),
     (
@@ -31,7 +31,7 @@ const MUTANTS: [(&str, &str, &str, &str); 14] = [
         "self.numerator > 2 * self.denominator",
     ),
     ("what a group can reach", "search/ranges.rs", "others + score)", "others + score / 2)"),
-    ("the last groups of a tile", "search/scan.rs", "column >= first_column && row", "column > first_column && row"),
+    ("the last groups of a tile", "search/scan.rs", "column >= new.0 && row", "column > new.0 && row"),
     (
         "the gate",
         "tracker.rs",
