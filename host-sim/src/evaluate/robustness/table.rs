@@ -9,7 +9,7 @@ impl Robustness {
     /// Of each method its recordings, then the means over them if there are several. Nothing if nothing was measured.
     #[must_use]
     pub fn table(&self) -> String {
-        if self.recordings.is_empty() {
+        if self.is_empty() {
             return String::new();
         }
         let header = [
