@@ -178,6 +178,40 @@ fn eval_of_the_written_recording_is_that_of_the_built_in_one() {
 }
 
 #[test]
+fn eval_from_many_starts_reports_as_json() {
+    let report = host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "100", "--json"]).json();
+    let recording = &report["recordings"][0];
+    assert_eq!((&recording["tracker"], &recording["sequence"]), (&Value::from("smr"), &Value::from("synthetic")));
+    // The target is visible in frames 1 to 173 and again from 201 on.
+    let frames: Vec<_> = recording["starts"].as_array().unwrap().iter().map(|start| &start["frame"]).collect();
+    assert_eq!(frames, [1, 101, 228]);
+    assert_eq!(recording["worst_correct"], 1.0);
+    for key in ["mean_correct", "mean_iou", "precision", "comparisons_per_frame", "microseconds_per_frame"] {
+        assert!(recording[key].as_f64() > Some(0.0), "{key}: {recording}");
+    }
+    assert!(recording["answered_hidden"].as_u64() <= recording["hidden"].as_u64());
+    assert_eq!((&report["means"][0]["recordings"], &report["means"][0]["folder"]), (&Value::from(1), &Value::Null));
+    assert_eq!(report["means"][0]["mean_correct"], recording["mean_correct"]);
+}
+
+#[test]
+fn eval_from_many_starts_says_what_it_cannot_do() {
+    for arguments in [
+        &["--starts-every", "9"][..],
+        &["--robustness", "--starts-every", "0"],
+        &["--robustness", "--compare"],
+        &["--robustness", "--starts-every", "9", "--init", "1,2,3,4"],
+    ] {
+        assert_eq!(host_sim(&[&["eval", "synthetic"], arguments].concat()).code, Some(2), "{arguments:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("bare.pgm"), b"P5 2 2 255\n\x01\x02\x03\x04").unwrap();
+    let bare = folder.path().join("bare.pgm");
+    host_sim(&["eval", utf8(&bare), "--robustness", "--init", "0,0,1,1"]).refuses(&["bare", "no ground truth"]);
+    host_sim(&["eval", "synthetic", "--robustness", "--init", "500,0,9,9"]).refuses(&["synthetic", "inside the frame"]);
+}
+
+#[test]
 fn a_truncated_recording_loses_nothing_before_the_damage() {
     let folder = tempfile::tempdir().unwrap();
     let written = folder.path().join("recording");

@@ -106,7 +106,8 @@ mod tests {
 
     #[test]
     fn a_found_target() {
-        let report = Report { target: Some(Rect::new(-2, 5, 10, 20)), state: State::Leaving, evidence: None };
+        let report =
+            Report { target: Some(Rect::new(-2, 5, 10, 20)), state: State::Leaving, evidence: None, comparisons: None };
         assert_eq!(line(&[], &report), "-2,5,8,25");
         let expected = r#"{"frame":7,"state":"leaving","bbox":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
         let nothing = r#""ratio":null,"runner_up_ratio":null,"alpha":null}"#;
@@ -116,7 +117,7 @@ mod tests {
     #[test]
     fn a_lost_target() {
         let evidence = Some(Evidence { ratio: 2.0 / 3.0, runner_up_ratio: Some(0.5), alpha: 13 });
-        let report = Report { target: None, state: State::Lost, evidence };
+        let report = Report { target: None, state: State::Lost, evidence, comparisons: None };
         assert_eq!(line(&[], &report), "NaN,NaN,NaN,NaN");
         let expected = r#"{"frame":7,"state":"lost","bbox":null,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13}"#;
         assert_eq!(line(&["--json"], &report), expected);

@@ -89,11 +89,11 @@ impl Method for Baseline {
         let (x, y) = self.best(&window, &canvas);
         self.target = Rect { x, y, ..self.target };
         let Some(patch) = frame.patch(self.target) else {
-            return Ok(Report { target: Some(self.target), state: State::Leaving, evidence: None });
+            return Ok(Report { target: Some(self.target), state: State::Leaving, evidence: None, comparisons: None });
         };
         self.template.clear();
         self.template.extend(patch.rows().flatten());
-        Ok(Report { target: Some(self.target), state: State::Tracking, evidence: None })
+        Ok(Report { target: Some(self.target), state: State::Tracking, evidence: None, comparisons: None })
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -303,7 +303,12 @@ mod tests {
             let inside = baseline.update(&picture(1, 12).frame()).unwrap();
             assert_eq!(
                 inside,
-                Report { target: Some(Rect::new(1, 12, 6, 5)), state: State::Tracking, evidence: None },
+                Report {
+                    target: Some(Rect::new(1, 12, 6, 5)),
+                    state: State::Tracking,
+                    evidence: None,
+                    comparisons: None
+                },
                 "{measure:?}"
             );
             let template = baseline.template.clone();

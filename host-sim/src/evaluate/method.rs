@@ -27,6 +27,8 @@ pub struct Report {
     pub state: State,
     /// What SMR's gate decided on; `None` in the frame that was locked on, and from methods that have no gate.
     pub evidence: Option<Evidence>,
+    /// Comparisons of bytes that the answer took, at most; `None` from methods that do not count them.
+    pub comparisons: Option<u64>,
 }
 
 /// The figures behind an answer of SMR, with 1.0 as 1.0.
@@ -43,7 +45,7 @@ impl Report {
     /// The frame that was locked on: the box is the one that was given.
     #[must_use]
     pub const fn locked(target: Rect) -> Self {
-        Self { target: Some(target), state: State::Tracking, evidence: None }
+        Self { target: Some(target), state: State::Tracking, evidence: None, comparisons: None }
     }
 
     /// The state, as it is printed everywhere.
@@ -65,7 +67,7 @@ impl From<Answer> for Report {
             alpha: answer.alpha,
         };
         let target = (answer.state != State::Lost).then_some(answer.bbox);
-        Self { target, state: answer.state, evidence: Some(evidence) }
+        Self { target, state: answer.state, evidence: Some(evidence), comparisons: None }
     }
 }
 
@@ -113,7 +115,10 @@ impl Method for Tracker {
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        Ok(Self::update(self, frame)?.into())
+        let mut update = self.begin(frame)?;
+        while !update.step(u32::MAX) {}
+        let comparisons = Some(update.work());
+        Ok(Report { comparisons, ..update.finish().into() })
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -166,6 +171,7 @@ mod tests {
             let report = run.step(&plain(16, 12)).unwrap();
             assert_eq!((report.target, report.state), (Some(start), State::Tracking), "{}", kind.name());
             assert_eq!(report.evidence.is_some(), kind == MethodKind::Smr);
+            assert_eq!(report.comparisons.is_some(), kind == MethodKind::Smr);
         }
     }
 

@@ -4,6 +4,7 @@ mod baseline;
 mod method;
 mod protocol;
 mod results;
+pub mod robustness;
 mod table;
 
 pub use method::{Evidence, Method, MethodKind, Report, Run};
@@ -65,7 +66,7 @@ pub fn evaluate(
 ) -> Result<Evaluation> {
     let start = sequence.start();
     let Sequence { name, frames, truth, .. } = sequence;
-    let truth = truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt or groundtruth_rect.txt"))?;
+    let truth = truth_of(&name, truth)?;
     let start = start?;
     let runs: Result<Vec<_>> = methods.iter().map(|kind| Ok(Run::new(kind.build(config)?, start))).collect();
     let mut count = 0;
@@ -85,6 +86,11 @@ pub fn evaluate(
         evaluation.add(Contestant::File(stem(path)), score);
     }
     Ok(evaluation)
+}
+
+/// The ground truth of the sequence called `name`, without which nothing can be measured.
+fn truth_of(name: &str, truth: Option<Vec<Option<BoundingBox>>>) -> Result<Vec<Option<BoundingBox>>> {
+    truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt or groundtruth_rect.txt"))
 }
 
 impl Evaluation {

@@ -1,0 +1,178 @@
+//! What runs come to: from single runs over the starts of a recording to means over recordings.
+
+use crate::evaluate::{Score, Trajectory};
+use anyhow::Result;
+use serde::Serialize;
+use std::time::Duration;
+
+/// One run: one method from one start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RunFigures {
+    pub score: Score,
+    /// Frames with an answer in which the target is visible.
+    answered_visible: usize,
+    /// What the updates took, all together.
+    pub spent: Spent,
+}
+
+/// What updates took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Spent {
+    pub updates: u64,
+    /// `None` if one of them was not counted.
+    pub comparisons: Option<u64>,
+    pub time: Duration,
+}
+
+impl RunFigures {
+    /// `answers` and `truth` begin with the frame that was locked on.
+    pub fn new(answers: &Trajectory, truth: &Trajectory, spent: Spent) -> Result<Self> {
+        let score = Score::new(answers, truth)?;
+        let answered_visible = answers.iter().zip(truth).filter(|(answer, truth)| answer.is_some() && truth.is_some());
+        Ok(Self { score, answered_visible: answered_visible.count(), spent })
+    }
+}
+
+/// How well a method does on a recording over all starts, or on several recordings on average.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Figures {
+    /// Correct frames over those in which the target is visible: mean over the starts.
+    pub mean_correct: f64,
+    /// The same from the start from which it is least.
+    pub worst_correct: f64,
+    /// Intersection over union, mean over the frames in which there is an answer and the target is visible; 0 if there is
+    /// none.
+    pub mean_iou: f64,
+    /// Correct answers over all answers; 0 if nothing was answered.
+    pub precision: f64,
+    /// Frames in which the target is hidden, counted once for every start.
+    pub hidden: usize,
+    /// Of these, the ones with an answer.
+    pub answered_hidden: usize,
+    /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
+    pub comparisons_per_frame: Option<f64>,
+    /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
+    pub microseconds_per_frame: f64,
+}
+
+impl Figures {
+    /// Over the starts of one recording. Fractions of frames are means over the starts; IoU, precision, comparisons and time
+    /// are of all frames of all starts together.
+    pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
+        let recalls = || runs.iter().map(|run| run.score.recall);
+        let iou_sum: f64 = runs.iter().map(|run| run.score.mean_iou * run.score.visible as f64).sum();
+        let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>();
+        let answered_visible = sum(|run| run.answered_visible);
+        let answered = sum(|run| run.score.answered);
+        let updates = runs.iter().map(|run| run.spent.updates).sum::<u64>() as f64;
+        let comparisons: Option<u64> = runs.iter().map(|run| run.spent.comparisons).sum();
+        let time: Duration = runs.iter().map(|run| run.spent.time).sum();
+        Self {
+            mean_correct: ratio(recalls().sum(), runs.len() as f64),
+            worst_correct: recalls().reduce(f64::min).unwrap_or(0.0),
+            mean_iou: ratio(iou_sum, answered_visible as f64),
+            precision: ratio(sum(|run| run.score.correct) as f64, answered as f64),
+            hidden: sum(|run| run.score.frames - run.score.visible),
+            answered_hidden: answered - answered_visible,
+            comparisons_per_frame: comparisons.map(|comparisons| ratio(comparisons as f64, updates)),
+            microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
+        }
+    }
+
+    /// Means over recordings, each with the same weight; of hidden frames, sums.
+    pub(super) fn over_recordings(parts: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| ratio(parts.iter().map(of).sum(), parts.len() as f64);
+        let comparisons: Option<f64> = parts.iter().map(|part| part.comparisons_per_frame).sum();
+        Self {
+            mean_correct: mean(|part| part.mean_correct),
+            worst_correct: mean(|part| part.worst_correct),
+            mean_iou: mean(|part| part.mean_iou),
+            precision: mean(|part| part.precision),
+            hidden: parts.iter().map(|part| part.hidden).sum(),
+            answered_hidden: parts.iter().map(|part| part.answered_hidden).sum(),
+            comparisons_per_frame: comparisons.map(|sum| ratio(sum, parts.len() as f64)),
+            microseconds_per_frame: mean(|part| part.microseconds_per_frame),
+        }
+    }
+}
+
+fn ratio(part: f64, whole: f64) -> f64 {
+    if whole == 0.0 { 0.0 } else { part / whole }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequence::BoundingBox;
+
+    fn at(x: f64) -> Option<BoundingBox> {
+        Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
+    }
+
+    fn spent(updates: u64, comparisons: Option<u64>, microseconds: u64) -> Spent {
+        Spent { updates, comparisons, time: Duration::from_micros(microseconds) }
+    }
+
+    /// Two starts in six frames, the target hidden in the last two.
+    fn runs(comparisons: Option<u64>) -> [RunFigures; 2] {
+        let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
+        // IoU 1, 1/3, 0 and no answer; an answer while hidden.
+        let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
+        // IoU 1 and 1; two answers while hidden.
+        let second = [at(0.0), at(0.0), None, None, at(0.0), at(3.0)];
+        [
+            RunFigures::new(&first, &truth, spent(5, Some(1000), 30)).unwrap(),
+            RunFigures::new(&second[1..], &truth[1..], spent(4, comparisons, 60)).unwrap(),
+        ]
+    }
+
+    #[test]
+    fn over_starts_by_hand() {
+        let figures = Figures::over_starts(&runs(Some(800)));
+        let expected = Figures {
+            mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
+            worst_correct: 1.0 / 3.0,
+            mean_iou: (1.0 + 1.0 / 3.0 + 0.0 + 1.0) / 4.0,
+            precision: 3.0 / 7.0,
+            hidden: 4,
+            answered_hidden: 3,
+            comparisons_per_frame: Some(200.0),
+            microseconds_per_frame: 10.0,
+        };
+        assert!((figures.mean_iou - expected.mean_iou).abs() < 1e-12);
+        assert_eq!(Figures { mean_iou: expected.mean_iou, ..figures }, expected);
+    }
+
+    #[test]
+    fn what_is_not_counted_has_no_mean() {
+        let figures = Figures::over_starts(&runs(None));
+        assert_eq!(figures.comparisons_per_frame, None);
+        assert_eq!(
+            Figures::over_recordings(&[figures, Figures::over_starts(&runs(Some(1)))]).comparisons_per_frame,
+            None
+        );
+    }
+
+    #[test]
+    fn recordings_count_alike() {
+        let part = |correct: f64, hidden: usize| Figures {
+            mean_correct: correct,
+            worst_correct: correct / 2.0,
+            mean_iou: correct,
+            precision: correct,
+            hidden,
+            answered_hidden: hidden / 2,
+            comparisons_per_frame: Some(correct * 100.0),
+            microseconds_per_frame: correct * 10.0,
+        };
+        let expected = Figures { hidden: 12, answered_hidden: 6, ..part(0.5, 0) };
+        assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), expected);
+    }
+
+    #[test]
+    fn nothing_divides_by_zero() {
+        let silent = RunFigures::new(&[None], &[at(0.0)], Spent { comparisons: Some(0), ..Spent::default() }).unwrap();
+        let figures = Figures::over_starts(&[silent]);
+        assert_eq!(figures, Figures { comparisons_per_frame: Some(0.0), ..Figures::default() });
+    }
+}

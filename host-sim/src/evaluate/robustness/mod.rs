@@ -1,0 +1,368 @@
+//! How much it takes to lose a target: methods run over recordings from several starts each, and what that comes to.
+//!
+//! - [`starts`]: where runs start.
+//! - [`recording`]: a recording in memory.
+//! - [`figures`]: what runs come to.
+//! - [`table`]: the results as text.
+//!
+//! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
+//! own start and the truth of that frame, and the frame of the start counts.
+
+mod figures;
+mod recording;
+mod starts;
+mod table;
+
+pub use figures::Figures;
+pub use starts::Starts;
+
+use super::MethodKind;
+use crate::bench::clock::timed;
+use crate::sequence::{self, BoundingBox, Sequence};
+use anyhow::{Context, Error, Result};
+use figures::{RunFigures, Spent};
+use rayon::prelude::*;
+use recording::Recording;
+use serde::Serialize;
+use smr_core::Config;
+use starts::Start;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What is asked for.
+#[derive(Clone, Copy)]
+pub struct Settings<'a> {
+    pub methods: &'a [MethodKind],
+    pub config: &'a Config,
+    pub starts: Starts,
+}
+
+/// How far it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// So many frames more will come.
+    Expected(u64),
+    /// A frame is done.
+    Done,
+}
+
+/// What was measured.
+#[derive(Serialize)]
+pub struct Robustness {
+    /// Method by method, each with its recordings in the order in which they were given.
+    recordings: Vec<Row>,
+    /// Of each method: over all recordings, then, if they lie in several folders, by folder.
+    means: Vec<Mean>,
+    /// Why some are missing.
+    #[serde(skip)]
+    pub failures: Vec<Error>,
+}
+
+impl Robustness {
+    /// True if there is no result at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.recordings.is_empty()
+    }
+}
+
+/// A method on a recording.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    tracker: &'static str,
+    sequence: String,
+    /// The folder that the recording lies in, among others.
+    #[serde(skip)]
+    folder: PathBuf,
+    #[serde(flatten)]
+    figures: Figures,
+    starts: Vec<StartRow>,
+}
+
+/// A method on a recording from one start.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct StartRow {
+    start: String,
+    /// The frame that was locked on; the first is 1.
+    frame: usize,
+    bbox: BoundingBox,
+    visible: usize,
+    correct: usize,
+}
+
+/// A method on several recordings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Mean {
+    tracker: &'static str,
+    /// Where the recordings lie; `None` if they are all.
+    folder: Option<String>,
+    recordings: usize,
+    #[serde(flatten)]
+    figures: Figures,
+}
+
+/// When recordings in memory have so many bytes, no more are read before these are measured.
+const ENOUGH_BYTES: u64 = recording::MOST_BYTES;
+
+/// Runs every method from every start on the recordings at `paths`, which `open` opens.
+///
+/// Recordings, methods and starts are all spread over the threads that there are. A recording is decoded once and kept in
+/// memory, where it may have 1 GiB; others are kept with it until there is as much.
+pub fn measure(
+    paths: &[PathBuf],
+    open: impl Fn(&Path) -> Result<Sequence> + Sync,
+    settings: Settings<'_>,
+    progress: &(impl Fn(Progress) + Sync),
+) -> Robustness {
+    let (mut rows, mut failures) = (Vec::new(), Vec::new());
+    let mut held = Vec::new();
+    let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
+    while let Some(part) = parts.next() {
+        let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, settings.starts)).collect();
+        for case in read {
+            match case {
+                Ok(case) => held.push(case),
+                Err(error) => failures.push(error),
+            }
+        }
+        let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
+        if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
+            for row in run_all(&held, settings, progress) {
+                match row {
+                    Ok(row) => rows.push(row),
+                    Err(error) => failures.push(error),
+                }
+            }
+            held.clear();
+        }
+    }
+    let place = |row: &Row| settings.methods.iter().position(|kind| kind.name() == row.tracker);
+    rows.sort_by_key(place);
+    Robustness { means: means(&rows, settings.methods), recordings: rows, failures }
+}
+
+/// A recording and the starts in it.
+struct Case {
+    recording: Recording,
+    folder: PathBuf,
+    starts: Vec<Start>,
+}
+
+impl Case {
+    fn read(path: &Path, open: impl Fn(&Path) -> Result<Sequence>, starts: Starts) -> Result<Self> {
+        let recording = Recording::read(open(path)?, recording::MOST_BYTES)?;
+        Ok(Self { starts: starts.of(&recording)?, recording, folder: folder_of(path) })
+    }
+
+    fn row(&self, kind: MethodKind, runs: &[RunFigures]) -> Row {
+        let start = |(start, run): (&Start, &RunFigures)| StartRow {
+            start: start.name.clone(),
+            frame: start.frame + 1,
+            bbox: start.target.into(),
+            visible: run.score.visible,
+            correct: run.score.correct,
+        };
+        Row {
+            tracker: kind.name(),
+            sequence: self.recording.name.clone(),
+            folder: self.folder.clone(),
+            figures: Figures::over_starts(runs),
+            starts: self.starts.iter().zip(runs).map(start).collect(),
+        }
+    }
+}
+
+/// One row for each recording and method. A method that fails from one start has no row: it would be of fewer starts.
+fn run_all(cases: &[Case], settings: Settings<'_>, progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
+    let pairs: Vec<(&Case, MethodKind)> =
+        cases.iter().flat_map(|case| settings.methods.iter().map(move |&kind| (case, kind))).collect();
+    let jobs: Vec<_> =
+        pairs.iter().flat_map(|&(case, kind)| case.starts.iter().map(move |start| (case, kind, start))).collect();
+    let expected: usize = jobs.iter().map(|(case, _, start)| case.recording.frames.len() - start.frame).sum();
+    progress(Progress::Expected(expected as u64));
+    // Runs are of very different length: one at a time is what a thread takes.
+    let runs = jobs.par_iter().with_max_len(1).map(|&(case, kind, start)| {
+        let done = run(&case.recording, kind, settings.config, start, || progress(Progress::Done));
+        done.with_context(|| format!("{}: {}: start {}", case.recording.name, kind.name(), start.name))
+    });
+    let mut runs = runs.collect::<Vec<_>>().into_iter();
+    let row = |&(case, kind): &(&Case, MethodKind)| {
+        // All of them are taken before the first failure is looked at.
+        let of_case: Vec<_> = runs.by_ref().take(case.starts.len()).collect();
+        Ok(case.row(kind, &of_case.into_iter().collect::<Result<Vec<_>>>()?))
+    };
+    pairs.iter().map(row).collect()
+}
+
+/// `kind` from `start` to the end of the recording.
+fn run(
+    recording: &Recording,
+    kind: MethodKind,
+    config: &Config,
+    start: &Start,
+    progress: impl Fn(),
+) -> Result<RunFigures> {
+    let mut method = kind.build(config)?;
+    let mut answers = vec![Some(BoundingBox::from(start.target))];
+    let mut spent = Spent { comparisons: Some(0), ..Spent::default() };
+    let mut frames = (1..).zip(&recording.frames).skip(start.frame);
+    if let Some((number, first)) = frames.next() {
+        method.lock(&first.frame(), start.target).with_context(|| format!("frame {number}"))?;
+        progress();
+    }
+    for (number, frame) in frames {
+        let frame = frame.frame();
+        let (report, time) = timed(|| method.update(&frame));
+        let report = report.with_context(|| format!("frame {number}"))?;
+        spent.updates += 1;
+        spent.time += time;
+        spent.comparisons = spent.comparisons.zip(report.comparisons).map(|(sum, more)| sum + more);
+        answers.push(report.target.map(BoundingBox::from));
+        progress();
+    }
+    RunFigures::new(&answers, &recording.truth[start.frame..], spent)
+}
+
+/// Where the recordings lie that belong together with the one at `path`.
+fn folder_of(path: &Path) -> PathBuf {
+    if sequence::BUILT_IN.iter().any(|name| path == Path::new(name)) {
+        return PathBuf::from("built in");
+    }
+    let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+fn means(rows: &[Row], methods: &[MethodKind]) -> Vec<Mean> {
+    let mut folders: Vec<&Path> = Vec::new();
+    for row in rows {
+        if !folders.contains(&row.folder.as_path()) {
+            folders.push(&row.folder);
+        }
+    }
+    // Of one folder the mean is that of all.
+    let split = if folders.len() > 1 { folders.as_slice() } else { &[] };
+    let groups = || std::iter::once(None).chain(split.iter().map(|&folder| Some(folder)));
+    let mean = |kind: MethodKind, folder: Option<&Path>| {
+        let belongs = |row: &&Row| row.tracker == kind.name() && folder.is_none_or(|folder| row.folder == folder);
+        let parts: Vec<Figures> = rows.iter().filter(belongs).map(|row| row.figures).collect();
+        (!parts.is_empty()).then(|| Mean {
+            tracker: kind.name(),
+            folder: folder.map(|folder| label(folder, &folders)),
+            recordings: parts.len(),
+            figures: Figures::over_recordings(&parts),
+        })
+    };
+    methods.iter().flat_map(|&kind| groups().filter_map(move |folder| mean(kind, folder))).collect()
+}
+
+/// The folder's name; where two have the same one, the whole path.
+fn label(folder: &Path, all: &[&Path]) -> String {
+    let alike = all.iter().filter(|other| other.file_name() == folder.file_name()).count();
+    match folder.file_name() {
+        Some(name) if alike == 1 => name.to_string_lossy().into_owned(),
+        _ => folder.display().to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequence::GrayFrame;
+    use std::num::NonZeroUsize;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// Four frames of 24x20 pixels, a 5x4 target that moves by two pixels a frame; hidden, says the truth, in the third.
+    fn sequence() -> Sequence {
+        let frame = |left: usize| {
+            let texture = |x: usize, y: usize| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();
+            let inside = |x: usize, y: usize| (left..left + 5).contains(&x) && (6..10).contains(&y);
+            let pixel = |x: usize, y: usize| if inside(x, y) { texture(x - left, y) } else { 10 };
+            let pixels = (0..20).flat_map(|y| (0..24).map(move |x| pixel(x, y))).collect();
+            GrayFrame { width: 24, height: 20, pixels }
+        };
+        let at = |x: f64| Some(BoundingBox { x, y: 6.0, width: 5.0, height: 4.0 });
+        Sequence {
+            name: "moving".to_owned(),
+            frames: Box::new([4, 6, 8, 10].map(|left| Ok(frame(left))).into_iter()),
+            length: Some(4),
+            init: at(4.0),
+            truth: Some(vec![at(4.0), at(6.0), None, at(10.0)]),
+        }
+    }
+
+    fn measured(paths: &[&str], open: impl Fn(&Path) -> Result<Sequence> + Sync, starts: Starts) -> Robustness {
+        let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
+        let config = Config::paper();
+        let settings = Settings { methods: &[MethodKind::Smr, MethodKind::Sad], config: &config, starts };
+        let (expected, done) = (AtomicU64::new(0), AtomicU64::new(0));
+        let result = measure(&paths, open, settings, &|progress| {
+            match progress {
+                Progress::Expected(frames) => expected.fetch_add(frames, Ordering::Relaxed),
+                Progress::Done => done.fetch_add(1, Ordering::Relaxed),
+            };
+        });
+        if result.failures.is_empty() {
+            assert_eq!(expected.into_inner(), done.into_inner());
+        }
+        result
+    }
+
+    #[test]
+    fn every_method_runs_from_every_start() {
+        let every = Starts::Every(NonZeroUsize::MIN);
+        let result = measured(&["a/moving"], |_| Ok(sequence()), every);
+        assert_eq!(result.recordings.len(), 2);
+        for row in &result.recordings {
+            let starts: Vec<_> =
+                row.starts.iter().map(|start| (start.frame, start.bbox.x, start.visible, start.correct)).collect();
+            assert_eq!(starts, [(1, 4.0, 3, 3), (2, 6.0, 2, 2)], "{}", row.tracker);
+            let figures = row.figures;
+            assert_eq!((figures.mean_correct, figures.worst_correct, figures.mean_iou), (1.0, 1.0, 1.0));
+            // Seven answers, two of them while hidden.
+            assert_eq!((figures.precision, figures.answered_hidden, figures.hidden), (5.0 / 7.0, 2, 2));
+            assert_eq!(figures.comparisons_per_frame.is_some(), row.tracker == "smr");
+        }
+        let near = measured(&["a/moving"], |_| Ok(sequence()), Starts::Near);
+        let names: Vec<_> = near.recordings[0].starts.iter().map(|start| start.start.as_str()).collect();
+        assert_eq!(names, ["given", "x+2", "y+2", "0.95", "1.05"]);
+    }
+
+    #[test]
+    fn means_are_over_all_and_by_folder() {
+        let paths = ["here/one", "there/two", "here/three"];
+        let result = measured(&paths, |_| Ok(sequence()), Starts::Every(NonZeroUsize::MIN));
+        let groups: Vec<_> =
+            result.means.iter().map(|mean| (mean.tracker, mean.folder.as_deref(), mean.recordings)).collect();
+        let expected = |tracker| [(tracker, None, 3), (tracker, Some("here"), 2), (tracker, Some("there"), 1)];
+        assert_eq!(groups, [expected("smr"), expected("sad")].concat());
+        let one_folder = measured(&paths[..1], |_| Ok(sequence()), Starts::Every(NonZeroUsize::MIN));
+        assert_eq!(one_folder.means.len(), 2);
+    }
+
+    #[test]
+    fn folders_of_one_name_are_told_apart() {
+        let folders = [Path::new("a/tld"), Path::new("b/tld"), Path::new("b/more")];
+        assert_eq!(folders.map(|folder| label(folder, &folders)), ["a/tld", "b/tld", "more"]);
+        assert_eq!(folder_of(Path::new(sequence::BUILT_IN[0])), Path::new("built in"));
+    }
+
+    #[test]
+    fn what_fails_is_named_and_the_rest_is_measured() {
+        let open = |path: &Path| match path.to_str() {
+            Some("a/bare") => Ok(Sequence { name: "bare".to_owned(), truth: None, ..sequence() }),
+            Some("a/outside") => {
+                let init = Some("21,6,5,4".parse()?);
+                Ok(Sequence { name: "outside".to_owned(), init, ..sequence() })
+            }
+            _ => Ok(sequence()),
+        };
+        let result = measured(&["a/bare", "a/moving", "a/outside"], open, Starts::Near);
+        let failures: Vec<String> = result.failures.iter().map(|error| format!("{error:#}")).collect();
+        let reason = smr_core::LockError::BoxOutsideFrame;
+        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
+        assert_eq!(failures.len(), 3);
+        assert!(failures.iter().any(|failure| failure.starts_with("bare: no ground truth")));
+        assert!(expected.iter().all(|line| failures.contains(line)), "{failures:?}");
+        assert_eq!(result.recordings.len(), 2);
+    }
+}

@@ -1,0 +1,133 @@
+//! The results as text: recordings first, then the means.
+
+use super::{Figures, Robustness};
+use crate::evaluate::aligned;
+
+const NOTHING: &str = "-";
+
+impl Robustness {
+    /// Of each method its recordings, then the means over them if there are several. Nothing if nothing was measured.
+    #[must_use]
+    pub fn table(&self) -> String {
+        if self.is_empty() {
+            return String::new();
+        }
+        let header = [
+            "tracker",
+            "sequence",
+            "starts",
+            "correct",
+            "worst",
+            "mean IoU",
+            "precision",
+            "answered/hidden",
+            "comparisons/frame",
+            "us/frame",
+        ];
+        let mut lines = vec![header.map(String::from).to_vec()];
+        for (index, row) in self.recordings.iter().enumerate() {
+            lines.push(line(row.tracker, &row.sequence, &row.starts.len().to_string(), &row.figures));
+            let last = self.recordings.get(index + 1).is_none_or(|next| next.tracker != row.tracker);
+            let means = self.means.iter().filter(|mean| last && mean.tracker == row.tracker);
+            lines.extend(means.filter(|mean| mean.recordings > 1 || mean.folder.is_some()).map(|mean| {
+                let folder = mean.folder.as_ref().map_or(String::new(), |folder| format!(" in {folder}"));
+                let what = format!("mean of {}{folder}", mean.recordings);
+                line(mean.tracker, &what, "", &mean.figures)
+            }));
+        }
+        aligned(&lines, 2)
+    }
+}
+
+fn line(tracker: &str, what: &str, starts: &str, figures: &Figures) -> Vec<String> {
+    let mut line = [tracker, what, starts].map(str::to_owned).to_vec();
+    let fractions = [figures.mean_correct, figures.worst_correct, figures.mean_iou, figures.precision];
+    line.extend(fractions.map(|fraction| format!("{fraction:.3}")));
+    line.push(match figures.hidden {
+        0 => NOTHING.to_owned(),
+        hidden => format!("{}/{hidden}", figures.answered_hidden),
+    });
+    line.push(figures.comparisons_per_frame.map_or(NOTHING.to_owned(), |comparisons| format!("{comparisons:.0}")));
+    line.push(format!("{:.0}", figures.microseconds_per_frame));
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Mean, Row, StartRow};
+    use super::*;
+    use std::path::PathBuf;
+
+    fn figures(correct: f64, hidden: usize, comparisons: Option<f64>) -> Figures {
+        Figures {
+            mean_correct: correct,
+            worst_correct: 0.25,
+            mean_iou: 0.5,
+            precision: 1.0,
+            hidden,
+            answered_hidden: hidden / 2,
+            comparisons_per_frame: comparisons,
+            microseconds_per_frame: 12.4,
+        }
+    }
+
+    fn row(tracker: &'static str, sequence: &str, figures: Figures) -> Row {
+        let start =
+            StartRow { start: "given".to_owned(), frame: 1, bbox: "1,2,3,4".parse().unwrap(), visible: 4, correct: 2 };
+        let folder = PathBuf::from("tld");
+        Row { tracker, sequence: sequence.to_owned(), folder, figures, starts: vec![start; 5] }
+    }
+
+    fn results() -> Robustness {
+        let counted = figures(0.75, 10, Some(123_456.0));
+        let uncounted = figures(2.0 / 3.0, 0, None);
+        let mean = |tracker, folder: Option<&str>, recordings, figures| Mean {
+            tracker,
+            folder: folder.map(str::to_owned),
+            recordings,
+            figures,
+        };
+        Robustness {
+            recordings: vec![
+                row("smr", "01_david", counted),
+                row("smr", "Man", counted),
+                row("sad", "01_david", uncounted),
+            ],
+            means: vec![
+                mean("smr", None, 2, counted),
+                mean("smr", Some("tld"), 1, counted),
+                mean("smr", Some("more"), 1, counted),
+                mean("sad", None, 1, uncounted),
+            ],
+            failures: vec![],
+        }
+    }
+
+    #[test]
+    fn recordings_then_means() {
+        let expected = "\
+tracker  sequence           starts  correct  worst  mean IoU  precision  answered/hidden  comparisons/frame  us/frame
+smr      01_david                5    0.750  0.250     0.500      1.000             5/10             123456        12
+smr      Man                     5    0.750  0.250     0.500      1.000             5/10             123456        12
+smr      mean of 2                    0.750  0.250     0.500      1.000             5/10             123456        12
+smr      mean of 1 in tld             0.750  0.250     0.500      1.000             5/10             123456        12
+smr      mean of 1 in more            0.750  0.250     0.500      1.000             5/10             123456        12
+sad      01_david                5    0.667  0.250     0.500      1.000                -                  -        12
+";
+        assert_eq!(results().table(), expected);
+        let nothing = Robustness { recordings: vec![], means: vec![], failures: vec![] };
+        assert_eq!(nothing.table(), "");
+    }
+
+    #[test]
+    fn json_has_recordings_with_their_starts_and_means() {
+        let json = serde_json::to_value(results()).unwrap();
+        let recording = &json["recordings"][0];
+        assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"smr".into(), &0.75.into()));
+        assert_eq!(recording["starts"].as_array().unwrap().len(), 5);
+        assert_eq!(recording["starts"][0]["correct"], 2);
+        assert!(json["recordings"][2]["comparisons_per_frame"].is_null());
+        assert!(json["means"][0]["folder"].is_null());
+        assert_eq!((&json["means"][1]["folder"], &json["means"][1]["recordings"]), (&"tld".into(), &1.into()));
+    }
+}
