@@ -1,9 +1,9 @@
 //! How much it takes to lose a target: methods run over recordings from several starts each, and what that comes to.
 //!
-//! - [`starts`]: where runs start.
-//! - [`recording`]: a recording in memory.
-//! - [`figures`]: what runs come to.
-//! - [`table`]: the results as text.
+//! - `starts`: where runs start.
+//! - `recording`: a recording in memory.
+//! - `figures`: what runs come to.
+//! - `table`: the results as text.
 //!
 //! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
 //! own start and the truth of that frame, and the frame of the start counts.

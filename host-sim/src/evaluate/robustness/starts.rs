@@ -9,7 +9,7 @@ use std::num::NonZeroUsize;
 /// Which starts are asked for.
 #[derive(Clone, Copy, Debug)]
 pub enum Starts {
-    /// The five of [`near`], in the first frame.
+    /// The given box, the same 2 pixels to the right, 2 pixels down, and scaled by 0.95 and 1.05; in the first frame.
     Near,
     /// The first frame in which the target is visible, and of those that follow every so many-th; the box is the ground
     /// truth's. The recording's last frame is none: nothing follows it.
