@@ -80,14 +80,18 @@ fn progress(name: &str, length: Option<usize>) -> ProgressBar {
 }
 
 fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
-    let Report { sequence, frames, scores, largest_difference, bound, .. } = report;
+    let Report { sequence, frames, scores, runners_up, largest_difference, bound, .. } = report;
     writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
     if let Some(violation) = &report.violation {
         writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
         writeln!(out, "    smr-core:  {}", violation.core)?;
         writeln!(out, "    reference: {}", violation.reference)?;
     } else {
-        writeln!(out, "  equal, bit for bit: scores, peaks, runners-up, alpha, boxes, states, templates")?;
+        writeln!(
+            out,
+            "  equal, bit for bit: scores, peaks, alpha, boxes, states, templates; \
+             the runner-up in {runners_up} frames, where it is asked for"
+        )?;
     }
     writeln!(
         out,
