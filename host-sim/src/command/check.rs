@@ -1,4 +1,4 @@
-//! `host-sim check`: smr-core against the reference, on recordings or on the built-in ones.
+//! `host-sim check`: smr-core against the reference, on recordings or on two built-in ones.
 
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The recordings; the built-in ones if none is given
-    #[arg(value_name = "SEQ", default_values = sequence::BUILT_IN)]
+    /// The recordings; `synthetic` and `periodic` if none is given
+    #[arg(value_name = "SEQ", default_values = sequence::CHECKED)]
     sequences: Vec<PathBuf>,
     /// Compare only the first N frames after the one that is locked on
     #[arg(long, value_name = "N")]
