@@ -115,6 +115,7 @@ fn bench_reports_as_json_and_draws() {
     assert!(ways.iter().any(|way| way["way"] == "SAD, plain loop"));
     assert!(report["opencv"]["not_timed"].as_str().unwrap().contains("cannot start no-such-python"));
     assert_eq!(report["differences"], Value::Array(vec![]));
+    assert!(report["goals_stated_for"].as_str().unwrap().contains("six TLD recordings"));
     assert!(report["goals"].as_array().unwrap().iter().all(|goal| goal["at_most"].as_f64() > Some(0.0)));
 
     let text = host_sim(&[&SHORT[..], &["--plot", utf8(&svg)]].concat());
