@@ -165,14 +165,17 @@ impl Kernels for Plain {
         scalar::score_at_least(patch, template, self.table, self.threshold, floor)
     }
 
+    #[inline] // into other crates, too
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor)
     }
 
+    #[inline] // into other crates, too
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         scalar::distance(patch, template, enough)
     }
 
+    #[inline] // into other crates, too
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         scalar::spread(rows, low, high);
     }
