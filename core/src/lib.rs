@@ -50,7 +50,7 @@
 //!
 //! A [`Tracker<PIXELS, SPAN>`] holds `PIXELS` bytes of template, as many for the search, and five words for each of `SPAN`
 //! offsets; there is nothing else of size, and no heap. An update costs at most (offsets in the window) x (pixels of the
-//! template) comparisons and about an eighth of it more; a few hundredths of that where the target is seen clearly.
+//! template) comparisons and about an eighth of it more; where the target is seen clearly, about a tenth of that.
 //! [`Tracker::begin`] cuts it into steps.
 //!
 //! # Features

@@ -235,8 +235,22 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most four times the
     /// template's pixels, or twice the pixels of a row of [`Tracker::window`]. True when nothing is left to do but
     /// [`Update::finish`].
+    #[inline(never)] // one copy in flash
     pub fn step(&mut self, work: u32) -> bool {
-        self.advance(work)
+        let Tracker { search, template, config, .. } = &mut *self.tracker;
+        let Some(template) = template.image() else { return true };
+        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
+        self.work = self.work.saturating_add(search.step(&scene, work).into());
+        if !search.is_done() {
+            return false;
+        }
+        match search.found(&self.window) {
+            Some(Found { peak, runner_up: None }) if self.track.asks_for_runner_up(self.track.at(&peak).1, config) => {
+                search.begin_runner_up(&scene, config.neighbourhood);
+                false
+            }
+            _ => true,
+        }
     }
 
     /// How many comparisons of bytes have been made since the update was begun or resumed, at most: what could be left out
@@ -253,7 +267,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     }
 
     fn run(&mut self) -> Answer {
-        while !self.advance(u32::MAX) {}
+        while !self.step(u32::MAX) {}
         self.tracker.begun = false;
         let found = self.tracker.search.found(&self.window).unwrap_or(NOTHING);
         self.tracker.decide(&self.frame, self.track, found)
@@ -266,24 +280,6 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
         let certainly = self.track.asks_for_runner_up(State::Tracking, config);
         search.begin(&scene, config.pruning, certainly.then_some(config.neighbourhood));
         *begun = true;
-    }
-
-    #[inline(never)] // one copy in flash
-    fn advance(&mut self, work: u32) -> bool {
-        let Tracker { search, template, config, .. } = &mut *self.tracker;
-        let Some(template) = template.image() else { return true };
-        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
-        self.work = self.work.saturating_add(search.step(&scene, work).into());
-        if !search.is_done() {
-            return false;
-        }
-        match search.found(&self.window) {
-            Some(Found { peak, runner_up: None }) if self.track.asks_for_runner_up(self.track.at(&peak).1, config) => {
-                search.begin_runner_up(&scene, config.neighbourhood);
-                false
-            }
-            _ => true,
-        }
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! Two comparisons, in every frame and for every candidate:
 //!
-//! 1. **Bit for bit.** With the reference's p rounded to the table's grid, all scores, the peak, the runner-up, alpha,
-//!    the box, the state and the template's bytes must be equal.
+//! 1. **Bit for bit.** With the reference's p rounded to the table's grid, all scores, the peak, alpha, the box, the state
+//!    and the template's bytes must be equal; so must the runner-up, in the frames in which it is asked for.
 //! 2. **Within the bound.** With the reference's p exact, a score of n pixels may differ by n times half a unit of
 //!    1/65535, the rounding of n table entries, and by f64's own rounding. Where the exact sums have another arg max, the
 //!    lead of that offset over core's may not exceed twice the bound.
@@ -25,6 +25,8 @@ pub struct Report {
     pub frames: usize,
     /// Candidates compared in all frames together.
     pub scores: u64,
+    /// Of the frames, those in which the runner-up was asked for, and so compared: by the gate, or by the configuration.
+    pub runners_up: usize,
     /// The first frame in which something that must hold did not.
     pub violation: Option<Violation>,
     /// The largest |core's score - exact score| of a candidate, in units of 1/65535.
@@ -84,6 +86,7 @@ impl Check {
             sequence: name.to_owned(),
             frames: 0,
             scores: 0,
+            runners_up: 0,
             violation: None,
             largest_difference: 0.0,
             bound: bound(target.area()),
@@ -103,6 +106,7 @@ impl Check {
         let step = self.reference.update(&frame.pixels);
         self.report.frames += 1;
         self.report.scores += scores.len() as u64;
+        self.report.runners_up += usize::from(step.runner_up_asked);
         let number = self.report.frames + 1;
         self.report.violation = window(&offsets, &step)
             .or_else(|| self.each_score(&offsets, &scores, &step))

@@ -73,7 +73,12 @@ fn check_reports_as_json() {
     assert_eq!(report["sequence"], "periodic");
     assert_eq!(report["frames"], 18);
     assert_eq!(report["violation"], Value::Null);
+    assert_eq!(report["runners_up"], 13, "in five frames the gate does not ask for it");
     assert!(report["largest_difference"].as_f64() <= report["bound"].as_f64());
+    let always = host_sim(&["check", "periodic", "--runner-up-always", "--json"]).json();
+    assert_eq!(always[0]["runners_up"], 18);
+    let text = host_sim(&["check", "periodic"]).out;
+    assert!(text.contains("templates; the runner-up in 13 frames, where it is asked for\n"), "{text}");
 }
 
 /// As little as can be timed.
@@ -110,6 +115,7 @@ fn bench_reports_as_json_and_draws() {
     assert!(ways.iter().any(|way| way["way"] == "SAD, plain loop"));
     assert!(report["opencv"]["not_timed"].as_str().unwrap().contains("cannot start no-such-python"));
     assert_eq!(report["differences"], Value::Array(vec![]));
+    assert!(report["goals_stated_for"].as_str().unwrap().contains("six TLD recordings"));
     assert!(report["goals"].as_array().unwrap().iter().all(|goal| goal["at_most"].as_f64() > Some(0.0)));
 
     let text = host_sim(&[&SHORT[..], &["--plot", utf8(&svg)]].concat());

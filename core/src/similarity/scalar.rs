@@ -150,7 +150,7 @@ pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 /// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
 /// table. No slope of a convex p is looked for, all differences below `threshold` are gone through; for a table of exp the
 /// largest of them decides, as the chord from p(0) to it is then the flattest.
-#[cfg_attr(not(any(smr_dsp, smr_helium, test)), allow(dead_code))] // for backends that filter by it
+#[cfg_attr(not(any(target_arch = "x86_64", smr_dsp, smr_helium)), allow(dead_code))] // for backends that filter by it
 #[must_use]
 pub(super) fn chord(table: &Table, threshold: u16) -> u32 {
     let one = u32::from(Table::ONE);

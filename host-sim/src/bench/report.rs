@@ -27,6 +27,7 @@ pub struct Report {
     pub boards: Vec<Figures>,
     /// Seconds that `eval` takes of the recordings, on two threads.
     pub eval_seconds: Option<f64>,
+    pub goals_stated_for: &'static str,
     pub goals: Vec<Goal>,
     /// Cases and frames in which two ways, or a board and the host, gave different answers.
     pub differences: Vec<String>,
@@ -94,6 +95,7 @@ impl Report {
             differences: bench.windows.iter().flat_map(|window| window.differences.clone()).collect(),
             boards,
             eval_seconds: eval.map(|time| time.as_secs_f64()),
+            goals_stated_for: goals::STATED_FOR,
             goals: vec![],
         };
         for board in &report.boards {

@@ -1,4 +1,4 @@
-//! `host-sim check`: smr-core against the reference, on recordings or on the built-in ones.
+//! `host-sim check`: smr-core against the reference, on recordings or on two built-in ones.
 
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The recordings; the built-in ones if none is given
-    #[arg(value_name = "SEQ", default_values = sequence::BUILT_IN)]
+    /// The recordings; `synthetic` and `periodic` if none is given
+    #[arg(value_name = "SEQ", default_values = sequence::CHECKED)]
     sequences: Vec<PathBuf>,
     /// Compare only the first N frames after the one that is locked on
     #[arg(long, value_name = "N")]
@@ -80,14 +80,18 @@ fn progress(name: &str, length: Option<usize>) -> ProgressBar {
 }
 
 fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
-    let Report { sequence, frames, scores, largest_difference, bound, .. } = report;
+    let Report { sequence, frames, scores, runners_up, largest_difference, bound, .. } = report;
     writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
     if let Some(violation) = &report.violation {
         writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
         writeln!(out, "    smr-core:  {}", violation.core)?;
         writeln!(out, "    reference: {}", violation.reference)?;
     } else {
-        writeln!(out, "  equal, bit for bit: scores, peaks, runners-up, alpha, boxes, states, templates")?;
+        writeln!(
+            out,
+            "  equal, bit for bit: scores, peaks, alpha, boxes, states, templates; \
+             the runner-up in {runners_up} frames, where it is asked for"
+        )?;
     }
     writeln!(
         out,

@@ -1,10 +1,11 @@
-//! Where frames come from: one abstraction over folders of pictures, Y4M, video, raw dumps and the built-in recording,
+//! Where frames come from: one abstraction over folders of pictures, Y4M, video, raw dumps and built-in recordings,
 //! with the boxes that lie beside them.
 //!
 //! Frames stream: a recording is never in memory as a whole.
 
 pub mod boxes;
 mod images;
+mod noise;
 mod periodic;
 mod raw;
 pub mod synthetic;
@@ -80,8 +81,8 @@ pub struct OpenOptions {
 const PICTURES: &str = "img";
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The words `synthetic` and `periodic` are the built-in recordings (a folder of
-/// such a name is `./synthetic`).
+/// file or raw dump, or such a file itself. The words `synthetic`, `periodic` and `noise` are the built-in recordings (a
+/// folder of such a name is `./synthetic`).
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
 /// `groundtruth_rect.txt` (OTB form). Without `init.txt` the first box of the ground truth is the one to start from.
@@ -99,12 +100,16 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
 }
 
 /// The recordings that need no file.
-pub const BUILT_IN: [&str; 2] = [synthetic::NAME, periodic::NAME];
+pub const BUILT_IN: [&str; 3] = [synthetic::NAME, periodic::NAME, noise::NAME];
+
+/// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
+pub const CHECKED: [&str; 2] = [synthetic::NAME, periodic::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
     match path.to_str()? {
         synthetic::NAME => Some(synthetic::sequence()),
         periodic::NAME => Some(periodic::sequence()),
+        noise::NAME => Some(noise::sequence()),
         _ => None,
     }
 }

@@ -9,9 +9,9 @@
 //! set `UNALIGN_TRP`, which compilers for them do not allow for either.
 
 use super::super::{Table, scalar};
+use super::Kernels;
 use super::filter::{Limit, Lookup, blocks};
 use super::rows::Rows;
-use super::{Kernels, Plain};
 use crate::image::Image;
 use core::arch::asm;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -60,14 +60,7 @@ impl Kernels for Dsp {
     }
 
     #[inline(never)]
-    fn score_between_at_least(
-        &self,
-        _: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         self.lookup.most::<LANES>(&Rows::between(low, high, template), floor, loss)
     }
 

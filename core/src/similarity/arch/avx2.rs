@@ -10,7 +10,7 @@
 //!    byte outside a row is read, whatever its width.
 
 use super::super::Table;
-use super::{Kernels, Plain, rows::Rows, sse2};
+use super::{Kernels, rows::Rows, sse2};
 use crate::image::Image;
 use core::arch::x86_64::*;
 use core::slice;
@@ -53,14 +53,7 @@ impl Kernels for Lookup {
     }
 
     #[inline(always)]
-    fn score_between_at_least(
-        &self,
-        _: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::between(low, high, template);
         // SAFETY: a `Lookup` exists only where AVX2 does, and the pictures are borrowed.
         unsafe {

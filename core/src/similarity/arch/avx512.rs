@@ -6,7 +6,7 @@
 //! 3. Masked loads touch no byte outside a row, so the end of a row is a register like all others.
 
 use super::super::Table;
-use super::{Kernels, Plain, avx2, rows::Rows};
+use super::{Kernels, avx2, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
 
@@ -39,14 +39,7 @@ impl Kernels for Lookup {
     }
 
     #[inline(always)]
-    fn score_between_at_least(
-        &self,
-        _: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::between(low, high, template);
         // SAFETY: a `Lookup` exists only where these instructions do, and the pictures are borrowed.
         unsafe {

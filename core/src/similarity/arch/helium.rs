@@ -9,9 +9,9 @@
 //! `asm!`, as there are no intrinsics.
 
 use super::super::{Table, scalar};
+use super::Kernels;
 use super::filter::{Limit, Lookup, blocks};
 use super::rows::Rows;
-use super::{Kernels, Plain};
 use crate::image::Image;
 use core::arch::asm;
 
@@ -89,14 +89,7 @@ impl Kernels for Helium {
     }
 
     #[inline(never)]
-    fn score_between_at_least(
-        &self,
-        _: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         self.0.most::<1>(&Rows::between(low, high, template), floor, loss)
     }
 

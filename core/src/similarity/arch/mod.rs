@@ -117,30 +117,16 @@ impl Backend {
     }
 }
 
-/// What a backend computes; the function of the same name in `scalar.rs` says what. What a backend does not have of its
-/// own it takes from there.
+/// What a backend computes; the function of the same name in `scalar.rs` says what.
 trait Kernels {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
     /// This one need not be as exact: what it gives may be more, never less.
-    fn score_between_at_least(
-        &self,
-        plain: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
-        scalar::score_between_at_least(low, high, template, plain.table, plain.threshold, floor)
-    }
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        scalar::distance(patch, template, enough)
-    }
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;
 
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        scalar::spread(rows, low, high);
-    }
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 }
 
 /// A table, cut off at a threshold, made ready for a backend. It is made once for all scores of a frame.
@@ -177,6 +163,21 @@ impl Kernels for Plain {
     #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy, for those who filter first, too
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         scalar::score_at_least(patch, template, self.table, self.threshold, floor)
+    }
+
+    #[inline] // into other crates, too
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor)
+    }
+
+    #[inline] // into other crates, too
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        scalar::distance(patch, template, enough)
+    }
+
+    #[inline] // into other crates, too
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        scalar::spread(rows, low, high);
     }
 }
 
@@ -267,7 +268,7 @@ impl Scorer {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
-        let score = dispatch!(self, kernels => kernels.score_between_at_least(&self.plain, low, high, template, floor));
+        let score = dispatch!(self, kernels => kernels.score_between_at_least(low, high, template, floor));
         #[cfg(feature = "verify")]
         verify::score_between(score, (low, high, template), (self.plain.table, self.plain.threshold), floor);
         score

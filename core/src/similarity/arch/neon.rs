@@ -8,7 +8,7 @@
 //! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
 
 use super::super::{Table, scalar};
-use super::{Kernels, Plain, rows::Rows};
+use super::{Kernels, rows::Rows};
 use crate::image::Image;
 use core::arch::aarch64::*;
 use core::slice;
@@ -46,14 +46,7 @@ impl Kernels for Lookup {
     }
 
     #[inline]
-    fn score_between_at_least(
-        &self,
-        _: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::between(low, high, template);
         // SAFETY: this file is compiled only where all has NEON, and the pictures are borrowed.
         unsafe { self.count_at_least(&rows, floor) }

@@ -72,18 +72,6 @@ impl Rows {
         floor.div_ceil(Table::ONE as u32)
     }
 
-    /// Gives `compare` the addresses of each two rows, from the top and as long as it says true.
-    #[inline(always)]
-    #[cfg_attr(not(target_arch = "aarch64"), allow(dead_code))] // elsewhere rows are looked at in blocks, or by asm!
-    pub(super) fn each(&self, mut compare: impl FnMut(*const u8, *const u8) -> bool) {
-        for y in 0..self.height {
-            let (f, g) = self.row(y);
-            if !compare(f, g) {
-                return;
-            }
-        }
-    }
-
     /// Where row `y` of patch and template begins: as long as the pictures live, there are `width` readable bytes if `y` <
     /// `height`.
     ///

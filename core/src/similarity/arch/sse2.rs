@@ -9,7 +9,7 @@
 //! pictures the bound is the answer.
 
 use super::super::{Table, scalar};
-use super::{Kernels, Plain, rows::Rows};
+use super::{Kernels, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
 
@@ -50,17 +50,10 @@ impl Kernels for Bound {
     }
 
     #[inline(always)]
-    fn score_between_at_least(
-        &self,
-        plain: &Plain,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::between(low, high, template);
         if rows.width < LANES {
-            return scalar::score_between_at_least(low, high, template, plain.table, plain.threshold, floor);
+            return scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor);
         }
         // SAFETY: a `Bound` exists only where SSE2 does, the pictures are borrowed, and a register's width is there.
         unsafe { self.reach::<true>(&rows, floor) }
