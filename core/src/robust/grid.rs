@@ -138,7 +138,9 @@ impl Lattice {
         let mut means = Means::new(pixels, across.at(0).0, down.at(0).0, self.halvings());
         // Cannot fail: a lattice has at most COLUMNS columns.
         let mut columns = Vec::<_, COLUMNS>::new();
-        (0..self.columns).for_each(|column| drop(columns.push(across.at(column))));
+        for column in 0..self.columns {
+            let _ = columns.push(across.at(column));
+        }
         out.clear();
         for row in 0..self.rows {
             let (upper, lower, part) = down.at(row);
