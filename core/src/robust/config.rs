@@ -34,6 +34,9 @@ pub struct Config {
     pub threshold: ThresholdRule,
     /// Whether a running mean of the patches is compared beside the last one.
     pub slow_template: bool,
+    /// Whether the early template, in the light of the last patch, has a say in where between the templates' peaks the target
+    /// is; it drifts least of all.
+    pub anchor: bool,
     /// Whether positions are finer than a pixel of the grid.
     pub sub_pixel: bool,
     /// Whether the box follows the target's size.
@@ -57,6 +60,7 @@ impl Config {
             enlarging: true,
             threshold: ThresholdRule::Contrast,
             slow_template: true,
+            anchor: true,
             sub_pixel: true,
             cells: true,
             verification: true,

@@ -8,6 +8,7 @@
 //! | grid | `grid.rs` | target and surroundings are resampled to about 1024 pixels, whatever the target's size |
 //! | threshold | `threshold.rs` | alpha follows the template's contrast, not its last change |
 //! | slow template | `templates.rs` | a running mean beside the last patch: it does not drift as fast |
+//! | anchor | `light.rs` | an early template, in today's light, has a say: it drifts least |
 //! | sub-pixel | `peak.rs` | a parabola through the peak: errors of half a pixel do not add up |
 //! | cells | `cells.rs` | 8x8 cells of the template, matched by themselves, tell the change of size |
 //! | verification | `trust.rs` | an early template, slower than all, tells whether it is still the target |

@@ -57,8 +57,8 @@ pub struct Answer {
     pub scale: u32,
     /// The threshold that this frame was scored with, in gray levels: a pixel counted if it differed by less.
     pub alpha: u16,
-    /// The search's peak on the grid, by both templates: offsets from the window's first, 32 being the last position, and the
-    /// score of the last patch twice and of the slow template.
+    /// The search's peak on the grid, by all templates: offsets from the window's first, 32 being the last position, and the
+    /// score of the last patch twice, of the slow template, and of the anchor twice.
     pub peak: Peak,
     /// True if the target was found by the sweep, in this frame.
     pub found_again: bool,
@@ -99,6 +99,8 @@ pub struct Tracker<const PIXELS: usize = 1024, const WINDOW: usize = 12288> {
     last: Vec<u8, PIXELS>,
     slow: Mean<PIXELS>,
     early: Mean<PIXELS>,
+    /// The early template in the light of the last patch.
+    anchor: Vec<u8, PIXELS>,
     track: Option<Track>,
 }
 
@@ -151,6 +153,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
             last: Vec::new(),
             slow: Mean::new(),
             early: Mean::new(),
+            anchor: Vec::new(),
             track: None,
         }
     }
@@ -179,6 +182,8 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         let _ = self.last.extend_from_slice(&self.patch);
         self.slow.start(&self.patch);
         self.early.start(&self.patch);
+        self.anchor.clear();
+        let _ = self.anchor.extend_from_slice(&self.patch);
         let alpha = match self.config.threshold {
             ThresholdRule::Contrast => threshold::by_contrast(&self.patch),
             ThresholdRule::LargestChange(_) => FIRST_ALPHA,
@@ -275,6 +280,12 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         self.image(self.early.pixels())
     }
 
+    /// The early template in the light of the last patch; `None` before the first lock.
+    #[must_use]
+    pub fn anchor(&self) -> Option<Image<'_>> {
+        self.image(&self.anchor)
+    }
+
     /// The grid; `None` before the first lock.
     #[must_use]
     pub fn grid(&self) -> Option<Grid> {
@@ -325,24 +336,26 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     fn follow(&mut self, track: &Track, scorer: &Scorer, next: &mut Track) -> (Peak, u32) {
         let grid = track.grid;
         let around = 2 * RADIUS;
-        let Self { window, search, last, slow, config, .. } = self;
-        let (Ok(window), Ok(last), Ok(slow)) = (
+        let Self { window, search, last, slow, anchor, config, .. } = self;
+        let (Ok(window), Ok(last), Ok(slow), Ok(anchor)) = (
             Image::new(window, grid.columns + around, grid.rows + around),
             Image::new(last, grid.columns, grid.rows),
             Image::new(slow.pixels(), grid.columns, grid.rows),
+            Image::new(anchor, grid.columns, grid.rows),
         ) else {
             return (CENTRE, 0);
         };
         let both = if config.slow_template { Some(slow) } else { None };
         let score = |x: i32, y: i32| {
             let patch = window.crop(Rect::new(x, y, grid.columns, grid.rows))?;
-            Some(2 * scorer.score(patch, last) + scorer.score(patch, both.unwrap_or(last)))
+            let anchored = if config.anchor { 2 * scorer.score(patch, anchor) } else { 0 };
+            Some(2 * scorer.score(patch, last) + scorer.score(patch, both.unwrap_or(last)) + anchored)
         };
         let mut comparisons = 0;
         let mut best = CENTRE;
         for template in [Some(last), both].into_iter().flatten() {
             let (found, work) = find(search, window, template, scorer, config.pruning);
-            comparisons += work + 9 * 2 * u32::from(grid.columns) * u32::from(grid.rows);
+            comparisons += work + 9 * 3 * u32::from(grid.columns) * u32::from(grid.rows);
             for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
                 let (x, y) = (found.x + dx, found.y + dy);
                 if let Some(score) = score(x, y) {
@@ -378,7 +391,8 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
 
     fn ratio_of_templates(&self, track: &Track, score: u32) -> u16 {
         let pixels = u32::from(track.grid.columns) * u32::from(track.grid.rows);
-        u16::try_from(score / (3 * pixels).max(1)).unwrap_or(Table::ONE)
+        let weights = if self.config.anchor { 5 } else { 3 };
+        u16::try_from(score / (weights * pixels).max(1)).unwrap_or(Table::ONE)
     }
 
     /// The early template's best ratio at the peak and one pixel of the grid around it, in the light of what is there.
@@ -451,6 +465,9 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         }
         self.last.clear();
         let _ = self.last.extend_from_slice(&self.patch);
+        if let Ok(last) = Image::new(&self.last, next.grid.columns, next.grid.rows) {
+            light::of(self.early.pixels(), last, &mut self.anchor);
+        }
     }
 }
 

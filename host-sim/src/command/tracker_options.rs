@@ -69,6 +69,8 @@ pub enum Part {
     Contrast,
     /// The running mean beside the last patch
     SlowTemplate,
+    /// The early template's say in where the target is
+    Anchor,
     /// Positions finer than a pixel of the grid
     SubPixel,
     /// The change of size
@@ -86,6 +88,7 @@ impl Part {
             Self::Enlarging => config.enlarging = false,
             Self::Contrast => config.threshold = robust::ThresholdRule::LargestChange(Config::paper().k),
             Self::SlowTemplate => config.slow_template = false,
+            Self::Anchor => config.anchor = false,
             Self::SubPixel => config.sub_pixel = false,
             Self::Cells => config.cells = false,
             Self::Verification => config.verification = false,
