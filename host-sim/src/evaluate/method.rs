@@ -26,7 +26,7 @@ pub struct Report {
     /// The target's box; `None` when it is lost.
     pub target: Option<BoundingBox>,
     pub state: State,
-    /// What SMR decided on; `None` in the frame that was locked on, and from methods that are never in doubt.
+    /// What SMR decided on; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
     /// Comparisons of bytes that the answer took, at most; `None` from methods that do not count them.
     pub comparisons: Option<u64>,
@@ -85,7 +85,7 @@ fn of_one(ratio: u16) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     Tracking,
-    /// The paper's tracker: still believed, but no longer learned from.
+    /// The paper's tracker: partly outside the frame.
     Leaving,
     /// The robust tracker: it may be something else.
     Uncertain,

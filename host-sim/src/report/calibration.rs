@@ -27,16 +27,16 @@ fn y(chance: f64) -> f64 {
 fn grid() -> Vec<Mark> {
     let words = |x: f64, y: f64, place: f64, words: String, color| Mark::Words { x, y, place, words, color };
     let mut marks = vec![
-        words(LEFT, TOP / 2.0, 0.0, "line: chance that IoU is above 0.25".into(), Some(SMR)),
-        words(RIGHT + 96.0, TOP / 2.0, 1.0, "dashed: part of all frames".into(), Some(SAD)),
-        words((LEFT + RIGHT) / 2.0, BOTTOM + 42.0, 0.5, "ratio".into(), None),
+        words(LEFT, TOP / 2.0, 0.0, "line chance to be correct".into(), Some(SMR)),
+        words(RIGHT + 112.0, TOP / 2.0, 1.0, "dashed part of all frames".into(), Some(SAD)),
+        words((LEFT + RIGHT) / 2.0, BOTTOM + 42.0, 0.5, "ratio and all else in percent".into(), None),
     ];
-    for tenths in (0..=10).step_by(2) {
-        let value = f64::from(tenths) / 10.0;
+    for percent in (0..=100).step_by(20) {
+        let value = f64::from(percent) / 100.0;
         let (across, up) = ([(LEFT, y(value)), (RIGHT, y(value))], [(x(value), TOP), (x(value), BOTTOM)]);
         marks.extend([across, up].map(|ends| Mark::Line { points: ends.to_vec(), color: GRID, dashed: true }));
-        marks.push(words(LEFT - 8.0, y(value), 1.0, value.to_string(), None));
-        marks.push(words(x(value), BOTTOM + 18.0, 0.5, value.to_string(), None));
+        marks.push(words(LEFT - 8.0, y(value), 1.0, percent.to_string(), None));
+        marks.push(words(x(value), BOTTOM + 18.0, 0.5, percent.to_string(), None));
     }
     marks
 }
