@@ -1,5 +1,6 @@
 //! The numbers of the method on the command line, the same for every command that runs the tracker.
 
+use crate::evaluate::Configs;
 use crate::reference::Numbers;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -82,6 +83,12 @@ pub enum Part {
 }
 
 impl Part {
+    /// As on the command line.
+    pub fn name(self) -> String {
+        // Only a value that clap skips has no name there, and none is skipped.
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
     /// Leaves it out of `config`.
     pub fn leave_out(self, config: &mut robust::Config) {
         match self {
@@ -137,6 +144,15 @@ impl TrackerOptions {
         Ok(config)
     }
 
+    /// What all methods are built from.
+    pub fn configs(&self) -> Result<Configs> {
+        let robust = match self.preset() {
+            Preset::Paper => None,
+            Preset::Robust => Some(self.robust()?),
+        };
+        Ok(Configs { paper: self.config()?, robust })
+    }
+
     /// Which tracker is asked for.
     pub fn preset(&self) -> Preset {
         self.config
@@ -189,6 +205,25 @@ impl TrackerOptions {
         numbers.padding = self.padding.map_or(numbers.padding, i64::from);
         numbers.neighbourhood = self.neighbourhood.map_or(numbers.neighbourhood, i64::from);
         numbers
+    }
+}
+
+/// For a command that runs the paper's tracker only: the other one is refused in words, not as an unknown option.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PaperOnly {
+    /// Which tracker; only the paper's can be used here
+    #[arg(long, value_enum, default_value = "paper", help_heading = "Tracker")]
+    config: Preset,
+}
+
+impl PaperOnly {
+    /// # Errors
+    /// Another tracker is asked for.
+    pub fn check(&self, command: &str) -> Result<()> {
+        match self.config {
+            Preset::Paper => Ok(()),
+            Preset::Robust => bail!("{command} is for the paper's tracker only: expected --config paper"),
+        }
     }
 }
 
