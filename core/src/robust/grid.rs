@@ -199,15 +199,16 @@ impl<'a> Means<'a> {
         let columns = usize::from(pixels.width()).div_ceil(side);
         means.clear();
         for column in 0..columns {
-            let mut sum = 0u32;
+            // A step is below 2^16 pixels, so a block's side is at most 2^15 and the sum below 2^38.
+            let mut sum = 0u64;
             for row in 0..side {
                 // The frame's last row goes on where it is cut before a block is whole.
                 let row = first.saturating_add(u16::try_from(row).unwrap_or(0)).min(pixels.height() - 1);
                 let row = pixels.row(row);
                 let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
-                sum += block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>();
                 let missing = u32::try_from(side - block.len()).unwrap_or(0);
-                sum += missing * u32::from(row.last().copied().unwrap_or(0));
+                let edge = missing * u32::from(row.last().copied().unwrap_or(0));
+                sum += u64::from(block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
             }
             let mean = (sum + (1 << (2 * *halvings - 1))) >> (2 * *halvings);
             // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.

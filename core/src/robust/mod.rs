@@ -40,3 +40,6 @@ const GROUPS: usize = 97;
 
 /// A similarity search over a window of this tracker: `WINDOW` bytes of ranges.
 type Search<const WINDOW: usize> = crate::search::Search<WINDOW, GROUPS>;
+
+#[cfg(test)]
+mod tests;

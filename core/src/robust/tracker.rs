@@ -212,13 +212,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        let track = self.track.ok_or(UpdateError::NotLocked)?;
-        if track.bounds != frame.bounds() {
-            return Err(UpdateError::FrameSizeChanged);
-        }
-        if !frame.covered().contains(self.pixels_of(&track)) || !self.sample_window(frame, &track) {
-            return Err(UpdateError::WindowNotInMemory);
-        }
+        let track = self.look(frame)?;
         let mut next = track;
         let scorer = self.scorer(track.alpha);
         let (peak, mut comparisons) = self.follow(&track, &scorer, &mut next);
@@ -260,6 +254,17 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     #[must_use]
     pub fn window(&self) -> Option<Rect> {
         self.track.as_ref().map(|track| self.pixels_of(track))
+    }
+
+    /// The search window on the grid, as the next [`Tracker::update`] will see it in this frame: the templates are compared
+    /// with its parts. Nothing but scratch memory changes.
+    ///
+    /// # Errors
+    /// Those of [`Tracker::update`].
+    pub fn window_on_grid(&mut self, frame: &Frame<'_>) -> Result<Image<'_>, UpdateError> {
+        let Grid { columns, rows, .. } = self.look(frame)?.grid;
+        // Cannot fail: the window is as large as it was just made.
+        Image::new(&self.window, columns + 2 * RADIUS, rows + 2 * RADIUS).map_err(|_| UpdateError::WindowNotInMemory)
     }
 
     /// The last patch on the grid; `None` before the first lock.
@@ -314,8 +319,17 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         Scorer::new(self.config.backend.unwrap_or_else(Backend::best), self.config.table, alpha)
     }
 
-    fn sample_window(&mut self, frame: &Frame<'_>, track: &Track) -> bool {
-        lattice(&track.grid, track.place, RADIUS).sample(frame, &mut self.window)
+    /// Samples the search window, if all that an update may read is there.
+    fn look(&mut self, frame: &Frame<'_>) -> Result<Track, UpdateError> {
+        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        if track.bounds != frame.bounds() {
+            return Err(UpdateError::FrameSizeChanged);
+        }
+        let window = lattice(&track.grid, track.place, RADIUS);
+        if !frame.covered().contains(self.pixels_of(&track)) || !window.sample(frame, &mut self.window) {
+            return Err(UpdateError::WindowNotInMemory);
+        }
+        Ok(track)
     }
 
     /// What may be read: the window, a little around it for a patch that has grown, and the sweep's next window.

@@ -1,6 +1,6 @@
 //! Verification: is it still the target? An early template, the slowest of all, is asked.
 //!
-//! A track that learns from itself agrees with itself, whatever it follows. The early template learns so slowly (a 128th of
+//! A track that learns from itself agrees with itself, whatever it follows. The early template learns so slowly (a 256th of
 //! a patch in each frame, nothing while lost) that what slips in is noticed before it is learned.
 
 use super::tracker::State;
