@@ -90,7 +90,8 @@ impl Axis {
 
     /// Block, the one that follows it, and the latter's part in units of 1/256.
     fn at(&self, number: u16) -> (u16, u16, u32) {
-        let position = (self.first + i64::from(number) * self.step).clamp(0, self.end);
+        // The end is never below 0; said here, the clamp has no path to a panic.
+        let position = (self.first + i64::from(number) * self.step).clamp(0, self.end.max(0));
         let block = position / PIXEL;
         let next = (block + 1).min(self.end / PIXEL);
         let part = position % PIXEL / (PIXEL / 256);

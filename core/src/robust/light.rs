@@ -14,7 +14,8 @@ const MOST: i32 = 512;
 /// deviations, in units of 1/256 rounded down, half to twice.
 pub(super) fn of<const PIXELS: usize>(template: &[u8], seen: Image<'_>, lit: &mut Vec<u8, PIXELS>) {
     let was = Contrast::of(template.iter().copied());
-    let is = Contrast::of(seen.rows().flatten().copied());
+    // Row by row by its number: `Image::rows` divides by the stride, which could be a panic where it is folded.
+    let is = Contrast::of((0..seen.height()).flat_map(|y| seen.row(y)).copied());
     let gain = (256 * is.deviation / was.deviation.max(1)).cast_signed().clamp(LEAST, MOST);
     lit.clear();
     for &pixel in template.iter().take(PIXELS) {

@@ -389,7 +389,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         let (right, down) = (part(near(-1, 0), near(1, 0)), part(near(0, -1), near(0, 1)));
         let moved = |from: i64, offset: i32, part: i64, size: u16| {
             let grid_pixels = (i64::from(offset) - i64::from(RADIUS)) * PIXEL + part;
-            (from + ((grid_pixels * step) >> 12)).clamp(0, (i64::from(size) - 1) * PIXEL)
+            (from + ((grid_pixels * step) >> 12)).clamp(0, end_of(size))
         };
         next.place.x = moved(track.place.x, best.x, right, track.bounds.width);
         next.place.y = moved(track.place.y, best.y, down, track.bounds.height);
@@ -446,7 +446,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
             return (None, work);
         }
         let at = |centre: i64, offset: i32, size: u16| {
-            (centre + (i64::from(offset) - i64::from(RADIUS)) * lattice.step).clamp(0, (i64::from(size) - 1) * PIXEL)
+            (centre + (i64::from(offset) - i64::from(RADIUS)) * lattice.step).clamp(0, end_of(size))
         };
         let (x, y) = (at(lattice.x, found.x, track.bounds.width), at(lattice.y, found.y, track.bounds.height));
         (Some((Place { x, y, scale: track.believed.0 }, ratio)), work)
@@ -533,6 +533,11 @@ fn grown(scale: u32, growth: u32) -> u32 {
 fn lattice(grid: &Grid, place: Place, around: u16) -> Lattice {
     let (columns, rows) = (grid.columns + 2 * around, grid.rows + 2 * around);
     Lattice { x: place.x, y: place.y, step: grid.step_at(place.scale), columns, rows }
+}
+
+/// The last position on an axis of so many pixels. Never below the first, which a clamp must be shown.
+fn end_of(size: u16) -> i64 {
+    i64::from(size.saturating_sub(1)) * PIXEL
 }
 
 /// `score` over the pixels of the template, in units of 1/65535, rounded down.
@@ -623,3 +628,17 @@ impl fmt::Display for UpdateError {
 }
 
 impl core::error::Error for UpdateError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::println;
+
+    #[test]
+    fn memory_is_twice_the_window_and_eight_times_the_template() {
+        let size = size_of::<Tracker>();
+        println!("robust::Tracker: {size} bytes");
+        assert!(size <= 2 * 12288 + 8 * 1024 + 2400, "{size} bytes");
+        assert!(size <= 48 * 1024);
+    }
+}

@@ -3,8 +3,8 @@
 //! Core is given no more of a frame than it asks for, the reference all of it. Two comparisons, in every frame:
 //!
 //! 1. **Bit for bit.** With the reference's p rounded to the table's grid: what core asks for, the window on the grid, the
-//!    scores of all its offsets by the last and by the slow template, the peak by both, alpha, the early template's ratio, the
-//!    state, the scale, the box, and the bytes of all three templates.
+//!    scores of all its offsets by the last and by the slow template, the peak by all templates, alpha, the early template's ratio, the
+//!    state, the scale, the box, and the bytes of all four templates.
 //! 2. **Within the bound.** With the reference's p exact, a score of n pixels may differ by n times half a unit of
 //!    1/65535, the rounding of n table entries, and by f64's own rounding.
 
@@ -56,6 +56,7 @@ pub fn numbers(config: &Config) -> Numbers {
     let parts = &mut numbers.parts;
     parts.enlarging = config.enlarging;
     parts.slow_template = config.slow_template;
+    parts.anchor = config.anchor;
     parts.sub_pixel = config.sub_pixel;
     parts.cells = config.cells;
     parts.verification = config.verification;
@@ -203,6 +204,7 @@ impl Check {
         pixels("last template", core.template(), reference.last())
             .or_else(|| pixels("slow template", core.slow_template(), &reference.slow()))
             .or_else(|| pixels("early template", core.early_template(), &reference.early()))
+            .or_else(|| pixels("anchor", core.anchor(), reference.anchor()))
             .or_else(|| differs("next alpha, rounded up", f64::from(core.alpha()), reference.alpha().ceil()))
     }
 }
@@ -283,10 +285,11 @@ mod tests {
 
     type Change<T> = (&'static str, fn(&mut T));
 
-    const WITHOUT: [Change<Config>; 7] = [
+    const WITHOUT: [Change<Config>; 8] = [
         ("enlarging", |config| config.enlarging = false),
         ("contrast", |config| config.threshold = ThresholdRule::LargestChange(Fraction::new(1, 4))),
         ("slow template", |config| config.slow_template = false),
+        ("anchor", |config| config.anchor = false),
         ("sub-pixel", |config| config.sub_pixel = false),
         ("cells", |config| config.cells = false),
         ("verification", |config| config.verification = false),
@@ -309,7 +312,7 @@ mod tests {
 
     #[test]
     fn other_numbers_are_noticed() {
-        let others: [Change<Numbers>; 14] = [
+        let others: [Change<Numbers>; 15] = [
             ("table", |numbers| numbers.scale = 250.0),
             ("pixels", |numbers| numbers.pixels = 900),
             ("radius", |numbers| numbers.radius = 31),
@@ -323,6 +326,7 @@ mod tests {
             ("clear", |numbers| numbers.clear_from = 65_536.0),
             ("sub-pixel", |numbers| numbers.parts.sub_pixel = false),
             ("slow template", |numbers| numbers.parts.slow_template = false),
+            ("anchor", |numbers| numbers.parts.anchor = false),
             ("verification", |numbers| numbers.parts.verification = false),
         ];
         for (what, change) in others {

@@ -70,6 +70,8 @@ pub struct Parts {
     /// alpha by contrast; without, by the paper's rule.
     pub contrast: bool,
     pub slow_template: bool,
+    /// The early template's say in the peak.
+    pub anchor: bool,
     pub sub_pixel: bool,
     pub cells: bool,
     pub verification: bool,
@@ -100,6 +102,7 @@ impl Numbers {
                 enlarging: true,
                 contrast: true,
                 slow_template: true,
+                anchor: true,
                 sub_pixel: true,
                 cells: true,
                 verification: true,
@@ -155,7 +158,7 @@ pub struct Step {
     /// Every offset of the last patch, row by row, and of the slow template, if there is one.
     pub last: Vec<((i64, i64), Sums)>,
     pub slow: Vec<((i64, i64), Sums)>,
-    /// The offset with the largest score by both, and that score.
+    /// The offset with the largest score by all templates, and that score.
     pub peak: ((i64, i64), f64),
     /// The alpha that this frame was scored with.
     pub alpha: f64,
@@ -191,6 +194,8 @@ pub struct Reference {
     /// Running means on the grid of 1/256.
     slow: Patch,
     early: Patch,
+    /// The early template in the light of the last patch.
+    anchor: Patch,
     belief: Belief,
     /// Frames in a row in which the early template was not seen.
     denied: i64,
@@ -220,7 +225,8 @@ impl Reference {
             alpha,
             last: patch.clone(),
             slow: patch.clone(),
-            early: patch,
+            early: patch.clone(),
+            anchor: patch,
             belief: Belief::Tracking,
             denied: 0,
             believed: (1.0, alpha),
@@ -246,6 +252,11 @@ impl Reference {
     /// The early template in whole gray levels.
     pub fn early(&self) -> Patch {
         in_gray_levels(&self.early)
+    }
+
+    /// The early template in the light of the last patch.
+    pub fn anchor(&self) -> &Patch {
+        &self.anchor
     }
 
     /// alpha of the next frame.
@@ -277,7 +288,8 @@ impl Reference {
         if parts.cells {
             place.scale = self.grown(&window, peak.0);
         }
-        let mut ratio = (peak.1 / (3.0 * self.template_pixels())).floor();
+        let weights = if parts.anchor { 5.0 } else { 3.0 };
+        let mut ratio = (peak.1 / (weights * self.template_pixels())).floor();
         let (mut swept, mut found) = (false, None);
         if parts.verification {
             ratio = self.agreement(&window, peak.0);
@@ -304,15 +316,17 @@ impl Reference {
         real(self.shape.columns * self.shape.rows)
     }
 
-    /// The last patch counts twice, the slow template once; without one the last patch stands in for it.
-    fn score_of_both(&self, window: &Patch, x: i64, y: i64) -> Option<f64> {
+    /// The last patch counts twice, the slow template once (without one the last patch stands in for it), the anchor twice.
+    fn score_of_all(&self, window: &Patch, x: i64, y: i64) -> Option<f64> {
         let slow = if self.numbers.parts.slow_template { &self.slow() } else { &self.last };
         let last = self.similarity.score(window, &self.last, x, y, self.alpha)?;
         let slow = self.similarity.score(window, slow, x, y, self.alpha)?;
-        Some(2.0 * last.rounded + slow.rounded)
+        let anchor = self.similarity.score(window, &self.anchor, x, y, self.alpha)?;
+        let anchored = if self.numbers.parts.anchor { 2.0 * anchor.rounded } else { 0.0 };
+        Some(2.0 * last.rounded + slow.rounded + anchored)
     }
 
-    /// The best by both templates of the offsets next to each template's own best.
+    /// The best by all templates of the offsets next to the last patch's and the slow template's own best.
     fn peak(&self, window: &Patch, last: &[((i64, i64), Sums)], slow: &[((i64, i64), Sums)]) -> ((i64, i64), f64) {
         let middle = self.numbers.radius;
         let searches = [last, slow].into_iter().filter(|scores| !scores.is_empty());
@@ -320,7 +334,7 @@ impl Reference {
             let ((x, y), _) = best(scores.iter().map(|&(at, sums)| (at, sums.rounded)), middle);
             around(x, y)
         });
-        let scored = candidates.filter_map(|(x, y)| Some(((x, y), self.score_of_both(window, x, y)?)));
+        let scored = candidates.filter_map(|(x, y)| Some(((x, y), self.score_of_all(window, x, y)?)));
         best(scored, middle)
     }
 
@@ -330,8 +344,8 @@ impl Reference {
             (Some(before), Some(after)) if self.numbers.parts.sub_pixel => top(before, score, after),
             _ => 0.0,
         };
-        let across = part(self.score_of_both(window, x - 1, y), self.score_of_both(window, x + 1, y));
-        let along = part(self.score_of_both(window, x, y - 1), self.score_of_both(window, x, y + 1));
+        let across = part(self.score_of_all(window, x - 1, y), self.score_of_all(window, x + 1, y));
+        let along = part(self.score_of_all(window, x, y - 1), self.score_of_all(window, x, y + 1));
         let step = self.shape.step_at(self.place.scale);
         let offset = |at: i64, part: f64| down((real(at - self.numbers.radius) + part) * step, POSITION);
         self.inside(Place {
@@ -453,6 +467,7 @@ impl Reference {
         if self.belief == Belief::Tracking {
             self.believed = (self.place.scale, self.alpha);
         }
+        self.anchor = in_light_of(&self.numbers, &self.early(), &patch);
         self.last = patch;
     }
 
