@@ -84,7 +84,7 @@ typedef char smr_storage_is_as_large_as_stated[sizeof(smr_storage) == SMR_TRACKE
 
 /** Size of a robust tracker's storage in bytes, a constant expression; #smr_robust_tracker_size says the same. */
 #define SMR_ROBUST_TRACKER_SIZE \
-    (2 * (size_t)SMR_ROBUST_WINDOW + 8 * (size_t)SMR_ROBUST_PIXELS + 1940 + 30 * sizeof(size_t) + 148)
+    (2 * (size_t)SMR_ROBUST_WINDOW + 9 * (size_t)SMR_ROBUST_PIXELS + 1940 + 32 * sizeof(size_t) + 148)
 
 /** Alignment of a robust tracker's storage in bytes, a constant expression. */
 #define SMR_ROBUST_TRACKER_ALIGN 8
@@ -349,6 +349,10 @@ typedef struct smr_robust_config {
    * A running mean of the patches is compared beside the last one.
    */
   uint8_t slow_template;
+  /**
+   * The early template, in the light of the last patch, has a say in where the target is.
+   */
+  uint8_t anchor;
   /**
    * Positions are finer than a pixel of the grid.
    */
