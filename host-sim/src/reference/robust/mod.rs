@@ -3,7 +3,7 @@
 //! It takes no number, no table and no arithmetic from `smr-core`, is slow, and scores every offset. Positions are in
 //! pixels, scales in 1; where the method says on which grid a number lies it is rounded to that grid (`rounding.rs`), so
 //! that both trackers walk through a recording side by side. Scores are in units of 1/65535, summed twice as
-//! [`Sums`](super::Sums) says; decisions follow the rounded sums.
+//! [`Sums`] says; decisions follow the rounded sums.
 
 mod cells;
 mod grid;
