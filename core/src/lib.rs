@@ -72,6 +72,7 @@ mod config;
 mod image;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
+pub mod robust;
 pub mod search;
 pub mod similarity;
 mod template;

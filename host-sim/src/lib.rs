@@ -2,8 +2,8 @@
 //!
 //! - [`sequence`]: where frames and boxes come from.
 //! - [`spread`]: many measurements as three numbers.
-//! - [`mod@reference`]: the method in f64, written from the paper.
-//! - [`check`]: core against the reference, score by score.
+//! - [`mod@reference`]: both methods in f64, the one written from the paper, the other from its description.
+//! - [`check`]: core against the references, score by score.
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.

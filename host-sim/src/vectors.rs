@@ -3,6 +3,8 @@
 //! Whoever runs smr-core elsewhere (another compiler, another instruction set, from C) can be held to them without this
 //! program. `tests/vectors/README.md` describes the form.
 
+pub mod robust;
+
 use crate::reference::{Belief, Numbers, Reference, Step};
 use std::fmt::Write;
 

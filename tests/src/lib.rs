@@ -4,6 +4,10 @@
 
 #![no_std]
 
+mod robust;
+
+pub use robust::{ROBUST, ROBUST_FRAME_PIXELS, RobustExpected, RobustLine, RobustReader};
+
 use smr_core::similarity::Table;
 use smr_core::{Answer, Config, Fraction, Radius, Rect, RunnerUp, State, Tracker};
 

@@ -218,6 +218,87 @@ fn eval_from_many_starts_says_what_it_cannot_do() {
 }
 
 #[test]
+fn the_robust_tracker_is_a_method_of_its_own() {
+    let rows = host_sim(&["eval", "synthetic", "--method", "smr,ncc", "--config", "robust", "--json"]).json();
+    assert_eq!((&rows[0]["tracker"], &rows[1]["tracker"]), (&Value::from("robust"), &Value::from("ncc")));
+
+    let said = host_sim(&["track", "synthetic", "--config", "robust", "--json"]);
+    let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 240);
+    let known = ["tracking", "uncertain", "lost"].map(Value::from);
+    assert!(lines.iter().all(|line| known.contains(&line["state"])));
+    assert!(lines.iter().all(|line| line["bbox"].is_null() == (line["state"] == "lost")));
+    let finer = |line: &Value| line["bbox"]["x"].as_f64().is_some_and(|x| x.fract() != 0.0);
+    assert!(lines.iter().any(finer), "boxes are finer than a pixel");
+
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let report = host_sim(&["report", "synthetic", "--config", "robust", "--out", utf8(&page), "--json"]).json();
+    assert_eq!(report["scores"][0]["tracker"], "robust");
+    assert!(fs::read_to_string(&page).unwrap().contains("SMR (robust)"));
+}
+
+#[test]
+fn what_is_of_the_other_tracker_is_refused() {
+    for command in ["bench", "target", "vectors"] {
+        let sequence = if command == "vectors" { &[][..] } else { &["synthetic"] };
+        let arguments = [&[command], sequence, &["--config", "robust"]].concat();
+        host_sim(&arguments).refuses(&[command, "the paper's tracker only"]);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let commands =
+        [&["track", "synthetic"][..], &["eval", "synthetic"], &["report", "synthetic", "--out", utf8(&page)]];
+    for command in commands {
+        host_sim(&[command, &["--config", "robust", "--window", "9x9"]].concat())
+            .refuses(&["--window", "--config paper"]);
+        host_sim(&[command, &["--without", "cells"]].concat()).refuses(&["--without", "--config robust"]);
+    }
+    assert!(!page.exists());
+}
+
+#[test]
+fn eval_counts_and_draws_what_a_ratio_is_worth() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = folder.path().join("calibration.svg");
+    let arguments = ["eval", "synthetic", "--robustness", "--config", "robust", "--method", "smr,sad"];
+    let report = host_sim(&[&arguments[..], &["--calibration", utf8(&plot), "--json"]].concat()).json();
+    assert!(fs::read_to_string(&plot).unwrap().starts_with("<svg"));
+    let bins = report["calibration"].as_array().unwrap();
+    assert!(bins.iter().all(|bin| bin["tracker"] == "robust" && bin["correct"].as_u64() <= bin["frames"].as_u64()));
+    assert_eq!((&bins[0]["from"], &bins.last().unwrap()["to"]), (&Value::from(0.0), &Value::from(1.0)));
+    // Five runs of 240 frames, the first of which is locked on.
+    assert_eq!(bins.iter().filter_map(|bin| bin["frames"].as_u64()).sum::<u64>(), 5 * 239);
+
+    let robustness = ["eval", "synthetic", "--robustness"];
+    host_sim(&[&robustness[..], &["--calibration", "plot.gif"]].concat()).refuses(&["plot.gif", ".svg or .png"]);
+    let no_ratio = ["--method", "sad", "--calibration", "plot.svg"];
+    host_sim(&[&robustness[..], &no_ratio].concat()).refuses(&["--calibration", "--method smr"]);
+    assert_eq!(host_sim(&["eval", "synthetic", "--calibration", "plot.svg"]).code, Some(2));
+}
+
+#[test]
+fn ablate_has_a_row_for_every_part() {
+    let arguments = ["ablate", "synthetic", "--starts-every", "150"];
+    let said = host_sim(&arguments);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+    let names = said.out.lines().skip(1).map(|line| line.split("  ").next().unwrap());
+    let expected = ["smr", "robust", "without enlarging", "without contrast", "without slow-template"];
+    assert_eq!(names.clone().take(5).collect::<Vec<_>>(), expected);
+    assert_eq!(names.count(), 9);
+
+    let report = host_sim(&[&arguments[..], &["--json"]].concat()).json();
+    let means = report["means"].as_array().unwrap();
+    assert_eq!((means.len(), &means[8]["tracker"]), (9, &Value::from("without sweep")));
+    let alone =
+        host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "150", "--config", "robust", "--json"])
+            .json();
+    assert_eq!(alone["means"][0]["mean_correct"], means[1]["mean_correct"]);
+    host_sim(&["ablate", "no/such/recording"]).refuses(&["no/such/recording"]);
+    host_sim(&["ablate", "periodic"]).code.filter(|&code| code == 2).expect("there is no ground truth");
+}
+
+#[test]
 fn a_truncated_recording_loses_nothing_before_the_damage() {
     let folder = tempfile::tempdir().unwrap();
     let written = folder.path().join("recording");

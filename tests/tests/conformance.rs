@@ -1,7 +1,11 @@
 //! The conformance vectors are those of the reference, and smr-core answers as they say.
 
+use smr_core::robust;
 use smr_core::{Frame, Image};
-use smr_tests::{CONFORMANCE, Expected, FRAME_PIXELS, Line, Reader, SmallTracker};
+use smr_tests::{
+    CONFORMANCE, Expected, FRAME_PIXELS, Line, ROBUST, ROBUST_FRAME_PIXELS, Reader, RobustExpected, RobustLine,
+    RobustReader, SmallTracker,
+};
 
 #[test]
 fn the_vectors_are_the_references() {
@@ -44,6 +48,49 @@ fn smr_core_answers_as_the_vectors_say() {
         }
     }
     assert!(cases >= 4 && answers >= 30, "{cases} cases, {answers} answers");
+}
+
+#[test]
+fn the_robust_vectors_are_current() {
+    let made = host_sim::vectors::robust::text();
+    assert!(
+        made == ROBUST,
+        "the vectors are not current: \
+         cargo run --release -p host-sim -- vectors --config robust --out tests/vectors/robust.txt"
+    );
+}
+
+/// By this machine's fastest backend, and with pruning: the vectors are made without both.
+#[test]
+fn smr_core_answers_as_the_robust_vectors_say() {
+    let mut reader = RobustReader::new(ROBUST);
+    let mut buffer = [0; ROBUST_FRAME_PIXELS];
+    let (mut size, mut name) = ((0, 0), "");
+    let mut tracker: Box<robust::Tracker> = Box::new(robust::Tracker::new(reader.config));
+    let mut answered = None;
+    let (mut cases, mut answers) = (0, 0);
+    while let Some(line) = reader.next() {
+        match line.unwrap_or_else(|line| panic!("not understood: {line}")) {
+            RobustLine::Case(case) => (cases, name) = (cases + 1, case),
+            RobustLine::Size(width, height) => size = (width, height),
+            RobustLine::Part => {}
+            RobustLine::Lock(target, pixels) => {
+                let pixels = pixels.decode(&mut buffer).expect("a frame that fits");
+                *tracker = robust::Tracker::new(reader.config);
+                tracker.lock(&frame(pixels, size), target).unwrap();
+            }
+            RobustLine::Frame(pixels) => {
+                let pixels = pixels.decode(&mut buffer).expect("a frame that fits");
+                let answer = tracker.update(&frame(pixels, size)).unwrap();
+                answered = Some(RobustExpected::of(&answer, &tracker));
+            }
+            RobustLine::Answer(expected) => {
+                answers += 1;
+                assert_eq!(answered, Some(expected), "case {name}, answer {answers}");
+            }
+        }
+    }
+    assert!(cases >= 14 && answers >= 60, "{cases} cases, {answers} answers");
 }
 
 fn frame(pixels: &[u8], (width, height): (u16, u16)) -> Frame<'_> {

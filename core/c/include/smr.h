@@ -19,11 +19,14 @@
  * }
  * @endcode
  *
+ * The robust tracker, smr_robust_*, is called in the same way. It goes beyond the paper: it holds when light, size and view
+ * change, says when the target is not seen, and looks for it then; it takes more memory and time.
+ *
  * - **Errors.** Every call checks its pointers (NULL, alignment) and sizes and returns an #smr_status;
  *   #smr_status_name names it. A call that fails changes nothing.
  * - **What cannot be checked**: a pointer that is neither NULL nor misaligned points to as much memory as its type, or the
  *   size beside it, says; what it points to is initialised where it is read; and nobody else writes there during the
- *   call. A tracker pointer comes from #smr_init.
+ *   call. A tracker pointer comes from #smr_init or #smr_robust_init.
  * - **Threads and interrupts.** There are no globals: calls on different trackers may overlap in time, calls on one
  *   may not.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
@@ -74,6 +77,35 @@ typedef union smr_storage {
 /** Compiles only if the storage is of the size it is said to be. */
 typedef char smr_storage_is_as_large_as_stated[sizeof(smr_storage) == SMR_TRACKER_SIZE ? 1 : -1];
 
+/** The most pixels of a robust tracker's template, and of the window that it is searched in, on its grid. */
+#define SMR_ROBUST_PIXELS 1024
+/** See #SMR_ROBUST_PIXELS. */
+#define SMR_ROBUST_WINDOW 12288
+
+/** Size of a robust tracker's storage in bytes, a constant expression; #smr_robust_tracker_size says the same. */
+#define SMR_ROBUST_TRACKER_SIZE \
+    (2 * (size_t)SMR_ROBUST_WINDOW + 9 * (size_t)SMR_ROBUST_PIXELS + 1940 + 32 * sizeof(size_t) + 148)
+
+/** Alignment of a robust tracker's storage in bytes, a constant expression. */
+#define SMR_ROBUST_TRACKER_ALIGN 8
+
+/** Storage for one robust tracker, of the right size and alignment: static, or inside something larger. */
+typedef union smr_robust_storage {
+    /** For the alignment. */
+    uint64_t alignment;
+    /** For the size. */
+    unsigned char bytes[SMR_ROBUST_TRACKER_SIZE];
+} smr_robust_storage;
+
+/** Compiles only if the storage is of the size it is said to be. */
+typedef char smr_robust_storage_is_as_large_as_stated[
+    sizeof(smr_robust_storage) == SMR_ROBUST_TRACKER_SIZE ? 1 : -1];
+
+
+/**
+ * `SMR_ROBUST_TRACKER_ALIGN` of the header.
+ */
+#define ROBUST_STORAGE_ALIGN 8
 
 /**
  * Version of this header, major.minor.patch: a program can compare it with #smr_version.
@@ -93,7 +125,8 @@ typedef char smr_storage_is_as_large_as_stated[sizeof(smr_storage) == SMR_TRACKE
 /**
  * How a call ended. The numbers stay as they are from version to version; new ones may be added.
  *
- * A call that does not end with #SMR_OK has changed nothing, except that #smr_init sets its `*tracker` to NULL.
+ * A call that does not end with #SMR_OK has changed nothing, except that #smr_init and #smr_robust_init set their
+ * `*tracker` to NULL.
  */
 enum smr_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -113,12 +146,12 @@ enum smr_status
    */
   SMR_ERROR_MISALIGNED = 2,
   /**
-   * The storage is smaller than #smr_tracker_size.
+   * The storage is smaller than #smr_tracker_size, or #smr_robust_tracker_size.
    */
   SMR_ERROR_STORAGE_TOO_SMALL = 3,
   /**
-   * The tracker was not made by #smr_init, or was moved or overwritten since; or the table was not made by
-   * #smr_table_init.
+   * The tracker was not made by #smr_init or #smr_robust_init, or was moved or overwritten since; or the table was not
+   * made by #smr_table_init.
    */
   SMR_ERROR_NOT_INITIALISED = 4,
   /**
@@ -182,7 +215,7 @@ enum smr_status
    */
   SMR_ERROR_WINDOW_TOO_LARGE = 19,
   /**
-   * There is no target yet: #smr_lock comes first.
+   * There is no target yet: #smr_lock, or #smr_robust_lock, comes first.
    */
   SMR_ERROR_NOT_LOCKED = 20,
   /**
@@ -190,7 +223,7 @@ enum smr_status
    */
   SMR_ERROR_FRAME_SIZE_CHANGED = 21,
   /**
-   * The part of the frame in memory does not cover #smr_window.
+   * The part of the frame in memory does not cover #smr_window, or #smr_robust_window.
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 22,
   /**
@@ -203,6 +236,35 @@ enum smr_status
 typedef enum smr_status smr_status;
 #else
 typedef int32_t smr_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What the robust tracker holds of its target after a frame.
+ */
+enum smr_robust_state
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * The early template agrees: this is the target.
+   */
+  SMR_ROBUST_TRACKING = 0,
+  /**
+   * It hardly agrees: the target is partly hidden or changes quickly, or something else is followed.
+   */
+  SMR_ROBUST_UNCERTAIN = 1,
+  /**
+   * It has not agreed for some frames: the target is not seen. The box is what is followed meanwhile.
+   */
+  SMR_ROBUST_LOST = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum smr_robust_state smr_robust_state;
+#else
+typedef int32_t smr_robust_state;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -237,23 +299,19 @@ typedef int32_t smr_state;
 #endif // __cplusplus
 
 /**
+ * Follows one target whose size, light and view may change. Lives in storage that the caller gives to #smr_robust_init;
+ * needs no clean-up.
+ *
+ * Several targets are several trackers. Calls on one tracker must not overlap in time; calls on different ones may.
+ */
+typedef struct smr_robust_tracker smr_robust_tracker;
+
+/**
  * Follows one target. Lives in storage that the caller gives to #smr_init; needs no clean-up.
  *
  * Several targets are several trackers. Calls on one tracker must not overlap in time; calls on different ones may.
  */
 typedef struct smr_tracker smr_tracker;
-
-/**
- * A table of similarities: entry d is exp(-d / scale) in units of 1/65535. Filled by #smr_table_init, 512 bytes.
- *
- * Only needed for another scale than the paper's 255, which is built in.
- */
-typedef struct smr_table {
-  /**
-   * By difference of two pixels, in gray levels.
-   */
-  uint16_t entries[256];
-} smr_table;
 
 /**
  * numerator / denominator; the denominator is at least 1.
@@ -268,6 +326,234 @@ typedef struct smr_fraction {
    */
   uint16_t denominator;
 } smr_fraction;
+
+/**
+ * The parts of the robust tracker. Fill it with #smr_robust_config_default first, then change what is to be changed.
+ *
+ * Each switch is 0 to leave the part out; the tracker then does what the paper's does in its place. Else the part is there.
+ */
+typedef struct smr_robust_config {
+  /**
+   * Small targets are enlarged, up to twice; without, the grid is never finer than the frame.
+   */
+  uint8_t enlarging;
+  /**
+   * alpha follows the template's contrast; without, the paper's rule: k * (largest change of a pixel of the template).
+   */
+  uint8_t contrast;
+  /**
+   * k of the paper's rule; more than 0. Without meaning if `contrast` is not 0.
+   */
+  struct smr_fraction k;
+  /**
+   * A running mean of the patches is compared beside the last one.
+   */
+  uint8_t slow_template;
+  /**
+   * The early template, in the light of the last patch, has a say in where the target is.
+   */
+  uint8_t anchor;
+  /**
+   * Positions are finer than a pixel of the grid.
+   */
+  uint8_t sub_pixel;
+  /**
+   * The box follows the target's size.
+   */
+  uint8_t cells;
+  /**
+   * An early template is asked if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
+   */
+  uint8_t verification;
+  /**
+   * A lost target is looked for all over the frame; needs `verification`.
+   */
+  uint8_t sweep;
+  /**
+   * Offsets that cannot matter are left out; it changes nothing but the time.
+   */
+  uint8_t pruning;
+} smr_robust_config;
+
+/**
+ * One frame of the camera: 8-bit gray pixels, the part of it that is in memory, and where in the full frame that is.
+ *
+ * A frame that is in memory as a whole has x = y = 0, full_width = width and full_height = height.
+ * Pixels are only read, and only during the call.
+ */
+typedef struct smr_frame {
+  /**
+   * The top left pixel in memory.
+   */
+  const uint8_t *pixels;
+  /**
+   * Bytes that may be read from `pixels` on: at least (height - 1) * stride + width.
+   */
+  size_t size;
+  /**
+   * Bytes from a pixel to the one below it: at least `width`.
+   */
+  size_t stride;
+  /**
+   * Pixels of a row in memory; at least 1.
+   */
+  uint16_t width;
+  /**
+   * Rows in memory; at least 1.
+   */
+  uint16_t height;
+  /**
+   * Where the part in memory begins: column of the full frame.
+   */
+  uint16_t x;
+  /**
+   * Where the part in memory begins: row of the full frame.
+   */
+  uint16_t y;
+  /**
+   * Width of the full frame; at least x + width.
+   */
+  uint16_t full_width;
+  /**
+   * Height of the full frame; at least y + height.
+   */
+  uint16_t full_height;
+} smr_frame;
+
+/**
+ * A rectangle in whole pixels of the full frame. It may reach outside the frame.
+ */
+typedef struct smr_rect {
+  /**
+   * Left edge, in pixels to the right of the frame's left edge; may be negative.
+   */
+  int32_t x;
+  /**
+   * Top edge, in pixels below the frame's top edge; may be negative.
+   */
+  int32_t y;
+  /**
+   * Width in pixels.
+   */
+  uint16_t width;
+  /**
+   * Height in pixels.
+   */
+  uint16_t height;
+} smr_rect;
+
+/**
+ * A rectangle in units of 1/256 pixel of the full frame. It may reach outside the frame.
+ */
+typedef struct smr_fine_rect {
+  /**
+   * Left edge, to the right of the frame's left edge; may be negative.
+   */
+  int32_t x;
+  /**
+   * Top edge, below the frame's top edge; may be negative.
+   */
+  int32_t y;
+  /**
+   * Width.
+   */
+  uint32_t width;
+  /**
+   * Height.
+   */
+  uint32_t height;
+} smr_fine_rect;
+
+/**
+ * A position of the template's top left corner in the frame, and its score.
+ */
+typedef struct smr_peak {
+  /**
+   * Left edge of the box, in the frame.
+   */
+  int32_t x;
+  /**
+   * Top edge of the box, in the frame.
+   */
+  int32_t y;
+  /**
+   * The sum of the similarities, in units of 1/65535 of a fully similar pixel.
+   */
+  uint32_t score;
+} smr_peak;
+
+/**
+ * The answer of #smr_robust_update.
+ */
+typedef struct smr_robust_answer {
+  /**
+   * The target's box, in units of 1/256 pixel.
+   */
+  struct smr_fine_rect fine;
+  /**
+   * The same in whole pixels, each edge rounded.
+   */
+  struct smr_rect bbox;
+  /**
+   * Whether the box is to be believed.
+   */
+  smr_robust_state state;
+  /**
+   * How well the early template matches, in units of 1/65535; without verification, how well the templates do.
+   */
+  uint16_t ratio;
+  /**
+   * The threshold that this frame was scored with, in gray levels (0..256): a pixel counted if it differed by less.
+   */
+  uint16_t alpha;
+  /**
+   * The target's size against that of the box that was locked on, in units of 1/65536.
+   */
+  uint32_t scale;
+  /**
+   * The best offset on the grid, from the window's first, (32, 32) being the last position; and the scores of the last
+   * patch, twice, and of the slow template, in units of 1/65535 of a fully similar pixel.
+   */
+  struct smr_peak peak;
+  /**
+   * Comparisons of bytes that it took, at most.
+   */
+  uint32_t comparisons;
+  /**
+   * 1 if the target was found by the sweep, in this frame; else 0.
+   */
+  uint8_t found_again;
+} smr_robust_answer;
+
+/**
+ * 8-bit gray pixels, row by row without a gap.
+ */
+typedef struct smr_image {
+  /**
+   * width * height bytes.
+   */
+  const uint8_t *pixels;
+  /**
+   * Pixels of a row.
+   */
+  uint16_t width;
+  /**
+   * Rows.
+   */
+  uint16_t height;
+} smr_image;
+
+/**
+ * A table of similarities: entry d is exp(-d / scale) in units of 1/65535. Filled by #smr_table_init, 512 bytes.
+ *
+ * Only needed for another scale than the paper's 255, which is built in.
+ */
+typedef struct smr_table {
+  /**
+   * By difference of two pixels, in gray levels.
+   */
+  uint16_t entries[256];
+} smr_table;
 
 /**
  * How far the search window reaches to each side of the last position, in pixels: offsets -x..x and -y..y.
@@ -359,91 +645,6 @@ typedef struct smr_config {
 } smr_config;
 
 /**
- * One frame of the camera: 8-bit gray pixels, the part of it that is in memory, and where in the full frame that is.
- *
- * A frame that is in memory as a whole has x = y = 0, full_width = width and full_height = height.
- * Pixels are only read, and only during the call.
- */
-typedef struct smr_frame {
-  /**
-   * The top left pixel in memory.
-   */
-  const uint8_t *pixels;
-  /**
-   * Bytes that may be read from `pixels` on: at least (height - 1) * stride + width.
-   */
-  size_t size;
-  /**
-   * Bytes from a pixel to the one below it: at least `width`.
-   */
-  size_t stride;
-  /**
-   * Pixels of a row in memory; at least 1.
-   */
-  uint16_t width;
-  /**
-   * Rows in memory; at least 1.
-   */
-  uint16_t height;
-  /**
-   * Where the part in memory begins: column of the full frame.
-   */
-  uint16_t x;
-  /**
-   * Where the part in memory begins: row of the full frame.
-   */
-  uint16_t y;
-  /**
-   * Width of the full frame; at least x + width.
-   */
-  uint16_t full_width;
-  /**
-   * Height of the full frame; at least y + height.
-   */
-  uint16_t full_height;
-} smr_frame;
-
-/**
- * A rectangle in whole pixels of the full frame. It may reach outside the frame.
- */
-typedef struct smr_rect {
-  /**
-   * Left edge, in pixels to the right of the frame's left edge; may be negative.
-   */
-  int32_t x;
-  /**
-   * Top edge, in pixels below the frame's top edge; may be negative.
-   */
-  int32_t y;
-  /**
-   * Width in pixels.
-   */
-  uint16_t width;
-  /**
-   * Height in pixels.
-   */
-  uint16_t height;
-} smr_rect;
-
-/**
- * A position of the template's top left corner in the frame, and its score.
- */
-typedef struct smr_peak {
-  /**
-   * Left edge of the box, in the frame.
-   */
-  int32_t x;
-  /**
-   * Top edge of the box, in the frame.
-   */
-  int32_t y;
-  /**
-   * The sum of the similarities, in units of 1/65535 of a fully similar pixel.
-   */
-  uint32_t score;
-} smr_peak;
-
-/**
  * The answer of #smr_update. Ratios are in units of 1/65535, so 65535 is 1.0.
  */
 typedef struct smr_answer {
@@ -482,29 +683,130 @@ typedef struct smr_answer {
   uint8_t has_runner_up;
 } smr_answer;
 
-/**
- * 8-bit gray pixels, row by row without a gap.
- */
-typedef struct smr_image {
-  /**
-   * width * height bytes.
-   */
-  const uint8_t *pixels;
-  /**
-   * Pixels of a row.
-   */
-  uint16_t width;
-  /**
-   * Rows.
-   */
-  uint16_t height;
-} smr_image;
+
 
 
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/**
+ * The size that storage must have, in bytes: #SMR_ROBUST_TRACKER_SIZE.
+ *
+ * @return  Bytes.
+ */
+size_t smr_robust_tracker_size(void);
+
+/**
+ * Makes a robust tracker without a target.
+ *
+ * @param storage  Memory for the tracker, such as an #smr_robust_storage; aligned to #SMR_ROBUST_TRACKER_ALIGN. It must
+ *                 stay where it is, untouched, as long as the tracker is used; then it may be used for anything.
+ * @param size     Bytes at `storage`; at least #smr_robust_tracker_size.
+ * @param config   Is copied.
+ * @param tracker  Is set to the tracker, or to NULL if there is none.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
+ *                 #SMR_ERROR_ZERO_DENOMINATOR or #SMR_ERROR_NOTHING_COUNTS (`k`, where it has a meaning).
+ */
+smr_status smr_robust_init(void *storage,
+                           size_t size,
+                           const struct smr_robust_config *config,
+                           struct smr_robust_tracker **tracker);
+
+/**
+ * Starts on the target in a box, at any time; whatever was followed before is forgotten. Only the pixels of the box and one
+ * more on each side are read. Takes about 8 KB of stack.
+ *
+ * @param tracker  Made by #smr_robust_init.
+ * @param frame    The frame, or a part of it that covers the box and, as far as the frame goes, the pixels next to it.
+ * @param target   The box, wholly inside the frame, of any size.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
+ *                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_BOX_EMPTY,
+ *                 #SMR_ERROR_BOX_OUTSIDE_FRAME or #SMR_ERROR_BOX_NOT_IN_MEMORY. After an error the tracker goes on with
+ *                 what it had.
+ */
+smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
+                           const struct smr_frame *frame,
+                           const struct smr_rect *target);
+
+/**
+ * Looks for the target in the next frame. Takes about 8 KB of stack.
+ *
+ * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
+ * Cost: two searches of 65x65 offsets over the template's pixels, of which the most are left out where the target is seen
+ * clearly, and about a tenth of a million comparisons for the cells; while the target is lost one search more.
+ *
+ * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
+ * @param frame    The frame, or a part of it that covers #smr_robust_window.
+ * @param answer   Is set to the answer; left alone after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
+ *                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED,
+ *                 #SMR_ERROR_FRAME_SIZE_CHANGED or #SMR_ERROR_WINDOW_NOT_IN_MEMORY. After an error the tracker is as it
+ *                 was before.
+ */
+smr_status smr_robust_update(struct smr_robust_tracker *tracker,
+                             const struct smr_frame *frame,
+                             struct smr_robust_answer *answer);
+
+/**
+ * The pixels of the frame that the next #smr_robust_update may read. Firmware may read out just these.
+ *
+ * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
+ * @param window   Is set to the rectangle, always inside the frame; left alone after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+ */
+smr_status smr_robust_window(const struct smr_robust_tracker *tracker,
+                             struct smr_rect *window);
+
+/**
+ * The last patch on the grid.
+ *
+ * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
+ * @param image    Is set to the pixels, in the tracker's storage: they are good until the next call of #smr_robust_lock
+ *                 or #smr_robust_update on this tracker, and may only be read. Left alone after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+ */
+smr_status smr_robust_template(const struct smr_robust_tracker *tracker,
+                               struct smr_image *image);
+
+/**
+ * The running mean of the patches, which is compared beside the last one.
+ *
+ * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
+ * @param image    As for #smr_robust_template.
+ * @return         As #smr_robust_template.
+ */
+smr_status smr_robust_slow_template(const struct smr_robust_tracker *tracker,
+                                    struct smr_image *image);
+
+/**
+ * The early template, by which the track is verified.
+ *
+ * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
+ * @param image    As for #smr_robust_template.
+ * @return         As #smr_robust_template.
+ */
+smr_status smr_robust_early_template(const struct smr_robust_tracker *tracker,
+                                     struct smr_image *image);
+
+/**
+ * alpha of the next #smr_robust_update.
+ *
+ * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
+ * @param alpha    Is set to alpha in gray levels, rounded up (0..256); left alone after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+ */
+smr_status smr_robust_alpha(const struct smr_robust_tracker *tracker,
+                            uint16_t *alpha);
+
+/**
+ * Fills a configuration with all parts.
+ *
+ * @param config  Memory for the configuration.
+ * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+ */
+smr_status smr_robust_config_default(struct smr_robust_config *config);
 
 /**
  * The name of a status as it is written here, for logs.
@@ -515,7 +817,7 @@ extern "C" {
 const char *smr_status_name(int32_t status);
 
 /**
- * Fills a table for #smr_config. Takes about 2 KB of stack, all other calls less than 1 KB.
+ * Fills a table for #smr_config. Takes about 2 KB of stack, all other calls less than 1 KB, except those on a robust tracker that say more.
  *
  * @param table  Memory for the table. Trackers that are configured with it read it in every update: it must stay
  *               where it is, unchanged, as long as any of them is used.

@@ -2,11 +2,12 @@
 
 use core::ffi::{CStr, c_char};
 use smr_core::similarity::TableError;
-use smr_core::{ConfigError, FrameError, ImageError, LockError, UpdateError};
+use smr_core::{ConfigError, FrameError, ImageError, LockError, UpdateError, robust};
 
 /// How a call ended. The numbers stay as they are from version to version; new ones may be added.
 ///
-/// A call that does not end with #SMR_OK has changed nothing, except that #smr_init sets its `*tracker` to NULL.
+/// A call that does not end with #SMR_OK has changed nothing, except that #smr_init and #smr_robust_init set their
+/// `*tracker` to NULL.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_status {
@@ -16,10 +17,10 @@ pub enum smr_status {
     SMR_ERROR_NULL = 1,
     /// A pointer is not aligned for what it points to.
     SMR_ERROR_MISALIGNED = 2,
-    /// The storage is smaller than #smr_tracker_size.
+    /// The storage is smaller than #smr_tracker_size, or #smr_robust_tracker_size.
     SMR_ERROR_STORAGE_TOO_SMALL = 3,
-    /// The tracker was not made by #smr_init, or was moved or overwritten since; or the table was not made by
-    /// #smr_table_init.
+    /// The tracker was not made by #smr_init or #smr_robust_init, or was moved or overwritten since; or the table was not
+    /// made by #smr_table_init.
     SMR_ERROR_NOT_INITIALISED = 4,
     /// The scale of a table is not in 1..4096.
     SMR_ERROR_SCALE_OUT_OF_RANGE = 5,
@@ -51,11 +52,11 @@ pub enum smr_status {
     SMR_ERROR_BOX_NOT_IN_MEMORY = 18,
     /// The window could grow to more than #SMR_SPAN offsets on an axis.
     SMR_ERROR_WINDOW_TOO_LARGE = 19,
-    /// There is no target yet: #smr_lock comes first.
+    /// There is no target yet: #smr_lock, or #smr_robust_lock, comes first.
     SMR_ERROR_NOT_LOCKED = 20,
     /// The full frame is not of the size of the one that was locked on.
     SMR_ERROR_FRAME_SIZE_CHANGED = 21,
-    /// The part of the frame in memory does not cover #smr_window.
+    /// The part of the frame in memory does not cover #smr_window, or #smr_robust_window.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 22,
     /// No update was begun, or it was finished, or the tracker has locked since: #smr_begin comes first.
     SMR_ERROR_NOT_BEGUN = 23,
@@ -169,6 +170,26 @@ impl From<UpdateError> for smr_status {
             UpdateError::FrameSizeChanged => SMR_ERROR_FRAME_SIZE_CHANGED,
             UpdateError::WindowNotInMemory => SMR_ERROR_WINDOW_NOT_IN_MEMORY,
             UpdateError::NotBegun => SMR_ERROR_NOT_BEGUN,
+        }
+    }
+}
+
+impl From<robust::LockError> for smr_status {
+    fn from(error: robust::LockError) -> Self {
+        match error {
+            robust::LockError::BoxEmpty => SMR_ERROR_BOX_EMPTY,
+            robust::LockError::BoxOutsideFrame => SMR_ERROR_BOX_OUTSIDE_FRAME,
+            robust::LockError::BoxNotInMemory => SMR_ERROR_BOX_NOT_IN_MEMORY,
+        }
+    }
+}
+
+impl From<robust::UpdateError> for smr_status {
+    fn from(error: robust::UpdateError) -> Self {
+        match error {
+            robust::UpdateError::NotLocked => SMR_ERROR_NOT_LOCKED,
+            robust::UpdateError::FrameSizeChanged => SMR_ERROR_FRAME_SIZE_CHANGED,
+            robust::UpdateError::WindowNotInMemory => SMR_ERROR_WINDOW_NOT_IN_MEMORY,
         }
     }
 }

@@ -286,5 +286,5 @@ unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut Tracker<PIXELS
 /// A `frame` that is not NULL points to an `smr_frame`, and its pixels can be read as long as the result lives.
 unsafe fn frame_for<'a>(tracker: *const smr_tracker, frame: *const smr_frame) -> Result<Frame<'a>, smr_status> {
     // SAFETY: as the caller says, of the frame and of its pixels.
-    unsafe { pointer::read(frame)?.frame(tracker.addr()) }
+    unsafe { pointer::read(frame)?.frame(tracker.addr(), STORAGE_SIZE) }
 }

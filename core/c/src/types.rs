@@ -1,6 +1,5 @@
 //! The plain data that crosses the boundary, and what each is in `smr-core`.
 
-use crate::capacity::STORAGE_SIZE;
 use crate::pointer;
 use crate::status::{smr_status, status_of};
 use crate::table::{self, smr_table};
@@ -241,18 +240,18 @@ impl smr_config {
 }
 
 impl smr_frame {
-    /// What it says, for a call on the tracker at the address `storage`: pixels in there would change while they are
-    /// read.
+    /// What it says, for a call on the tracker in the `size` bytes from the address `storage` on: pixels in there would
+    /// change while they are read.
     ///
     /// # Safety
     /// If `pixels` is not NULL, `size` bytes from there can be read, and nobody writes them as long as the result lives.
-    pub(crate) unsafe fn frame<'a>(&self, storage: usize) -> Result<Frame<'a>, smr_status> {
+    pub(crate) unsafe fn frame<'a>(&self, storage: usize, size: usize) -> Result<Frame<'a>, smr_status> {
         pointer::check(self.pixels)?;
         if isize::try_from(self.size).is_err() {
             return Err(smr_status::SMR_ERROR_FRAME_TOO_LARGE);
         }
         let pixels = self.pixels.addr();
-        if pixels < storage.saturating_add(STORAGE_SIZE) && storage < pixels.saturating_add(self.size) {
+        if pixels < storage.saturating_add(size) && storage < pixels.saturating_add(self.size) {
             return Err(smr_status::SMR_ERROR_FRAME_OVERLAPS_TRACKER);
         }
         // SAFETY: not NULL, bytes are always aligned, no longer than isize::MAX; the rest as the caller says.

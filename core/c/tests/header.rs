@@ -1,8 +1,9 @@
 //! `include/smr.h` is current, and its types are laid out as the library's.
 
 use smr::{
-    PIXELS, SPAN, STORAGE_ALIGN, STORAGE_SIZE, smr_answer, smr_config, smr_fraction, smr_frame, smr_gate, smr_image,
-    smr_peak, smr_radius, smr_rect, smr_state, smr_status, smr_table,
+    PIXELS, ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, SPAN, STORAGE_ALIGN, STORAGE_SIZE, smr_answer, smr_config,
+    smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_peak, smr_radius, smr_rect, smr_robust_answer,
+    smr_robust_config, smr_robust_state, smr_state, smr_status, smr_table,
 };
 use std::fmt::Write as _;
 use std::mem::offset_of;
@@ -45,6 +46,9 @@ fn the_header_and_the_library_agree_on_every_size() {
     source += &claim("SMR_TRACKER_SIZE", STORAGE_SIZE);
     source += &claim("sizeof(smr_storage)", STORAGE_SIZE);
     source += &claim("SMR_TRACKER_ALIGN", STORAGE_ALIGN);
+    source += &claim("SMR_ROBUST_TRACKER_SIZE", ROBUST_STORAGE_SIZE);
+    source += &claim("sizeof(smr_robust_storage)", ROBUST_STORAGE_SIZE);
+    source += &claim("SMR_ROBUST_TRACKER_ALIGN", ROBUST_STORAGE_ALIGN);
     source += &layout!(smr_status {});
     source += &layout!(smr_state {});
     source += &layout!(smr_table { entries });
@@ -67,6 +71,21 @@ fn the_header_and_the_library_agree_on_every_size() {
     source += &layout!(smr_frame { pixels, size, stride, width, height, x, y, full_width, full_height });
     source += &layout!(smr_peak { x, y, score });
     source += &layout!(smr_answer { bbox, state, ratio, runner_up_ratio, alpha, peak, runner_up, has_runner_up });
+    source += &layout!(smr_robust_config {
+        enlarging,
+        contrast,
+        k,
+        slow_template,
+        anchor,
+        sub_pixel,
+        cells,
+        verification,
+        sweep,
+        pruning
+    });
+    source += &layout!(smr_robust_state {});
+    source += &layout!(smr_fine_rect { x, y, width, height });
+    source += &layout!(smr_robust_answer { fine, bbox, state, ratio, alpha, scale, peak, comparisons, found_again });
     source += &layout!(smr_image { pixels, width, height });
     writeln!(source, "return 0;\n}}").expect("a string takes text");
 

@@ -3,7 +3,7 @@
 use super::qemu_options::EmulatorOptions;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
-use super::tracker_options::Pair;
+use super::tracker_options::{Pair, PaperOnly};
 use super::{Outcome, say};
 use crate::bench::boards::{Board, Figures};
 use crate::bench::case::{self, Size};
@@ -11,7 +11,7 @@ use crate::bench::clock::{Patience, timed};
 use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
 use crate::evaluate::{self, MethodKind};
-use crate::report::speeds;
+use crate::report::{diagram, speeds};
 use crate::target::qemu::Machine;
 use anyhow::{Context, Result, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -69,11 +69,14 @@ pub struct Bench {
     emulator: EmulatorOptions,
     #[command(flatten)]
     recording: RecordingOptions,
+    #[command(flatten)]
+    tracker: PaperOnly,
 }
 
 impl Bench {
     pub fn run(self) -> Result<Outcome> {
-        let form = self.plot.as_deref().map(speeds::Form::of).transpose()?;
+        self.tracker.check("bench")?;
+        let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let paths = found?.concat();
 
@@ -84,7 +87,7 @@ impl Bench {
         evaluated?;
         let report = Report::new(&run, boards, Some(time));
         if let (Some(file), Some(form)) = (&self.plot, form) {
-            let bytes = form.draw(&report.speeds)?;
+            let bytes = form.draw(&speeds::marks(&report.speeds))?;
             fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
         }
         self.print(&report)?;
@@ -150,7 +153,8 @@ impl Bench {
     fn evaluate(&self, paths: &[PathBuf]) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
         let one = |path: &PathBuf| {
-            evaluate::evaluate(self.recording.open(path)?, &[MethodKind::Smr], &Config::paper(), &[], || ()).map(|_| ())
+            evaluate::evaluate(self.recording.open(path)?, &[MethodKind::Smr], &Config::paper().into(), &[], || ())
+                .map(|_| ())
         };
         pool.install(|| paths.par_iter().map(one).collect())
     }

@@ -1,12 +1,13 @@
 //! `host-sim check`: smr-core against the reference, on recordings or on two built-in ones.
 
 use super::recording_options::RecordingOptions;
-use super::tracker_options::TrackerOptions;
+use super::tracker_options::{Preset, TrackerOptions};
 use super::{Outcome, say};
-use crate::check::{Check as Run, Report};
-use crate::sequence;
+use crate::check::{self, Violation, robust};
+use crate::sequence::{self, Frames, GrayFrame};
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -26,6 +27,30 @@ pub struct Check {
     recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
+}
+
+/// What was compared, by the tracker it was compared of.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Report {
+    Paper(check::Report),
+    Robust(robust::Report),
+}
+
+impl Report {
+    fn holds(&self) -> bool {
+        match self {
+            Self::Paper(report) => report.holds(),
+            Self::Robust(report) => report.holds(),
+        }
+    }
+
+    fn frames(&self) -> usize {
+        match self {
+            Self::Paper(report) => report.frames,
+            Self::Robust(report) => report.frames,
+        }
+    }
 }
 
 impl Check {
@@ -51,21 +76,45 @@ impl Check {
         let target = sequence.start()?;
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
-        let (config, numbers) = (self.tracker.config()?, self.tracker.reference_numbers());
-        let mut run = Run::lock(&name, config, numbers, &first, target)?;
+        let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(self.most())));
+        let report = match self.tracker.preset() {
+            Preset::Paper => {
+                let (config, numbers) = (self.tracker.config()?, self.tracker.reference_numbers());
+                let mut run = check::Check::lock(&name, config, numbers, &first, target)?;
+                self.walk(frames, &progress, |frame| run.update(frame).map(|()| run.report().holds()))?;
+                Report::Paper(run.into_report())
+            }
+            Preset::Robust => {
+                let config = self.tracker.robust()?;
+                let mut run = robust::Check::lock(&name, config, robust::numbers(&config), &first, target)?;
+                self.walk(frames, &progress, |frame| run.update(frame).map(|()| run.report().holds()))?;
+                Report::Robust(run.into_report())
+            }
+        };
+        progress.finish_and_clear();
+        ensure!(report.frames() > 0, "{name}: only one frame, which is locked on: there is nothing to compare");
+        Ok(report)
+    }
 
-        let most = self.frames.map_or(usize::MAX, NonZeroUsize::get);
-        let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(most)));
-        for frame in frames.take(most) {
-            run.update(&frame?)?;
+    fn most(&self) -> usize {
+        self.frames.map_or(usize::MAX, NonZeroUsize::get)
+    }
+
+    /// Frame by frame, as long as `holds` says so.
+    fn walk(
+        &self,
+        frames: Frames,
+        progress: &ProgressBar,
+        mut holds: impl FnMut(&GrayFrame) -> Result<bool>,
+    ) -> Result<()> {
+        for frame in frames.take(self.most()) {
+            let holds = holds(&frame?)?;
             progress.inc(1);
-            if !run.report().holds() {
+            if !holds {
                 break;
             }
         }
-        progress.finish_and_clear();
-        ensure!(run.report().frames > 0, "{name}: only one frame, which is locked on: there is nothing to compare");
-        Ok(run.into_report())
+        Ok(())
     }
 }
 
@@ -80,12 +129,34 @@ fn progress(name: &str, length: Option<usize>) -> ProgressBar {
 }
 
 fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
-    let Report { sequence, frames, scores, runners_up, largest_difference, bound, .. } = report;
+    match report {
+        Report::Paper(report) => describe_paper(report, out),
+        Report::Robust(report) => describe_robust(report, out),
+    }
+}
+
+fn describe_robust(report: &robust::Report, out: &mut impl Write) -> io::Result<()> {
+    let robust::Report { sequence, frames, scores, uncertain, lost, swept, found_again, .. } = report;
+    writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
+    match &report.violation {
+        Some(violation) => describe_violation(violation, out)?,
+        None => writeln!(
+            out,
+            "  equal, bit for bit: windows, scores, peaks, alpha, ratios, states, scales, boxes, templates"
+        )?,
+    }
+    writeln!(
+        out,
+        "  {uncertain} frames uncertain, {lost} lost; {swept} windows of the sweep, found again in {found_again}"
+    )?;
+    describe_difference(report.largest_difference, report.bound, out)
+}
+
+fn describe_paper(report: &check::Report, out: &mut impl Write) -> io::Result<()> {
+    let check::Report { sequence, frames, scores, runners_up, largest_difference, bound, .. } = report;
     writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
     if let Some(violation) = &report.violation {
-        writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
-        writeln!(out, "    smr-core:  {}", violation.core)?;
-        writeln!(out, "    reference: {}", violation.reference)?;
+        describe_violation(violation, out)?;
     } else {
         writeln!(
             out,
@@ -93,10 +164,7 @@ fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
              the runner-up in {runners_up} frames, where it is asked for"
         )?;
     }
-    writeln!(
-        out,
-        "  largest difference from an exact score: {largest_difference:.1} of at most {bound:.1} units of 1/65535"
-    )?;
+    describe_difference(*largest_difference, *bound, out)?;
     match report.other_peaks.as_slice() {
         [] => writeln!(out, "  exact sums have the same arg max in every frame"),
         others => {
@@ -112,4 +180,14 @@ fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
             Ok(())
         }
     }
+}
+
+fn describe_violation(violation: &Violation, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
+    writeln!(out, "    smr-core:  {}", violation.core)?;
+    writeln!(out, "    reference: {}", violation.reference)
+}
+
+fn describe_difference(largest: f64, bound: f64, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "  largest difference from an exact score: {largest:.1} of at most {bound:.1} units of 1/65535")
 }

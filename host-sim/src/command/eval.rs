@@ -3,13 +3,16 @@
 use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
+use super::robustness::{self, end, progress_bar, say_what_failed};
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::robustness::{self, Progress, Robustness, Settings, Starts};
-use crate::evaluate::{self, Evaluation, MethodKind, Results};
-use anyhow::{Error, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::evaluate::robustness::Robustness;
+use crate::evaluate::{self, Configs, Evaluation, MethodKind, Results, Variant};
+use crate::report::calibration;
+use crate::report::diagram::Form;
+use anyhow::{Context, Error, Result, ensure};
+use indicatif::ProgressBar;
 use rayon::prelude::*;
-use smr_core::Config;
+use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -19,7 +22,7 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
-    /// What is measured; several are separated by commas
+    /// What is measured; several are separated by commas. With --config robust `smr` is the robust tracker
     #[arg(long, value_enum, value_delimiter = ',', default_value = "smr")]
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
@@ -42,8 +45,14 @@ pub struct Eval {
     /// From the ground truth's box, cut to the frame, to the end of the recording; not in the last frame.
     #[arg(long, value_name = "N", requires = "robustness", conflicts_with_all = ["init", "inclusive"])]
     starts_every: Option<NonZeroUsize>,
+    /// With --robustness: draw the chance that a frame is correct by the ratio that was reported in it: FILE.svg or FILE.png
+    ///
+    /// Over all frames of all runs of SMR, with the numbers as one more table. A frame without an answer is not correct, and
+    /// neither is one in which the target is hidden.
+    #[arg(long, value_name = "FILE", requires = "robustness")]
+    calibration: Option<PathBuf>,
     /// Print JSON instead of tables: an array of objects, one for each tracker and recording; with --robustness an object
-    /// of two arrays, `recordings` and `means`
+    /// of three arrays, `recordings`, `means` and `calibration`
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -54,19 +63,18 @@ pub struct Eval {
 
 impl Eval {
     pub fn run(mut self) -> Result<Outcome> {
-        let config = self.tracker.config()?;
+        let configs = self.tracker.configs()?;
         for kind in &self.method {
             // A configuration that cannot be used is no fault of a recording: it is said once, here.
-            kind.build(&config)?;
+            kind.build(&configs)?;
         }
         drop_repeated(&mut self.method);
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let paths = found?.concat();
         if self.robustness {
-            return self.measure_robustness(&paths, &config);
+            return self.measure_robustness(&configs);
         }
 
-        let evaluations = self.evaluate(&paths, &config);
+        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
+        let evaluations = self.evaluate(&found?.concat(), &configs);
         let failed = say_what_failed(evaluations.iter().flat_map(errors));
         let mut evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
         evaluations.retain(|evaluation| !evaluation.scores.is_empty());
@@ -75,46 +83,42 @@ impl Eval {
         end(failed)
     }
 
-    fn measure_robustness(&self, paths: &[PathBuf], config: &Config) -> Result<Outcome> {
-        let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
-        let settings = Settings { methods: &self.method, config, starts };
-        let bar = progress_bar();
-        let mut robustness =
-            robustness::measure(paths, |path| self.recording.open(path), settings, &|progress| match progress {
-                Progress::Expected(frames) => bar.inc_length(frames),
-                Progress::Done => bar.inc(1),
-            });
-        bar.finish_and_clear();
-        if robustness.is_empty() && robustness.failures.len() == 1 {
-            // Nothing else was asked for: one line says it all.
-            return Err(robustness.failures.remove(0));
+    fn measure_robustness(&self, configs: &Configs) -> Result<Outcome> {
+        let form = self.calibration.as_deref().map(Form::of).transpose()?;
+        let smr = self.method.contains(&MethodKind::Smr);
+        ensure!(smr || form.is_none(), "--calibration is of the ratio that SMR reports: --method smr is missing");
+        let variants: Vec<Variant> = self.method.iter().map(|&kind| Variant::new(kind, configs)).collect();
+        let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants, self.starts_every)?;
+        if let (Some(file), Some(form)) = (&self.calibration, form) {
+            let bytes = form.draw(&calibration::marks(robustness.calibration()))?;
+            fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
         }
-        let failed = say_what_failed(&robustness.failures);
         self.print_robustness(&robustness)?;
         end(failed)
     }
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        let text = match self.json {
-            true => serde_json::to_string_pretty(robustness)? + "\n",
-            false => robustness.table(),
+        let text = match (self.json, &self.calibration) {
+            (true, _) => serde_json::to_string_pretty(robustness)? + "\n",
+            (false, None) => robustness.table(),
+            (false, Some(_)) => format!("{}\n{}", robustness.table(), robustness.calibration_table()),
         };
         Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
-    fn evaluate(&self, paths: &[PathBuf], config: &Config) -> Vec<Result<Evaluation>> {
+    fn evaluate(&self, paths: &[PathBuf], configs: &Configs) -> Vec<Result<Evaluation>> {
         let bar = progress_bar();
-        let evaluations = paths.par_iter().map(|path| self.evaluate_one(path, config, &bar)).collect();
+        let evaluations = paths.par_iter().map(|path| self.evaluate_one(path, configs, &bar)).collect();
         bar.finish_and_clear();
         evaluations
     }
 
-    fn evaluate_one(&self, path: &Path, config: &Config, bar: &ProgressBar) -> Result<Evaluation> {
+    fn evaluate_one(&self, path: &Path, configs: &Configs, bar: &ProgressBar) -> Result<Evaluation> {
         let sequence = self.recording.open(path)?;
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
         let files = if self.compare { evaluate::result_files(path)? } else { Vec::new() };
-        evaluate::evaluate(sequence, &self.method, config, &files, || bar.inc(1))
+        evaluate::evaluate(sequence, &self.method, configs, &files, || bar.inc(1))
     }
 
     fn print(&self, results: &Results) -> Result<()> {
@@ -134,12 +138,6 @@ fn drop_repeated(methods: &mut Vec<MethodKind>) {
     methods.retain(|kind| index.next().is_some_and(|index| !all[..index].contains(kind)));
 }
 
-/// One line on standard error for everything that could not be measured; how many there are.
-fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>) -> usize {
-    let say = |error: &Error| eprintln!("error: {error:#}");
-    errors.into_iter().map(say).count()
-}
-
 fn errors(evaluation: &Result<Evaluation>) -> &[Error] {
     match evaluation {
         Ok(evaluation) => &evaluation.failures,
@@ -147,23 +145,10 @@ fn errors(evaluation: &Result<Evaluation>) -> &[Error] {
     }
 }
 
-fn end(failed: usize) -> Result<Outcome> {
-    if failed > 0 {
-        bail!("{failed} of what was asked for could not be measured (see above); results are of the rest");
-    }
-    Ok(Outcome::Holds)
-}
-
 fn say_what_to_know(evaluations: &[Evaluation]) {
     for note in evaluations.iter().flat_map(|evaluation| &evaluation.notes) {
         eprintln!("note: {note}");
     }
-}
-
-/// Frames done, on standard error; nothing is drawn if that is no terminal.
-fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");
-    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The command line, one file a command. Each file holds the command's arguments and what it does with them.
 
+mod ablate;
 mod bench;
 mod check;
 mod eval;
@@ -7,6 +8,7 @@ mod qemu_options;
 mod recording_options;
 mod recordings;
 mod report;
+mod robustness;
 mod run;
 mod synth;
 mod target;
@@ -40,6 +42,8 @@ enum Command {
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
     Eval(eval::Eval),
+    /// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
+    Ablate(ablate::Ablate),
     /// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
     Bench(bench::Bench),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
@@ -80,6 +84,7 @@ impl HostSim {
             Command::Track(track) => track.run(),
             Command::Check(check) => check.run(),
             Command::Eval(eval) => eval.run(),
+            Command::Ablate(ablate) => ablate.run(),
             Command::Bench(bench) => bench.run(),
             Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),

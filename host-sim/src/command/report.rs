@@ -59,12 +59,12 @@ impl Report {
     }
 
     fn watch(&self) -> Result<Film> {
-        let mut config = self.tracker.config()?;
+        let mut configs = self.tracker.configs()?;
         // It is drawn; where nothing depends on it, looking for it changes nothing else.
-        config.runner_up = smr_core::RunnerUp::Always;
+        configs.paper.runner_up = smr_core::RunnerUp::Always;
         let sequence = self.recording.open(&self.sequence)?;
         let progress = progress(sequence.length);
-        let film = report::watch(sequence, &config, self.choice(), || progress.inc(1));
+        let film = report::watch(sequence, &configs, self.choice(), || progress.inc(1));
         progress.finish_and_clear();
         film
     }

@@ -2,6 +2,7 @@
 
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
+use super::tracker_options::PaperOnly;
 use super::{Outcome, say};
 use crate::target::firmware::{self, Sizes};
 use crate::target::qemu::Qemu;
@@ -31,6 +32,8 @@ pub struct Target {
     qemu: QemuOptions,
     #[command(flatten)]
     recording: RecordingOptions,
+    #[command(flatten)]
+    tracker: PaperOnly,
 }
 
 /// All that is printed.
@@ -47,6 +50,7 @@ struct Measured<'a> {
 
 impl Target {
     pub fn run(self) -> Result<Outcome> {
+        self.tracker.check("target")?;
         let sequence = self.recording.open(&self.sequence)?;
         let target = sequence.start()?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;

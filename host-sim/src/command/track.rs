@@ -45,7 +45,7 @@ struct JsonLine {
 
 impl Track {
     pub fn run(self) -> Result<Outcome> {
-        let method = self.method.build(&self.tracker.config()?)?;
+        let method = self.method.build(&self.tracker.configs()?)?;
         let sequence = self.recording.open(&self.sequence)?;
         let mut run = Run::new(method, sequence.start()?);
         let mut out = self.output()?;
@@ -65,14 +65,14 @@ impl Track {
     }
 
     fn line(&self, frame: usize, report: &Report) -> Result<String> {
-        let bbox = report.target.map(BoundingBox::from);
+        let bbox = report.target;
         if !self.json {
             return Ok(boxes::tld_line(bbox.as_ref()));
         }
         let evidence = report.evidence.as_ref();
         Ok(serde_json::to_string(&JsonLine {
             frame,
-            state: report.state_name(),
+            state: report.state.name(),
             bbox,
             ratio: evidence.map(|evidence| rounded(evidence.ratio)),
             runner_up_ratio: evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
@@ -89,9 +89,9 @@ fn rounded(ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Evidence;
+    use crate::evaluate::{Evidence, State};
     use clap::Parser;
-    use smr_core::{Rect, State};
+    use smr_core::Rect;
 
     #[derive(Parser)]
     struct Line {
@@ -106,8 +106,12 @@ mod tests {
 
     #[test]
     fn a_found_target() {
-        let report =
-            Report { target: Some(Rect::new(-2, 5, 10, 20)), state: State::Leaving, evidence: None, comparisons: None };
+        let report = Report {
+            target: Some(Rect::new(-2, 5, 10, 20).into()),
+            state: State::Leaving,
+            evidence: None,
+            comparisons: None,
+        };
         assert_eq!(line(&[], &report), "-2,5,8,25");
         let expected = r#"{"frame":7,"state":"leaving","bbox":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
         let nothing = r#""ratio":null,"runner_up_ratio":null,"alpha":null}"#;

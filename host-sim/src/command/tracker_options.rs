@@ -1,16 +1,33 @@
 //! The numbers of the method on the command line, the same for every command that runs the tracker.
 
+use crate::evaluate::Configs;
 use crate::reference::Numbers;
-use anyhow::{Context, Result, anyhow};
-use clap::Args;
+use anyhow::{Context, Result, anyhow, bail};
+use clap::{Args, ValueEnum};
 use smr_core::similarity::{Backend, Table};
-use smr_core::{Config, Fraction, Radius, RunnerUp};
+use smr_core::{Config, Fraction, Radius, RunnerUp, robust};
 use std::str::FromStr;
+
+/// Which tracker follows the target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// The paper's tracker
+    #[default]
+    Paper,
+    /// The tracker that goes beyond the paper: holds when light, size and view change
+    Robust,
+}
 
 /// Where the paper's value is not wanted.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Tracker")]
 pub struct TrackerOptions {
+    /// Which tracker; of the options below, `robust` takes --backend, --exhaustive and --without, `paper` all others
+    #[arg(long, value_enum, default_value = "paper")]
+    config: Preset,
+    /// Parts of the robust tracker to leave out; several are separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
+    without: Vec<Part>,
     /// Search window to each side, in pixels [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
@@ -44,6 +61,49 @@ pub struct TrackerOptions {
     runner_up_always: bool,
 }
 
+/// The parts of the robust tracker, each of which can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// Small targets are enlarged
+    Enlarging,
+    /// alpha by the template's contrast; without, by the paper's rule
+    Contrast,
+    /// The running mean beside the last patch
+    SlowTemplate,
+    /// The early template's say in where the target is
+    Anchor,
+    /// Positions finer than a pixel of the grid
+    SubPixel,
+    /// The change of size
+    Cells,
+    /// The early template that tells whether the target is lost
+    Verification,
+    /// Looking for a lost target all over the frame
+    Sweep,
+}
+
+impl Part {
+    /// As on the command line.
+    pub fn name(self) -> String {
+        // Only a value that clap skips has no name there, and none is skipped.
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    /// Leaves it out of `config`.
+    pub fn leave_out(self, config: &mut robust::Config) {
+        match self {
+            Self::Enlarging => config.enlarging = false,
+            Self::Contrast => config.threshold = robust::ThresholdRule::LargestChange(Config::paper().k),
+            Self::SlowTemplate => config.slow_template = false,
+            Self::Anchor => config.anchor = false,
+            Self::SubPixel => config.sub_pixel = false,
+            Self::Cells => config.cells = false,
+            Self::Verification => config.verification = false,
+            Self::Sweep => config.sweep = false,
+        }
+    }
+}
+
 /// What this machine has, by its name in small letters.
 fn backend(text: &str) -> Result<Backend> {
     let name_of = |backend: Backend| format!("{backend:?}").to_lowercase();
@@ -55,6 +115,9 @@ fn backend(text: &str) -> Result<Backend> {
 impl TrackerOptions {
     /// The paper's configuration with the options put in.
     pub fn config(&self) -> Result<Config> {
+        if self.config == Preset::Paper && !self.without.is_empty() {
+            bail!("--without leaves out parts of the robust tracker: --config robust is missing");
+        }
         let mut config = Config::paper();
         if let Some(Pair(x, y)) = self.window {
             config.window = Radius { x, y };
@@ -81,6 +144,49 @@ impl TrackerOptions {
         Ok(config)
     }
 
+    /// What all methods are built from.
+    pub fn configs(&self) -> Result<Configs> {
+        let robust = match self.preset() {
+            Preset::Paper => None,
+            Preset::Robust => Some(self.robust()?),
+        };
+        Ok(Configs { paper: self.config()?, robust })
+    }
+
+    /// Which tracker is asked for.
+    pub fn preset(&self) -> Preset {
+        self.config
+    }
+
+    /// The robust tracker's configuration with the options put in.
+    ///
+    /// # Errors
+    /// An option that only the paper's tracker has.
+    pub fn robust(&self) -> Result<robust::Config> {
+        if let Some(name) = self.of_paper_only() {
+            bail!("{name} is an option of --config paper: the robust tracker has no such number");
+        }
+        let mut config = robust::Config::robust();
+        self.without.iter().for_each(|part| part.leave_out(&mut config));
+        config.backend = self.backend;
+        config.pruning = !self.exhaustive;
+        Ok(config)
+    }
+
+    fn of_paper_only(&self) -> Option<&'static str> {
+        let given = [
+            (self.window.is_some(), "--window"),
+            (self.window_limit.is_some(), "--window-limit"),
+            (self.growth.is_some(), "--growth"),
+            (self.k.is_some(), "--k"),
+            (self.scale.is_some(), "--scale"),
+            (self.padding.is_some(), "--padding"),
+            (self.neighbourhood.is_some(), "--neighbourhood"),
+            (self.runner_up_always, "--runner-up-always"),
+        ];
+        given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
+    }
+
     /// The same for the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = Numbers::paper();
@@ -99,6 +205,25 @@ impl TrackerOptions {
         numbers.padding = self.padding.map_or(numbers.padding, i64::from);
         numbers.neighbourhood = self.neighbourhood.map_or(numbers.neighbourhood, i64::from);
         numbers
+    }
+}
+
+/// For a command that runs the paper's tracker only: the other one is refused in words, not as an unknown option.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PaperOnly {
+    /// Which tracker; only the paper's can be used here
+    #[arg(long, value_enum, default_value = "paper", help_heading = "Tracker")]
+    config: Preset,
+}
+
+impl PaperOnly {
+    /// # Errors
+    /// Another tracker is asked for.
+    pub fn check(&self, command: &str) -> Result<()> {
+        match self.config {
+            Preset::Paper => Ok(()),
+            Preset::Robust => bail!("{command} is for the paper's tracker only: expected --config paper"),
+        }
     }
 }
 

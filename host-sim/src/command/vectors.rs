@@ -1,6 +1,7 @@
-//! `host-sim vectors`: the conformance vectors, made anew from the reference.
+//! `host-sim vectors`: the conformance vectors, made anew.
 
 use super::Outcome;
+use super::tracker_options::Preset;
 use crate::vectors;
 use anyhow::{Context, Result};
 use std::io::Write;
@@ -8,6 +9,9 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub struct Vectors {
+    /// Which tracker's
+    #[arg(long, value_enum, default_value = "paper")]
+    config: Preset,
     /// Write to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -15,7 +19,10 @@ pub struct Vectors {
 
 impl Vectors {
     pub fn run(self) -> Result<Outcome> {
-        let text = vectors::text();
+        let text = match self.config {
+            Preset::Paper => vectors::text(),
+            Preset::Robust => vectors::robust::text(),
+        };
         match &self.out {
             Some(path) => std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?,
             None => std::io::stdout().lock().write_all(text.as_bytes())?,

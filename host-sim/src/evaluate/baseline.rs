@@ -2,10 +2,10 @@
 //!
 //! They always answer: they have no gate, so they are never lost and their window never grows.
 
-use super::method::{Method, Report};
+use super::method::{Method, Report, State};
 use anyhow::Result;
 use smr_core::search::Window;
-use smr_core::{Config, Frame, Image, LockError, Radius, Rect, State, UpdateError};
+use smr_core::{Config, Frame, Image, LockError, Radius, Rect, UpdateError};
 use std::ops::Range;
 
 /// How a baseline compares a patch with the template.
@@ -89,11 +89,16 @@ impl Method for Baseline {
         let (x, y) = self.best(&window, &canvas);
         self.target = Rect { x, y, ..self.target };
         let Some(patch) = frame.patch(self.target) else {
-            return Ok(Report { target: Some(self.target), state: State::Leaving, evidence: None, comparisons: None });
+            return Ok(Report {
+                target: Some(self.target.into()),
+                state: State::Leaving,
+                evidence: None,
+                comparisons: None,
+            });
         };
         self.template.clear();
         self.template.extend(patch.rows().flatten());
-        Ok(Report { target: Some(self.target), state: State::Tracking, evidence: None, comparisons: None })
+        Ok(Report { target: Some(self.target.into()), state: State::Tracking, evidence: None, comparisons: None })
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -304,7 +309,7 @@ mod tests {
             assert_eq!(
                 inside,
                 Report {
-                    target: Some(Rect::new(1, 12, 6, 5)),
+                    target: Some(Rect::new(1, 12, 6, 5).into()),
                     state: State::Tracking,
                     evidence: None,
                     comparisons: None
@@ -324,7 +329,7 @@ mod tests {
         let target = Rect::new(7, 6, 4, 3);
         for measure in ALL {
             let mut baseline = locked(measure, &config(3, 0), &plain, target);
-            assert_eq!(baseline.update(&plain.frame()).unwrap().target, Some(target), "{measure:?}");
+            assert_eq!(baseline.update(&plain.frame()).unwrap().target, Some(target.into()), "{measure:?}");
         }
     }
 
@@ -333,7 +338,7 @@ mod tests {
         let mut darker = picture(12, 9);
         darker.pixels.iter_mut().for_each(|pixel| *pixel = *pixel / 3 + 1);
         let mut baseline = locked(Measure::Correlation, &config(6, 0), &picture(10, 10), Rect::new(10, 10, 6, 5));
-        assert_eq!(baseline.update(&darker.frame()).unwrap().target, Some(Rect::new(12, 9, 6, 5)));
+        assert_eq!(baseline.update(&darker.frame()).unwrap().target, Some(Rect::new(12, 9, 6, 5).into()));
     }
 
     #[test]
@@ -362,7 +367,7 @@ mod tests {
         assert_eq!(squares, 65536.0 * 255.0 * 255.0);
         for measure in ALL {
             let mut baseline = locked(measure, &config(0, 0), &frame(255), target);
-            assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target));
+            assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target.into()));
         }
     }
 
@@ -416,7 +421,7 @@ mod tests {
                 let slack = if measure == Measure::Correlation { 1e-9 } else { 0.0 };
                 let best: Vec<_> = all.into_iter().filter(|&(x, y)| cost(x, y) <= least + slack).collect();
 
-                let found = baseline.update(&frame.frame()).unwrap().target.unwrap();
+                let found = baseline.update(&frame.frame()).unwrap().target.unwrap().to_rect().unwrap();
                 if measure == Measure::Correlation {
                     prop_assert!(best.contains(&(found.x, found.y)));
                 } else {

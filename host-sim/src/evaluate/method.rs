@@ -1,11 +1,12 @@
-//! What every tracker that can be run here has in common: [`Method`]; SMR as one of them, and a [`Run`] of any.
+//! What every tracker that can be run here has in common: [`Method`]; both of SMR as two of them, and a [`Run`] of any.
 
+use super::Configs;
 use super::baseline::{Baseline, Measure};
 use crate::Tracker;
-use crate::sequence::GrayFrame;
+use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
-use smr_core::{Answer, Config, Frame, Image, Rect, State};
+use smr_core::{Answer, Frame, Image, Rect, robust};
 
 /// A tracker that follows one box.
 pub trait Method {
@@ -23,9 +24,9 @@ pub trait Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// The target's box; `None` when it is lost.
-    pub target: Option<Rect>,
+    pub target: Option<BoundingBox>,
     pub state: State,
-    /// What SMR's gate decided on; `None` in the frame that was locked on, and from methods that have no gate.
+    /// What SMR decided on; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
     /// Comparisons of bytes that the answer took, at most; `None` from methods that do not count them.
     pub comparisons: Option<u64>,
@@ -35,7 +36,7 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     pub ratio: f64,
-    /// `None` where nothing depended on it.
+    /// `None` where nothing depended on it, and from the robust tracker.
     pub runner_up_ratio: Option<f64>,
     /// In gray levels, rounded up, as the tracker uses it.
     pub alpha: u16,
@@ -44,30 +45,83 @@ pub struct Evidence {
 impl Report {
     /// The frame that was locked on: the box is the one that was given.
     #[must_use]
-    pub const fn locked(target: Rect) -> Self {
-        Self { target: Some(target), state: State::Tracking, evidence: None, comparisons: None }
+    pub fn locked(target: Rect) -> Self {
+        Self { target: Some(target.into()), state: State::Tracking, evidence: None, comparisons: None }
     }
+}
 
-    /// The state, as it is printed everywhere.
-    #[must_use]
-    pub const fn state_name(&self) -> &'static str {
-        match self.state {
-            State::Tracking => "tracking",
-            State::Leaving => "leaving",
-            State::Lost => "lost",
-        }
+impl Report {
+    fn answered(target: BoundingBox, state: State, evidence: Evidence) -> Self {
+        let target = (state != State::Lost).then_some(target);
+        Self { target, state, evidence: Some(evidence), comparisons: None }
     }
 }
 
 impl From<Answer> for Report {
     fn from(answer: Answer) -> Self {
         let evidence = Evidence {
-            ratio: f64::from(answer.ratio) / f64::from(u16::MAX),
-            runner_up_ratio: answer.runner_up_ratio.map(|ratio| f64::from(ratio) / f64::from(u16::MAX)),
+            ratio: of_one(answer.ratio),
+            runner_up_ratio: answer.runner_up_ratio.map(of_one),
             alpha: answer.alpha,
         };
-        let target = (answer.state != State::Lost).then_some(answer.bbox);
-        Self { target, state: answer.state, evidence: Some(evidence), comparisons: None }
+        Self::answered(answer.bbox.into(), answer.state.into(), evidence)
+    }
+}
+
+impl From<robust::Answer> for Report {
+    fn from(answer: robust::Answer) -> Self {
+        let evidence = Evidence { ratio: of_one(answer.ratio), runner_up_ratio: None, alpha: answer.alpha };
+        let report = Self::answered(answer.fine.into(), answer.state.into(), evidence);
+        Self { comparisons: Some(answer.comparisons.into()), ..report }
+    }
+}
+
+/// A ratio with 1.0 as 1.0.
+fn of_one(ratio: u16) -> f64 {
+    f64::from(ratio) / f64::from(u16::MAX)
+}
+
+/// What a method holds of its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    Tracking,
+    /// The paper's tracker: partly outside the frame.
+    Leaving,
+    /// The robust tracker: it may be something else.
+    Uncertain,
+    Lost,
+}
+
+impl State {
+    /// As it is printed everywhere.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tracking => "tracking",
+            Self::Leaving => "leaving",
+            Self::Uncertain => "uncertain",
+            Self::Lost => "lost",
+        }
+    }
+}
+
+impl From<smr_core::State> for State {
+    fn from(state: smr_core::State) -> Self {
+        match state {
+            smr_core::State::Tracking => Self::Tracking,
+            smr_core::State::Leaving => Self::Leaving,
+            smr_core::State::Lost => Self::Lost,
+        }
+    }
+}
+
+impl From<robust::State> for State {
+    fn from(state: robust::State) -> Self {
+        match state {
+            robust::State::Tracking => Self::Tracking,
+            robust::State::Uncertain => Self::Uncertain,
+            robust::State::Lost => Self::Lost,
+        }
     }
 }
 
@@ -85,9 +139,10 @@ pub enum MethodKind {
 }
 
 impl MethodKind {
-    /// As on the command line and in results.
-    pub const fn name(self) -> &'static str {
+    /// As in results: as on the command line, but for SMR as the robust tracker.
+    pub const fn name(self, configs: &Configs) -> &'static str {
         match self {
+            Self::Smr if configs.robust.is_some() => "robust",
             Self::Smr => "smr",
             Self::Sad => "sad",
             Self::Ssd => "ssd",
@@ -95,16 +150,18 @@ impl MethodKind {
         }
     }
 
-    /// A tracker without a target. The baselines take window and padding from `config`; the rest is SMR's own.
+    /// A tracker without a target.
     ///
     /// # Errors
     /// A number of the configuration that SMR cannot use.
-    pub fn build(self, config: &Config) -> Result<Box<dyn Method>> {
-        Ok(match self {
-            Self::Smr => Box::new(Tracker::new(*config)?),
-            Self::Sad => Box::new(Baseline::new(Measure::Absolute, config)),
-            Self::Ssd => Box::new(Baseline::new(Measure::Squared, config)),
-            Self::Ncc => Box::new(Baseline::new(Measure::Correlation, config)),
+    pub fn build(self, configs: &Configs) -> Result<Box<dyn Method>> {
+        let baseline = |measure| Box::new(Baseline::new(measure, &configs.paper));
+        Ok(match (self, configs.robust) {
+            (Self::Smr, None) => Box::new(Tracker::new(configs.paper)?),
+            (Self::Smr, Some(config)) => Box::new(<robust::Tracker>::new(config)),
+            (Self::Sad, _) => baseline(Measure::Absolute),
+            (Self::Ssd, _) => baseline(Measure::Squared),
+            (Self::Ncc, _) => baseline(Measure::Correlation),
         })
     }
 }
@@ -119,6 +176,20 @@ impl Method for Tracker {
         while !update.step(u32::MAX) {}
         let comparisons = Some(update.work());
         Ok(Report { comparisons, ..update.finish().into() })
+    }
+
+    fn template(&self) -> Option<Image<'_>> {
+        Self::template(self)
+    }
+}
+
+impl Method for robust::Tracker {
+    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
+        Ok(Self::lock(self, frame, target)?)
+    }
+
+    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+        Ok(Self::update(self, frame)?.into())
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -157,41 +228,82 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use smr_core::Config;
 
     fn plain(width: u16, height: u16) -> GrayFrame {
         GrayFrame { width, height, pixels: vec![7; usize::from(width) * usize::from(height)] }
     }
 
+    /// With the paper's tracker, and with the robust one.
+    fn all_configs() -> [Configs; 2] {
+        let paper = Configs::from(Config::paper());
+        [paper, Configs { robust: Some(robust::Config::robust()), ..paper }]
+    }
+
     #[test]
     fn a_run_locks_once_and_then_updates() {
         let start = Rect::new(3, 2, 4, 4);
-        for &kind in MethodKind::value_variants() {
-            let mut run = Run::new(kind.build(&Config::paper()).unwrap(), start);
+        for (configs, &kind) in all_configs().iter().flat_map(|configs| all_kinds().map(move |kind| (configs, kind))) {
+            let mut run = Run::new(kind.build(configs).unwrap(), start);
             assert_eq!(run.step(&plain(16, 12)).unwrap(), Report::locked(start));
             let report = run.step(&plain(16, 12)).unwrap();
-            assert_eq!((report.target, report.state), (Some(start), State::Tracking), "{}", kind.name());
+            let expected = (Some(start.into()), State::Tracking);
+            assert_eq!((report.target, report.state), expected, "{}", kind.name(configs));
             assert_eq!(report.evidence.is_some(), kind == MethodKind::Smr);
             assert_eq!(report.comparisons.is_some(), kind == MethodKind::Smr);
         }
     }
 
+    fn all_kinds() -> impl Iterator<Item = &'static MethodKind> {
+        MethodKind::value_variants().iter()
+    }
+
     #[test]
     fn errors_name_the_frame() {
-        for &kind in MethodKind::value_variants() {
-            let mut run = Run::new(kind.build(&Config::paper()).unwrap(), Rect::new(3, 2, 4, 4));
+        let [paper, robust] = all_configs();
+        let of_paper =
+            (smr_core::LockError::BoxOutsideFrame.to_string(), smr_core::UpdateError::FrameSizeChanged.to_string());
+        let of_robust =
+            (robust::LockError::BoxOutsideFrame.to_string(), robust::UpdateError::FrameSizeChanged.to_string());
+        let papers = all_kinds().map(|&kind| (kind, paper, &of_paper));
+        for (kind, configs, (lock, update)) in papers.chain([(MethodKind::Smr, robust, &of_robust)]) {
+            let mut run = Run::new(kind.build(&configs).unwrap(), Rect::new(3, 2, 4, 4));
             run.step(&plain(16, 12)).unwrap();
             let error = run.step(&plain(16, 13)).unwrap_err();
-            assert_eq!(format!("{error:#}"), format!("frame 2: {}", smr_core::UpdateError::FrameSizeChanged));
-            let mut run = Run::new(kind.build(&Config::paper()).unwrap(), Rect::new(13, 2, 4, 4));
+            assert_eq!(format!("{error:#}"), format!("frame 2: {update}"));
+            let mut run = Run::new(kind.build(&configs).unwrap(), Rect::new(13, 2, 4, 4));
             let error = run.step(&plain(16, 12)).unwrap_err();
-            assert_eq!(format!("{error:#}"), format!("frame 1: {}", smr_core::LockError::BoxOutsideFrame));
+            assert_eq!(format!("{error:#}"), format!("frame 1: {lock}"));
         }
     }
 
     #[test]
+    fn a_robust_answer_is_finer_than_a_pixel_and_a_lost_one_is_none() {
+        let fine = robust::FineRect { x: -384, y: 128, width: 2560, height: 1 };
+        let answer = |state| robust::Answer {
+            fine,
+            bbox: Rect::new(-1, 1, 10, 1),
+            state,
+            ratio: u16::MAX,
+            scale: 1 << 16,
+            alpha: 9,
+            peak: smr_core::search::Peak { x: 32, y: 32, score: 1 },
+            found_again: false,
+            comparisons: 7,
+        };
+        let report = Report::from(answer(robust::State::Uncertain));
+        let expected = BoundingBox { x: -1.5, y: 0.5, width: 10.0, height: 1.0 / 256.0 };
+        assert_eq!((report.target, report.state.name(), report.comparisons), (Some(expected), "uncertain", Some(7)));
+        assert_eq!(report.evidence, Some(Evidence { ratio: 1.0, runner_up_ratio: None, alpha: 9 }));
+        assert_eq!(Report::from(answer(robust::State::Lost)).target, None);
+    }
+
+    #[test]
     fn names_are_those_of_the_command_line() {
-        for &kind in MethodKind::value_variants() {
-            assert_eq!(MethodKind::from_str(kind.name(), false), Ok(kind));
+        let [paper, robust] = all_configs();
+        for &kind in all_kinds() {
+            assert_eq!(MethodKind::from_str(kind.name(&paper), false), Ok(kind));
         }
+        assert_eq!((MethodKind::Smr.name(&robust), MethodKind::Ncc.name(&robust)), ("robust", "ncc"));
     }
 }

@@ -1,28 +1,29 @@
 //! How well a tracker does: methods run over sequences, and what they and others answered, scored by one protocol.
 
 mod baseline;
+mod configs;
 mod method;
 mod protocol;
 mod results;
 pub mod robustness;
 mod table;
 
-pub use method::{Evidence, Method, MethodKind, Report, Run};
+pub use configs::{Configs, Variant};
+pub use method::{Evidence, Method, MethodKind, Report, Run, State};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
 pub(crate) use table::aligned;
 
 use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Error, Result, ensure};
-use smr_core::Config;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Who answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Contestant {
-    /// A method that was run here.
-    Method(MethodKind),
+    /// A method that was run here, by its name.
+    Method(&'static str),
     /// The result file of another tracker, by its name.
     File(String),
 }
@@ -32,7 +33,7 @@ impl Contestant {
     #[must_use]
     pub fn name(&self) -> &str {
         match self {
-            Self::Method(kind) => kind.name(),
+            Self::Method(name) => name,
             Self::File(name) => name,
         }
     }
@@ -60,7 +61,7 @@ pub struct Evaluation {
 pub fn evaluate(
     sequence: Sequence,
     methods: &[MethodKind],
-    config: &Config,
+    configs: &Configs,
     files: &[PathBuf],
     progress: impl Fn(),
 ) -> Result<Evaluation> {
@@ -68,7 +69,7 @@ pub fn evaluate(
     let Sequence { name, frames, truth, .. } = sequence;
     let truth = truth_of(&name, truth)?;
     let start = start?;
-    let runs: Result<Vec<_>> = methods.iter().map(|kind| Ok(Run::new(kind.build(config)?, start))).collect();
+    let runs: Result<Vec<_>> = methods.iter().map(|kind| Ok(Run::new(kind.build(configs)?, start))).collect();
     let mut count = 0;
     let answers = follow(frames.inspect(|_| count += 1), runs?, progress)?;
     let boxes = truth.len();
@@ -79,7 +80,8 @@ pub fn evaluate(
         Evaluation { sequence: name.clone(), visible, scores: vec![], failures: vec![], notes: vec![] };
     for (&kind, answers) in methods.iter().zip(answers) {
         let score = answers.and_then(|answers| Score::new(&answers, &truth));
-        evaluation.add(Contestant::Method(kind), score.with_context(|| format!("{name}: {}", kind.name())));
+        let method = kind.name(configs);
+        evaluation.add(Contestant::Method(method), score.with_context(|| format!("{name}: {method}")));
     }
     for path in files {
         let score = evaluation.score_file(path, &truth);
@@ -128,7 +130,7 @@ fn follow(
         for (run, answers) in &mut runs {
             let Ok(so_far) = answers else { continue };
             match run.step(&frame) {
-                Ok(report) => so_far.push(report.target.map(BoundingBox::from)),
+                Ok(report) => so_far.push(report.target),
                 Err(error) => *answers = Err(error),
             }
         }
@@ -163,6 +165,7 @@ fn stem(path: &Path) -> String {
 mod tests {
     use super::*;
     use anyhow::bail;
+    use smr_core::Config;
     use std::cell::Cell;
     use std::fs;
 
@@ -189,19 +192,19 @@ mod tests {
     }
 
     fn evaluated(sequence: Sequence, files: &[PathBuf]) -> Result<Evaluation> {
-        evaluate(sequence, &METHODS, &Config::paper(), files, || ())
+        evaluate(sequence, &METHODS, &Config::paper().into(), files, || ())
     }
 
     #[test]
     fn all_methods_see_all_frames() {
         let frames = Cell::new(0);
         let progress = || frames.set(frames.get() + 1);
-        let evaluation = evaluate(sequence(), &METHODS, &Config::paper(), &[], progress).unwrap();
+        let evaluation = evaluate(sequence(), &METHODS, &Config::paper().into(), &[], progress).unwrap();
         assert_eq!(frames.get(), 4);
         assert_eq!(evaluation.visible, 4);
         assert!(evaluation.failures.is_empty());
         let correct = |(who, score): &(Contestant, Score)| (who.clone(), score.correct, score.correct_50);
-        let methods = METHODS.map(|kind| (Contestant::Method(kind), 4, 4));
+        let methods = ["sad", "smr"].map(|name| (Contestant::Method(name), 4, 4));
         assert_eq!(evaluation.scores.iter().map(correct).collect::<Vec<_>>(), methods);
     }
 
@@ -251,7 +254,7 @@ mod tests {
         let files = result_files(folder.path()).unwrap();
         assert_eq!(files, [early, late]);
         assert_eq!(result_files(&folder.path().join("frames.y4m")).unwrap(), files);
-        let evaluation = evaluate(sequence(), &[], &Config::paper(), &files, || ()).unwrap();
+        let evaluation = evaluate(sequence(), &[], &Config::paper().into(), &files, || ()).unwrap();
         let figures = |(who, score): &(Contestant, Score)| (who.name().to_owned(), score.answered, score.correct);
         let expected = [("t2".to_owned(), 2, 2), ("t10".to_owned(), 4, 3)];
         assert_eq!(evaluation.scores.iter().map(figures).collect::<Vec<_>>(), expected);

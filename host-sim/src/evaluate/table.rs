@@ -113,7 +113,7 @@ pub fn aligned(lines: &[Vec<String>], names: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::{Evaluation, MethodKind};
+    use crate::evaluate::Evaluation;
 
     fn evaluation(sequence: &str, scores: &[(Contestant, usize)]) -> Evaluation {
         let score = |correct: usize| {
@@ -126,7 +126,7 @@ mod tests {
     }
 
     fn results() -> Results {
-        let (smr, sad) = (Contestant::Method(MethodKind::Smr), Contestant::Method(MethodKind::Sad));
+        let (smr, sad) = (Contestant::Method("smr"), Contestant::Method("sad"));
         let file = |name: &str| Contestant::File(name.to_owned());
         Results::new(&[
             evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
@@ -163,7 +163,7 @@ t2                                        -          2
 t10                                       3          -
 ";
         assert_eq!(results().correct_frames(), expected);
-        let other = Results::new(&[evaluation("mine", &[(Contestant::Method(MethodKind::Smr), 4)])]);
+        let other = Results::new(&[evaluation("mine", &[(Contestant::Method("smr"), 4)])]);
         assert_eq!(other.correct_frames(), "correct frames  mine /4\nsmr                   4\n");
     }
 

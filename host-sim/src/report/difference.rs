@@ -6,6 +6,8 @@ use smr_core::{Image, Rect};
 /// The absolute difference of every pixel of a box to the template's.
 pub(super) struct Difference {
     pub at: Rect,
+    /// Of the template, which may have another resolution than the frame.
+    pub size: (u16, u16),
     /// Row by row.
     pub pixels: Vec<u8>,
 }
@@ -23,7 +25,15 @@ impl Difference {
             let of = |(x, &g): (i32, &u8)| pixel(frame, x, y).abs_diff(g);
             (at.x..).zip(row).map(of).collect::<Vec<u8>>()
         };
-        Self { at, pixels: (at.y..).zip(template.rows()).flat_map(row).collect() }
+        let size = (template.width(), template.height());
+        Self { at, size, pixels: (at.y..).zip(template.rows()).flat_map(row).collect() }
+    }
+
+    /// Of `patch`, which was resampled from the frame at `at`; it has the size of `template`.
+    pub fn of_patch(patch: Image<'_>, at: Rect, template: Image<'_>) -> Self {
+        let pairs = patch.rows().flatten().zip(template.rows().flatten());
+        let size = (template.width(), template.height());
+        Self { at, size, pixels: pairs.map(|(&f, &g)| f.abs_diff(g)).collect() }
     }
 
     /// The share of the pixels in each bar.
@@ -66,7 +76,8 @@ mod tests {
 
     #[test]
     fn the_last_bar_has_the_rest() {
-        let difference = Difference { at: Rect::new(0, 0, 4, 2), pixels: vec![0, 1, 2, 125, 126, 127, 200, 255] };
+        let difference =
+            Difference { at: Rect::new(0, 0, 4, 2), size: (4, 2), pixels: vec![0, 1, 2, 125, 126, 127, 200, 255] };
         let histogram = difference.histogram();
         assert_eq!([0, 1, 62, 63].map(|bar| histogram[bar]), [0.25, 0.125, 0.125, 0.5]);
         assert_eq!(histogram.iter().sum::<f64>(), 1.0);

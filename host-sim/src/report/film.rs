@@ -1,17 +1,21 @@
-//! SMR and SAD on their way through a recording: what is known of every frame, and the pictures of those to show.
+//! SMR, the paper's or the robust one, and SAD on their way through a recording: what is known of every frame, and the pictures of those to show.
 
 use super::difference::Difference;
 use super::reel::{Choice, Reel};
 use crate::Tracker;
-use crate::evaluate::{Contestant, Evaluation, Method, MethodKind, Report, Score};
+use crate::evaluate::{Configs, Contestant, Evaluation, Method, MethodKind, Report, Score, State};
 use crate::sequence::{BoundingBox, GrayFrame, Sequence};
 use anyhow::{Context, Result, ensure};
 use smr_core::search::Window;
-use smr_core::{Config, Image, Rect};
+use smr_core::{Image, Rect, robust};
 
 /// All that a report tells.
 pub struct Film {
     pub name: String,
+    /// What SMR is called in results.
+    pub(super) smr_name: &'static str,
+    /// Those that it can be in, the best one first.
+    pub(super) states: [State; 3],
     pub(super) size: (u16, u16),
     pub(super) start: Rect,
     pub(super) padding: u16,
@@ -39,15 +43,15 @@ pub(super) struct Still {
 
 /// What was looked at in a frame.
 pub(super) struct Sight {
-    /// SMR's box; when lost, the last one that was believed.
-    pub smr_box: Rect,
+    /// SMR's box; when lost, the last one that was believed, or the one that is followed meanwhile.
+    pub smr_box: BoundingBox,
     /// `None` in the frame that was locked on: nothing was looked for.
     pub search: Option<Search>,
 }
 
 /// What was looked for and found.
 pub(super) struct Search {
-    /// All that SMR's search window covers, of the padding too.
+    /// All that SMR's search window covers, of the padding too; of the robust tracker all that it may read.
     pub window: Rect,
     /// Of SMR's peak, believed or not, to its template.
     pub smr: Difference,
@@ -58,11 +62,11 @@ pub(super) struct Search {
 ///
 /// # Errors
 /// No box to start from, a frame that cannot be read or tracked, or a listed frame that there is not.
-pub fn watch(sequence: Sequence, config: &Config, choice: Choice, progress: impl Fn()) -> Result<Film> {
+pub fn watch(sequence: Sequence, configs: &Configs, choice: Choice, progress: impl Fn()) -> Result<Film> {
     let start = sequence.start()?;
     let Sequence { name, frames, truth, .. } = sequence;
     let last = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
-    let mut trackers = Trackers { smr: Box::new(Tracker::new(*config)?), sad: MethodKind::Sad.build(config)? };
+    let mut trackers = Trackers { smr: Smr::new(configs)?, sad: MethodKind::Sad.build(configs)? };
     let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
@@ -79,7 +83,18 @@ pub fn watch(sequence: Sequence, config: &Config, choice: Choice, progress: impl
         ensure!(last < length, "{name}: there is no frame {}: expected 1 to {length}", last + 1);
     }
     let (stills, changes_left_out) = reel.into_stills();
-    Ok(Film { name, size, start, padding: config.padding, moments, stills, changes_left_out, truth })
+    Ok(Film {
+        name,
+        smr_name: MethodKind::Smr.name(configs),
+        states: configs.states(),
+        size,
+        start,
+        padding: configs.paper.padding,
+        moments,
+        stills,
+        changes_left_out,
+        truth,
+    })
 }
 
 impl Film {
@@ -94,18 +109,18 @@ impl Film {
     /// The ground truth is not that of so many frames.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
-        let score = |kind, of| {
+        let score = |name, of| {
             let score = Score::new(&self.trajectory(of), truth).with_context(|| self.name.clone())?;
-            anyhow::Ok((Contestant::Method(kind), score))
+            anyhow::Ok((Contestant::Method(name), score))
         };
-        let scores = vec![score(MethodKind::Smr, Moment::smr)?, score(MethodKind::Sad, Moment::sad)?];
+        let scores = vec![score(self.smr_name, Moment::smr)?, score("sad", Moment::sad)?];
         let visible = truth.iter().flatten().count();
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
     }
 
     /// What one of the trackers answered.
     pub(super) fn trajectory(&self, of: fn(&Moment) -> &Report) -> Vec<Option<BoundingBox>> {
-        self.moments.iter().map(|moment| of(moment).target.map(BoundingBox::from)).collect()
+        self.moments.iter().map(|moment| of(moment).target).collect()
     }
 
     pub(super) fn truth_at(&self, index: usize) -> Option<BoundingBox> {
@@ -123,36 +138,97 @@ impl Moment {
     }
 }
 
-/// SMR is here as itself, not as a [`Method`]: what it did not believe is shown, too.
 struct Trackers {
-    smr: Box<Tracker>,
+    smr: Smr,
     sad: Box<dyn Method>,
 }
 
 impl Trackers {
     fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Moment, Sight)> {
-        self.smr.lock(&frame.frame(), start)?;
+        self.smr.lock(frame, start)?;
         self.sad.lock(&frame.frame(), start)?;
         let (smr, sad) = (Report::locked(start), Report::locked(start));
-        Ok((Moment { smr, sad }, Sight { smr_box: start, search: None }))
+        Ok((Moment { smr, sad }, Sight { smr_box: start.into(), search: None }))
     }
 
     fn update(&mut self, frame: &GrayFrame) -> Result<(Moment, Sight)> {
-        let offsets = self.smr.offsets().context("SMR has no target yet")?;
+        let smr = self.smr.update(frame)?;
         // What is compared with, before this frame takes its place.
-        let smr_template = Pixels::of(self.smr.template().context("SMR has no template yet")?);
         let sad_template = Pixels::of(self.sad.template().context("SAD has no template yet")?);
-        let answer = self.smr.update(&frame.frame())?;
         let sad = self.sad.update(&frame.frame())?;
-
-        let peak = Rect { x: answer.found.peak.x, y: answer.found.peak.y, ..answer.bbox };
+        let sad_box = sad.target.and_then(|target| target.to_rect()).context("SAD always answers")?;
         let search = Search {
-            window: covered(&offsets, answer.bbox),
-            smr: Difference::new(frame, peak, smr_template.image()?),
-            sad: Difference::new(frame, sad.target.context("SAD always answers")?, sad_template.image()?),
+            window: smr.window,
+            smr: smr.difference,
+            sad: Difference::new(frame, sad_box, sad_template.image()?),
         };
-        Ok((Moment { smr: answer.into(), sad }, Sight { smr_box: answer.bbox, search: Some(search) }))
+        Ok((Moment { smr: smr.report, sad }, Sight { smr_box: smr.bbox, search: Some(search) }))
     }
+}
+
+/// SMR is here as itself, not as a [`Method`]: what it did not believe is shown, too.
+enum Smr {
+    Paper(Box<Tracker>),
+    Robust(Box<robust::Tracker>),
+}
+
+/// What SMR says of a frame, and what that is drawn from.
+struct Look {
+    report: Report,
+    bbox: BoundingBox,
+    window: Rect,
+    difference: Difference,
+}
+
+impl Smr {
+    fn new(configs: &Configs) -> Result<Self> {
+        Ok(match configs.robust {
+            None => Self::Paper(Box::new(Tracker::new(configs.paper)?)),
+            Some(config) => Self::Robust(Box::new(robust::Tracker::new(config))),
+        })
+    }
+
+    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<()> {
+        match self {
+            Self::Paper(tracker) => Ok(tracker.lock(&frame.frame(), start)?),
+            Self::Robust(tracker) => Ok(tracker.lock(&frame.frame(), start)?),
+        }
+    }
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<Look> {
+        match self {
+            Self::Paper(tracker) => look(tracker, frame),
+            Self::Robust(tracker) => look_of_robust(tracker, frame),
+        }
+    }
+}
+
+fn look(tracker: &mut Tracker, frame: &GrayFrame) -> Result<Look> {
+    let offsets = tracker.offsets().context("SMR has no target yet")?;
+    // What is compared with, before this frame takes its place.
+    let template = Pixels::of(tracker.template().context("SMR has no template yet")?);
+    let answer = tracker.update(&frame.frame())?;
+    let peak = Rect { x: answer.found.peak.x, y: answer.found.peak.y, ..answer.bbox };
+    Ok(Look {
+        report: answer.into(),
+        bbox: answer.bbox.into(),
+        window: covered(&offsets, answer.bbox),
+        difference: Difference::new(frame, peak, template.image()?),
+    })
+}
+
+/// The robust tracker compares on its grid, and what it found there is its next template.
+fn look_of_robust(tracker: &mut robust::Tracker, frame: &GrayFrame) -> Result<Look> {
+    let window = tracker.window().context("SMR has no target yet")?;
+    let template = Pixels::of(tracker.template().context("SMR has no template yet")?);
+    let answer = tracker.update(&frame.frame())?;
+    let patch = tracker.template().context("SMR has no template any more")?;
+    Ok(Look {
+        report: answer.into(),
+        bbox: answer.fine.into(),
+        window,
+        difference: Difference::of_patch(patch, answer.bbox, template.image()?),
+    })
 }
 
 /// A copy of an image.
@@ -182,7 +258,7 @@ fn covered(offsets: &Window, target: Rect) -> Rect {
 mod tests {
     use super::*;
     use crate::sequence::{self, OpenOptions, synthetic};
-    use smr_core::State;
+    use smr_core::Config;
     use std::path::Path;
 
     fn open() -> Sequence {
@@ -191,9 +267,9 @@ mod tests {
 
     #[test]
     fn the_film_is_what_the_methods_answer() {
-        let film = watch(open(), &Config::paper(), Choice::Spread, || ()).unwrap();
+        let film = watch(open(), &Config::paper().into(), Choice::Spread, || ()).unwrap();
         let methods = [MethodKind::Smr, MethodKind::Sad];
-        let evaluated = crate::evaluate::evaluate(open(), &methods, &Config::paper(), &[], || ()).unwrap();
+        let evaluated = crate::evaluate::evaluate(open(), &methods, &Config::paper().into(), &[], || ()).unwrap();
         assert_eq!(film.evaluation().unwrap().unwrap().scores, evaluated.scores);
         assert_eq!(film.moments.len(), synthetic::LENGTH);
         let states: Vec<State> = film.stills.iter().map(|still| film.moments[still.index].smr.state).collect();
@@ -203,8 +279,24 @@ mod tests {
     }
 
     #[test]
+    fn the_robust_tracker_is_filmed_too() {
+        let configs = Configs { robust: Some(robust::Config::robust()), ..Config::paper().into() };
+        let film = watch(open(), &configs, Choice::Spread, || ()).unwrap();
+        let methods = [MethodKind::Smr, MethodKind::Sad];
+        let evaluated = crate::evaluate::evaluate(open(), &methods, &configs, &[], || ()).unwrap();
+        let scores = film.evaluation().unwrap().unwrap().scores;
+        assert_eq!(scores, evaluated.scores);
+        assert_eq!(scores[0].0.name(), "robust");
+        let states = || film.moments.iter().map(|moment| moment.smr.state);
+        assert!(states().all(|state| film.states.contains(&state)) && states().any(|state| state == State::Lost));
+        let page = crate::report::page(&film).unwrap();
+        assert!(page.contains(">ROBUST</th>") && page.contains("</span>uncertain<span"));
+        assert!(!page.contains("</span>leaving"));
+    }
+
+    #[test]
     fn what_counts_adds_up_to_the_ratio() {
-        let film = watch(open(), &Config::paper(), Choice::Spread, || ()).unwrap();
+        let film = watch(open(), &Config::paper().into(), Choice::Spread, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
             let Some(search) = &still.sight.search else { continue };
@@ -222,14 +314,14 @@ mod tests {
     #[test]
     fn a_frame_that_there_is_not_is_named() {
         let choice = Choice::Listed([0, 240].into());
-        let error = watch(open(), &Config::paper(), choice, || ()).err().unwrap();
+        let error = watch(open(), &Config::paper().into(), choice, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
     #[test]
     fn ground_truth_of_another_length_is_an_error() {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
-        let film = watch(Sequence { truth, ..open() }, &Config::paper(), Choice::Spread, || ()).unwrap();
+        let film = watch(Sequence { truth, ..open() }, &Config::paper().into(), Choice::Spread, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
     }

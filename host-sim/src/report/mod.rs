@@ -1,5 +1,8 @@
-//! What people look at: SMR and SAD side by side on a recording, as one page or as one picture; how fast it is, as a diagram.
+//! What people look at: SMR and SAD side by side on a recording, as one page or as one picture; how fast it is and what
+//! its ratio is worth, as diagrams.
 
+pub mod calibration;
+pub mod diagram;
 mod difference;
 mod encode;
 mod film;
@@ -16,7 +19,7 @@ pub use page::page;
 pub use picture::picture;
 pub use reel::Choice;
 
-use smr_core::State;
+use crate::evaluate::State;
 
 /// A color as red, green, blue.
 type Color = [u8; 3];
@@ -30,7 +33,7 @@ const TRUTH: Color = [0, 230, 90];
 const fn color_of(state: State) -> Color {
     match state {
         State::Tracking => [150, 160, 170],
-        State::Leaving => [240, 170, 0],
+        State::Leaving | State::Uncertain => [240, 170, 0],
         State::Lost => [190, 100, 255],
     }
 }

@@ -3,9 +3,8 @@
 use super::difference::Difference;
 use super::film::{Film, Moment, Search, Still};
 use super::{Color, SAD, SMR, TRUTH, color_of, encode, plot, tile};
-use crate::evaluate::{Evaluation, Score, overlaps};
+use crate::evaluate::{Evaluation, Score, State, overlaps};
 use anyhow::{Context, Result};
-use smr_core::State;
 
 /// The page.
 ///
@@ -41,15 +40,22 @@ fn head(film: &Film) -> String {
 
 fn summary(film: &Film) -> String {
     let count = |state: State| film.moments.iter().filter(|moment| moment.smr.state == state).count();
-    let [tracking, leaving, lost] = [State::Tracking, State::Leaving, State::Lost].map(count);
+    let [first, second, third] = film.states;
+    let kind = if film.smr_name == "robust" { " (robust)" } else { "" };
     format!(
-        "<h1>{}</h1>\n<p>{} frames of {}x{} pixels, locked on the box of {}. SMR was tracking in {tracking} frames, \
-         leaving in {leaving}, lost in {lost}.</p>\n",
+        "<h1>{}</h1>\n<p>{} frames of {}x{} pixels, locked on the box of {}. SMR{kind} was {} in {} frames, {} in {}, {} in \
+         {}.</p>\n",
         escaped(&film.name),
         film.moments.len(),
         film.size.0,
         film.size.1,
-        tile::words(film.start)
+        tile::words(film.start),
+        first.name(),
+        count(first),
+        second.name(),
+        count(second),
+        third.name(),
+        count(third)
     )
 }
 
@@ -119,9 +125,9 @@ fn over_time(film: &Film) -> Result<String> {
         Some(_) => " Without an answer the IoU is 0; where the target is not visible there is none.",
         None => "",
     };
+    let states = film.states.map(|state| format!("<span class=\"key {0}\"></span>{0}", state.name())).concat();
     Ok(format!(
-        "<h2>Over time</h2>\n<p class=\"note\"><span class=\"key tracking\"></span>tracking\
-         <span class=\"key leaving\"></span>leaving<span class=\"key lost\"></span>lost<span class=\"key smr\"></span>SMR\
+        "<h2>Over time</h2>\n<p class=\"note\">{states}<span class=\"key smr\"></span>SMR\
          <span class=\"key sad\"></span>SAD<span class=\"key runner-up\"></span>runner-up. alpha is in gray levels; \
          the marks on top lead to the frames above.{about_iou}</p>\n<div class=\"scroll\">{}</div>\n",
         plot::over_time(film, overlaps)
@@ -145,7 +151,7 @@ fn comparison(film: &Film, still: &Still, search: &Search) -> Result<String> {
     let alpha = report.evidence.map_or(0, |evidence| evidence.alpha);
     let belief = if report.target.is_some() { "" } else { " (not believed)" };
     let counting = search.smr.counting(alpha) * 100.0;
-    let (number, state) = (still.index + 1, report.state_name());
+    let (number, state) = (still.index + 1, report.state.name());
     Ok(format!(
         "<figure><figcaption><a href=\"#f{number}\">frame {number}</a>, {state}</figcaption><div class=\"pair\">\
          <div>{}<figcaption>SMR{belief}: {counting:.0}%</figcaption></div>\
@@ -165,7 +171,7 @@ fn map(difference: &Difference, alpha: u16) -> Result<String> {
     let indices: Vec<u8> = difference.pixels.iter().map(index).collect();
     let palette: Vec<Color> =
         (0..=BRIGHTEST).map(|level| [gray(level); 3]).chain((0..=BRIGHTEST).map(counting_color)).collect();
-    let size = (difference.at.width.into(), difference.at.height.into());
+    let size = (difference.size.0.into(), difference.size.1.into());
     let picture = encode::data_uri("image/png", &encode::png(size, &indices, &palette)?);
     Ok(format!("<img src=\"{picture}\" alt=\"differences of the box of {}\">", tile::words(difference.at)))
 }
@@ -197,7 +203,7 @@ mod tests {
     fn film(change: impl FnOnce(Sequence) -> Sequence) -> Film {
         let sequence = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let choice = Choice::Listed([0, 104, 180].into());
-        watch(change(sequence), &Config::paper(), choice, || ()).unwrap()
+        watch(change(sequence), &Config::paper().into(), choice, || ()).unwrap()
     }
 
     /// Every tag that is opened is closed, in the right order.

@@ -2,9 +2,9 @@
 
 use super::film::{Film, Still};
 use super::{Color, SAD, SMR, TRUTH, color_of, encode, font};
+use crate::evaluate::State;
 use crate::sequence::BoundingBox;
 use anyhow::Result;
-use smr_core::State;
 use std::ops::RangeInclusive;
 
 /// No side of a frame is longer in the picture.
@@ -37,7 +37,7 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
         Tile::new(left, top, still).draw(&mut canvas, film, still);
         let report = &film.moments[still.index].smr;
         let end = canvas.text(left, top + height + GAP / 2, &format!("frame {}  ", still.index + 1), WHITE);
-        canvas.text(end, top + height + GAP / 2, report.state_name(), ink(color_of(report.state)));
+        canvas.text(end, top + height + GAP / 2, report.state.name(), ink(color_of(report.state)));
     }
     let mut left = GAP;
     for (word, ink) in legend(film) {
@@ -154,10 +154,10 @@ impl Tile {
             self.outline(canvas, &seen.into(), &Pen { grown: 0..=0, ink: WHITE, gaps: Some(BLACK) });
         }
         if let Some(sad) = moment.sad.target {
-            self.outline(canvas, &sad.into(), &Pen::solid(2..=4, ink(SAD)));
+            self.outline(canvas, &sad, &Pen::solid(2..=4, ink(SAD)));
         }
         let gaps = moment.smr.target.is_some().then_some(ink(SMR));
-        self.outline(canvas, &still.sight.smr_box.into(), &Pen { grown: -1..=1, ink: ink(SMR), gaps });
+        self.outline(canvas, &still.sight.smr_box, &Pen { grown: -1..=1, ink: ink(SMR), gaps });
         if let Some(truth) = film.truth_at(still.index) {
             self.outline(canvas, &truth, &Pen::solid(-2..=-2, ink(TRUTH)));
         }
@@ -218,7 +218,7 @@ mod tests {
     use std::path::Path;
 
     fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
-        let film = watch(sequence, &Config::paper(), choice, || ()).unwrap();
+        let film = watch(sequence, &Config::paper().into(), choice, || ()).unwrap();
         image::load_from_memory(&picture(&film).unwrap()).unwrap().into_rgb8()
     }
 

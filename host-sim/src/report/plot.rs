@@ -2,8 +2,7 @@
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Search};
-use crate::evaluate::CORRECT;
-use smr_core::State;
+use crate::evaluate::{CORRECT, State};
 use std::fmt::Write as _;
 
 const LEFT: f64 = 44.0;
@@ -107,7 +106,7 @@ fn bands(film: &Film, axis: &Axis, bottom: f64) -> String {
     let mut first = 0;
     for run in film.moments.chunk_by(|a, b| a.smr.state == b.smr.state) {
         let (left, right) = (axis.edge(first), axis.edge(first + run.len()));
-        let (width, name) = (right - left, run[0].smr.state_name());
+        let (width, name) = (right - left, run[0].smr.state.name());
         let title = format!("<title>{name}: frames {} to {}</title>", first + 1, first + run.len());
         let rect = |class: &str, height: f64| {
             format!(

@@ -21,12 +21,12 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
     });
     // Side by side, a pixel of the screen each: of equal boxes all are seen.
     let pixel = f64::from(whole) / 280.0;
-    let sad = moment.sad.target.map(|sad| outline("sad", &sad.into(), 3.0 * pixel));
-    let smr = outline(if moment.smr.target.is_some() { "smr" } else { "smr last" }, &still.sight.smr_box.into(), 0.0);
+    let sad = moment.sad.target.map(|sad| outline("sad", &sad, 3.0 * pixel));
+    let smr = outline(if moment.smr.target.is_some() { "smr" } else { "smr last" }, &still.sight.smr_box, 0.0);
     let truth = film.truth_at(still.index).map(|truth| outline("truth", &truth, -2.0 * pixel));
     let boxes = [window, sad, Some(smr), truth].into_iter().flatten().collect::<String>();
 
-    let (number, state) = (still.index + 1, moment.smr.state_name());
+    let (number, state) = (still.index + 1, moment.smr.state.name());
     let letters = f64::from(whole) / 17.0;
     let (x, y) = (f64::from(-margin) + letters * 0.5, f64::from(-margin) + letters * 1.2);
     Ok(format!(

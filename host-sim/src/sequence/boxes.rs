@@ -10,6 +10,7 @@
 
 use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::Rect;
+use smr_core::robust::FineRect;
 use std::fmt;
 use std::fs;
 use std::path::Path;
@@ -58,6 +59,14 @@ impl From<Rect> for BoundingBox {
     fn from(rect: Rect) -> Self {
         let (width, height) = (f64::from(rect.width), f64::from(rect.height));
         Self { x: f64::from(rect.x), y: f64::from(rect.y), width, height }
+    }
+}
+
+impl From<FineRect> for BoundingBox {
+    fn from(fine: FineRect) -> Self {
+        let pixels = |value: f64| value / 256.0;
+        let (width, height) = (pixels(fine.width.into()), pixels(fine.height.into()));
+        Self { x: pixels(fine.x.into()), y: pixels(fine.y.into()), width, height }
     }
 }
 

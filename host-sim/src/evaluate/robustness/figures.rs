@@ -1,5 +1,6 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
+use super::calibration::Calibration;
 use crate::evaluate::{Score, Trajectory};
 use anyhow::Result;
 use serde::Serialize;
@@ -13,6 +14,7 @@ pub(super) struct RunFigures {
     answered_visible: usize,
     /// What the updates took, all together.
     pub spent: Spent,
+    pub calibration: Calibration,
 }
 
 /// What updates took.
@@ -25,11 +27,12 @@ pub(super) struct Spent {
 }
 
 impl RunFigures {
-    /// `answers` and `truth` begin with the frame that was locked on.
-    pub fn new(answers: &Trajectory, truth: &Trajectory, spent: Spent) -> Result<Self> {
+    /// `answers`, the ratios that came with them, and `truth` begin with the frame that was locked on.
+    pub fn new(answers: &Trajectory, ratios: &[Option<f64>], truth: &Trajectory, spent: Spent) -> Result<Self> {
         let score = Score::new(answers, truth)?;
         let answered_visible = answers.iter().zip(truth).filter(|(answer, truth)| answer.is_some() && truth.is_some());
-        Ok(Self { score, answered_visible: answered_visible.count(), spent })
+        let calibration = Calibration::new(ratios, answers, truth)?;
+        Ok(Self { score, answered_visible: answered_visible.count(), spent, calibration })
     }
 }
 
@@ -121,8 +124,8 @@ mod tests {
         // IoU 1 and 1; two answers while hidden.
         let second = [at(0.0), at(0.0), None, None, at(0.0), at(3.0)];
         [
-            RunFigures::new(&first, &truth, spent(5, Some(1000), 30)).unwrap(),
-            RunFigures::new(&second[1..], &truth[1..], spent(4, comparisons, 60)).unwrap(),
+            RunFigures::new(&first, &[], &truth, spent(5, Some(1000), 30)).unwrap(),
+            RunFigures::new(&second[1..], &[], &truth[1..], spent(4, comparisons, 60)).unwrap(),
         ]
     }
 
@@ -171,7 +174,8 @@ mod tests {
 
     #[test]
     fn nothing_divides_by_zero() {
-        let silent = RunFigures::new(&[None], &[at(0.0)], Spent { comparisons: Some(0), ..Spent::default() }).unwrap();
+        let silent =
+            RunFigures::new(&[None], &[], &[at(0.0)], Spent { comparisons: Some(0), ..Spent::default() }).unwrap();
         let figures = Figures::over_starts(&[silent]);
         assert_eq!(figures, Figures { comparisons_per_frame: Some(0.0), ..Figures::default() });
     }

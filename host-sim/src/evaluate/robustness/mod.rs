@@ -1,30 +1,35 @@
-//! How much it takes to lose a target: methods run over recordings from several starts each, and what that comes to.
+//! How much it takes to lose a target: methods, or variants of one, run over recordings from several starts each, and what that comes to.
 //!
 //! - `starts`: where runs start.
 //! - `recording`: a recording in memory.
 //! - `figures`: what runs come to.
+//! - `calibration`: what a reported ratio says of the chance to be right.
 //! - `table`: the results as text.
+//! - `summary`: only the means, one row a tracker.
 //!
 //! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
 //! own start and the truth of that frame, and the frame of the start counts.
 
+mod calibration;
 mod figures;
 mod recording;
 mod starts;
+mod summary;
 mod table;
 
+pub use calibration::Bin;
 pub use figures::Figures;
 pub use starts::Starts;
 
-use super::MethodKind;
+use super::Variant;
 use crate::bench::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
+use calibration::Calibration;
 use figures::{RunFigures, Spent};
 use rayon::prelude::*;
 use recording::Recording;
 use serde::Serialize;
-use smr_core::Config;
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,8 +37,8 @@ use std::path::{Path, PathBuf};
 /// What is asked for.
 #[derive(Clone, Copy)]
 pub struct Settings<'a> {
-    pub methods: &'a [MethodKind],
-    pub config: &'a Config,
+    /// Each with a name of its own.
+    pub variants: &'a [Variant],
     pub starts: Starts,
 }
 
@@ -47,12 +52,14 @@ pub enum Progress {
 }
 
 /// What was measured.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub struct Robustness {
     /// Method by method, each with its recordings in the order in which they were given.
     recordings: Vec<Row>,
     /// Of each method: over all recordings, then, if they lie in several folders, by folder.
     means: Vec<Mean>,
+    /// Of each method that reports a ratio.
+    calibration: Vec<Bin>,
     /// Why some are missing.
     #[serde(skip)]
     pub failures: Vec<Error>,
@@ -69,13 +76,15 @@ impl Robustness {
 /// A method on a recording.
 #[derive(Clone, Debug, Serialize)]
 struct Row {
-    tracker: &'static str,
+    tracker: String,
     sequence: String,
     /// The folder that the recording lies in, among others.
     #[serde(skip)]
     folder: PathBuf,
     #[serde(flatten)]
     figures: Figures,
+    #[serde(skip)]
+    calibration: Calibration,
     starts: Vec<StartRow>,
 }
 
@@ -93,7 +102,7 @@ struct StartRow {
 /// A method on several recordings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Mean {
-    tracker: &'static str,
+    tracker: String,
     /// Where the recordings lie; `None` if they are all.
     folder: Option<String>,
     recordings: usize,
@@ -104,9 +113,9 @@ struct Mean {
 /// When recordings in memory have so many bytes, no more are read before these are measured.
 const ENOUGH_BYTES: u64 = recording::MOST_BYTES;
 
-/// Runs every method from every start on the recordings at `paths`, which `open` opens.
+/// Runs every variant from every start on the recordings at `paths`, which `open` opens.
 ///
-/// Recordings, methods and starts are all spread over the threads that there are. A recording is decoded once and kept in
+/// Recordings, variants and starts are all spread over the threads that there are. A recording is decoded once and kept in
 /// memory, where it may have 1 GiB; others are kept with it until there is as much.
 pub fn measure(
     paths: &[PathBuf],
@@ -136,9 +145,10 @@ pub fn measure(
             held.clear();
         }
     }
-    let place = |row: &Row| settings.methods.iter().position(|kind| kind.name() == row.tracker);
+    let place = |row: &Row| settings.variants.iter().position(|variant| variant.name == row.tracker);
     rows.sort_by_key(place);
-    Robustness { means: means(&rows, settings.methods), recordings: rows, failures }
+    let (means, calibration) = (means(&rows, settings.variants), calibration(&rows, settings.variants));
+    Robustness { recordings: rows, means, calibration, failures }
 }
 
 /// A recording and the starts in it.
@@ -154,7 +164,7 @@ impl Case {
         Ok(Self { starts: starts.of(&recording)?, recording, folder: folder_of(path) })
     }
 
-    fn row(&self, kind: MethodKind, runs: &[RunFigures]) -> Row {
+    fn row(&self, variant: &Variant, runs: &[RunFigures]) -> Row {
         let start = |(start, run): (&Start, &RunFigures)| StartRow {
             start: start.name.clone(),
             frame: start.frame + 1,
@@ -163,47 +173,43 @@ impl Case {
             correct: run.score.correct,
         };
         Row {
-            tracker: kind.name(),
+            tracker: variant.name.clone(),
             sequence: self.recording.name.clone(),
             folder: self.folder.clone(),
             figures: Figures::over_starts(runs),
+            calibration: Calibration::total(runs.iter().map(|run| &run.calibration)),
             starts: self.starts.iter().zip(runs).map(start).collect(),
         }
     }
 }
 
-/// One row for each recording and method. A method that fails from one start has no row: it would be of fewer starts.
+/// One row for each recording and variant. A variant that fails from one start has no row: it would be of fewer starts.
 fn run_all(cases: &[Case], settings: Settings<'_>, progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
-    let pairs: Vec<(&Case, MethodKind)> =
-        cases.iter().flat_map(|case| settings.methods.iter().map(move |&kind| (case, kind))).collect();
+    let pairs: Vec<(&Case, &Variant)> =
+        cases.iter().flat_map(|case| settings.variants.iter().map(move |variant| (case, variant))).collect();
     let jobs: Vec<_> =
-        pairs.iter().flat_map(|&(case, kind)| case.starts.iter().map(move |start| (case, kind, start))).collect();
+        pairs.iter().flat_map(|&(case, variant)| case.starts.iter().map(move |start| (case, variant, start))).collect();
     let expected: usize = jobs.iter().map(|(case, _, start)| case.recording.frames.len() - start.frame).sum();
     progress(Progress::Expected(expected as u64));
     // Runs are of very different length: one at a time is what a thread takes.
-    let runs = jobs.par_iter().with_max_len(1).map(|&(case, kind, start)| {
-        let done = run(&case.recording, kind, settings.config, start, || progress(Progress::Done));
-        done.with_context(|| format!("{}: {}: start {}", case.recording.name, kind.name(), start.name))
+    let runs = jobs.par_iter().with_max_len(1).map(|&(case, variant, start)| {
+        let done = run(&case.recording, variant, start, || progress(Progress::Done));
+        done.with_context(|| format!("{}: {}: start {}", case.recording.name, variant.name, start.name))
     });
     let mut runs = runs.collect::<Vec<_>>().into_iter();
-    let row = |&(case, kind): &(&Case, MethodKind)| {
+    let row = |&(case, variant): &(&Case, &Variant)| {
         // All of them are taken before the first failure is looked at.
         let of_case: Vec<_> = runs.by_ref().take(case.starts.len()).collect();
-        Ok(case.row(kind, &of_case.into_iter().collect::<Result<Vec<_>>>()?))
+        Ok(case.row(variant, &of_case.into_iter().collect::<Result<Vec<_>>>()?))
     };
     pairs.iter().map(row).collect()
 }
 
-/// `kind` from `start` to the end of the recording.
-fn run(
-    recording: &Recording,
-    kind: MethodKind,
-    config: &Config,
-    start: &Start,
-    progress: impl Fn(),
-) -> Result<RunFigures> {
-    let mut method = kind.build(config)?;
+/// `variant` from `start` to the end of the recording.
+fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl Fn()) -> Result<RunFigures> {
+    let mut method = variant.build()?;
     let mut answers = vec![Some(BoundingBox::from(start.target))];
+    let mut ratios = vec![None];
     let mut spent = Spent { comparisons: Some(0), ..Spent::default() };
     let mut frames = (1..).zip(&recording.frames).skip(start.frame);
     if let Some((number, first)) = frames.next() {
@@ -217,10 +223,11 @@ fn run(
         spent.updates += 1;
         spent.time += time;
         spent.comparisons = spent.comparisons.zip(report.comparisons).map(|(sum, more)| sum + more);
-        answers.push(report.target.map(BoundingBox::from));
+        answers.push(report.target);
+        ratios.push(report.evidence.map(|evidence| evidence.ratio));
         progress();
     }
-    RunFigures::new(&answers, &recording.truth[start.frame..], spent)
+    RunFigures::new(&answers, &ratios, &recording.truth[start.frame..], spent)
 }
 
 /// Where the recordings lie that belong together with the one at `path`.
@@ -232,7 +239,7 @@ fn folder_of(path: &Path) -> PathBuf {
     absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-fn means(rows: &[Row], methods: &[MethodKind]) -> Vec<Mean> {
+fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
     let mut folders: Vec<&Path> = Vec::new();
     for row in rows {
         if !folders.contains(&row.folder.as_path()) {
@@ -242,17 +249,26 @@ fn means(rows: &[Row], methods: &[MethodKind]) -> Vec<Mean> {
     // Of one folder the mean is that of all.
     let split = if folders.len() > 1 { folders.as_slice() } else { &[] };
     let groups = || std::iter::once(None).chain(split.iter().map(|&folder| Some(folder)));
-    let mean = |kind: MethodKind, folder: Option<&Path>| {
-        let belongs = |row: &&Row| row.tracker == kind.name() && folder.is_none_or(|folder| row.folder == folder);
+    let mean = |variant: &Variant, folder: Option<&Path>| {
+        let belongs = |row: &&Row| row.tracker == variant.name && folder.is_none_or(|folder| row.folder == folder);
         let parts: Vec<Figures> = rows.iter().filter(belongs).map(|row| row.figures).collect();
         (!parts.is_empty()).then(|| Mean {
-            tracker: kind.name(),
+            tracker: variant.name.clone(),
             folder: folder.map(|folder| label(folder, &folders)),
             recordings: parts.len(),
             figures: Figures::over_recordings(&parts),
         })
     };
-    methods.iter().flat_map(|&kind| groups().filter_map(move |folder| mean(kind, folder))).collect()
+    variants.iter().flat_map(|variant| groups().filter_map(move |folder| mean(variant, folder))).collect()
+}
+
+/// The bins of each variant over all its rows.
+fn calibration(rows: &[Row], variants: &[Variant]) -> Vec<Bin> {
+    let bins = |variant: &Variant| {
+        let own = rows.iter().filter(|row| row.tracker == variant.name);
+        Calibration::total(own.map(|row| &row.calibration)).bins(&variant.name)
+    };
+    variants.iter().flat_map(bins).collect()
 }
 
 /// The folder's name; where two have the same one, the whole path.
@@ -267,7 +283,9 @@ fn label(folder: &Path, all: &[&Path]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::MethodKind;
     use crate::sequence::GrayFrame;
+    use smr_core::Config;
     use std::num::NonZeroUsize;
     use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -292,8 +310,9 @@ mod tests {
 
     fn measured(paths: &[&str], open: impl Fn(&Path) -> Result<Sequence> + Sync, starts: Starts) -> Robustness {
         let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
-        let config = Config::paper();
-        let settings = Settings { methods: &[MethodKind::Smr, MethodKind::Sad], config: &config, starts };
+        let configs = Config::paper().into();
+        let variants = [MethodKind::Smr, MethodKind::Sad].map(|kind| Variant::new(kind, &configs));
+        let settings = Settings { variants: &variants, starts };
         let (expected, done) = (AtomicU64::new(0), AtomicU64::new(0));
         let result = measure(&paths, open, settings, &|progress| {
             match progress {
@@ -332,7 +351,7 @@ mod tests {
         let paths = ["here/one", "there/two", "here/three"];
         let result = measured(&paths, |_| Ok(sequence()), Starts::Every(NonZeroUsize::MIN));
         let groups: Vec<_> =
-            result.means.iter().map(|mean| (mean.tracker, mean.folder.as_deref(), mean.recordings)).collect();
+            result.means.iter().map(|mean| (mean.tracker.as_str(), mean.folder.as_deref(), mean.recordings)).collect();
         let expected = |tracker| [(tracker, None, 3), (tracker, Some("here"), 2), (tracker, Some("there"), 1)];
         assert_eq!(groups, [expected("smr"), expected("sad")].concat());
         let one_folder = measured(&paths[..1], |_| Ok(sequence()), Starts::Every(NonZeroUsize::MIN));

@@ -12,27 +12,17 @@ impl Robustness {
         if self.is_empty() {
             return String::new();
         }
-        let header = [
-            "tracker",
-            "sequence",
-            "starts",
-            "correct",
-            "worst",
-            "mean IoU",
-            "precision",
-            "answered/hidden",
-            "comparisons/frame",
-            "us/frame",
-        ];
-        let mut lines = vec![header.map(String::from).to_vec()];
+        let header = ["tracker", "sequence", "starts", "correct", "worst", "mean IoU"];
+        let header = header.into_iter().chain(Figures::LAST_COLUMNS);
+        let mut lines = vec![header.map(String::from).collect::<Vec<_>>()];
         for (index, row) in self.recordings.iter().enumerate() {
-            lines.push(line(row.tracker, &row.sequence, &row.starts.len().to_string(), &row.figures));
+            lines.push(line(&row.tracker, &row.sequence, &row.starts.len().to_string(), &row.figures));
             let last = self.recordings.get(index + 1).is_none_or(|next| next.tracker != row.tracker);
             let means = self.means.iter().filter(|mean| last && mean.tracker == row.tracker);
             lines.extend(means.filter(|mean| mean.recordings > 1 || mean.folder.is_some()).map(|mean| {
                 let folder = mean.folder.as_ref().map_or(String::new(), |folder| format!(" in {folder}"));
                 let what = format!("mean of {}{folder}", mean.recordings);
-                line(mean.tracker, &what, "", &mean.figures)
+                line(&mean.tracker, &what, "", &mean.figures)
             }));
         }
         aligned(&lines, 2)
@@ -41,19 +31,30 @@ impl Robustness {
 
 fn line(tracker: &str, what: &str, starts: &str, figures: &Figures) -> Vec<String> {
     let mut line = [tracker, what, starts].map(str::to_owned).to_vec();
-    let fractions = [figures.mean_correct, figures.worst_correct, figures.mean_iou, figures.precision];
+    let fractions = [figures.mean_correct, figures.worst_correct, figures.mean_iou];
     line.extend(fractions.map(|fraction| format!("{fraction:.3}")));
-    line.push(match figures.hidden {
-        0 => NOTHING.to_owned(),
-        hidden => format!("{}/{hidden}", figures.answered_hidden),
-    });
-    line.push(figures.comparisons_per_frame.map_or(NOTHING.to_owned(), |comparisons| format!("{comparisons:.0}")));
-    line.push(format!("{:.0}", figures.microseconds_per_frame));
+    line.extend(figures.last_cells());
     line
 }
 
+impl Figures {
+    /// What tables of figures end with.
+    pub(super) const LAST_COLUMNS: [&str; 4] = ["precision", "answered/hidden", "comparisons/frame", "us/frame"];
+
+    pub(super) fn last_cells(&self) -> [String; 4] {
+        let of_hidden = match self.hidden {
+            0 => NOTHING.to_owned(),
+            hidden => format!("{}/{hidden}", self.answered_hidden),
+        };
+        let comparisons =
+            self.comparisons_per_frame.map_or(NOTHING.to_owned(), |comparisons| format!("{comparisons:.0}"));
+        [format!("{:.3}", self.precision), of_hidden, comparisons, format!("{:.0}", self.microseconds_per_frame)]
+    }
+}
+
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use super::super::calibration::Calibration;
     use super::super::{Mean, Row, StartRow};
     use super::*;
     use std::path::PathBuf;
@@ -71,18 +72,25 @@ mod tests {
         }
     }
 
-    fn row(tracker: &'static str, sequence: &str, figures: Figures) -> Row {
+    pub fn row(tracker: &str, sequence: &str, figures: Figures) -> Row {
         let start =
             StartRow { start: "given".to_owned(), frame: 1, bbox: "1,2,3,4".parse().unwrap(), visible: 4, correct: 2 };
         let folder = PathBuf::from("tld");
-        Row { tracker, sequence: sequence.to_owned(), folder, figures, starts: vec![start; 5] }
+        Row {
+            tracker: tracker.to_owned(),
+            sequence: sequence.to_owned(),
+            folder,
+            figures,
+            calibration: Calibration::default(),
+            starts: vec![start; 5],
+        }
     }
 
     fn results() -> Robustness {
         let counted = figures(0.75, 10, Some(123_456.0));
         let uncounted = figures(2.0 / 3.0, 0, None);
-        let mean = |tracker, folder: Option<&str>, recordings, figures| Mean {
-            tracker,
+        let mean = |tracker: &str, folder: Option<&str>, recordings, figures| Mean {
+            tracker: tracker.to_owned(),
             folder: folder.map(str::to_owned),
             recordings,
             figures,
@@ -99,7 +107,7 @@ mod tests {
                 mean("smr", Some("more"), 1, counted),
                 mean("sad", None, 1, uncounted),
             ],
-            failures: vec![],
+            ..Robustness::default()
         }
     }
 
@@ -115,8 +123,7 @@ smr      mean of 1 in more            0.750  0.250     0.500      1.000         
 sad      01_david                5    0.667  0.250     0.500      1.000                -                  -        12
 ";
         assert_eq!(results().table(), expected);
-        let nothing = Robustness { recordings: vec![], means: vec![], failures: vec![] };
-        assert_eq!(nothing.table(), "");
+        assert_eq!(Robustness::default().table(), "");
     }
 
     #[test]

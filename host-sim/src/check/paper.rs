@@ -1,4 +1,4 @@
-//! `smr-core` against the reference, score by score, through a recording.
+//! The paper's tracker against its reference, score by score, through a recording.
 //!
 //! Two comparisons, in every frame and for every candidate:
 //!
@@ -8,6 +8,7 @@
 //!    1/65535, the rounding of n table entries, and by f64's own rounding. Where the exact sums have another arg max, the
 //!    lead of that offset over core's may not exceed twice the bound.
 
+use super::{Mismatch, Violation, bound, differs};
 use crate::Tracker;
 use crate::reference::{Belief, Numbers, Reference, Step};
 use crate::sequence::GrayFrame;
@@ -42,19 +43,6 @@ impl Report {
     pub fn holds(&self) -> bool {
         self.violation.is_none()
     }
-}
-
-/// What did not hold, where.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Violation {
-    /// The frame, counted from 1.
-    pub frame: usize,
-    /// What was compared.
-    pub what: String,
-    /// What smr-core says.
-    pub core: String,
-    /// What the reference says, or the bound.
-    pub reference: String,
 }
 
 /// A frame in which rounding p to the table's grid decided which offset wins.
@@ -171,35 +159,6 @@ impl Check {
         let most = 2.0 * self.report.bound;
         (margin > most).then(|| Mismatch::new("lead of the exact arg max over core's peak".into(), margin, most))
     }
-}
-
-/// The most that a score of `pixels` pixels can differ from the exact sum, in units of 1/65535.
-fn bound(pixels: u32) -> f64 {
-    let n = f64::from(pixels);
-    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each off by 2^-52 of itself, and rounds
-    // each partial sum of at most n * 65535 by another 2^-53 of itself.
-    n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
-}
-
-/// Something compared, and the two values that differ.
-struct Mismatch {
-    what: String,
-    core: String,
-    reference: String,
-}
-
-impl Mismatch {
-    fn new(what: String, core: impl ToString, reference: impl ToString) -> Self {
-        Self { what, core: core.to_string(), reference: reference.to_string() }
-    }
-
-    fn in_frame(self, frame: usize) -> Violation {
-        Violation { frame, what: self.what, core: self.core, reference: self.reference }
-    }
-}
-
-fn differs<T: PartialEq + std::fmt::Debug>(what: &str, core: T, reference: T) -> Option<Mismatch> {
-    (core != reference).then(|| Mismatch::new(what.into(), format!("{core:?}"), format!("{reference:?}")))
 }
 
 fn window(core: &smr_core::search::Window, step: &Step) -> Option<Mismatch> {

@@ -322,7 +322,7 @@ impl Reference {
 }
 
 /// Step 3: p of one pixel, in units of 1/65535.
-fn similarity(difference: f64, scale: f64) -> Sums {
+pub(super) fn similarity(difference: f64, scale: f64) -> Sums {
     let exact = UNITS * (-difference / scale).exp();
     Sums { rounded: exact.round(), exact }
 }

@@ -1,0 +1,44 @@
+//! The robust tracker and nothing else: what it takes of a chip, and what it is made of. Not to be run, only linked.
+//!
+//! `.ci/targets` weighs it and looks at its symbols, as at the paper's tracker in `footprint.rs`.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use core::hint::black_box;
+    use smr_core::robust::{Config, Tracker};
+    use smr_core::{Frame, Image, Rect};
+
+    const _: () = assert!(size_of::<Tracker>() <= 48 * 1024);
+
+    /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
+    #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+    #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
+    fn start() -> ! {
+        let mut tracker: Tracker = Tracker::new(black_box(Config::robust()));
+        loop {
+            let image = Image::with_stride(black_box(&[]), black_box(0), black_box(0), black_box(0));
+            let Ok(image) = image else { continue };
+            let Ok(frame) = Frame::part(image, black_box(0), black_box(0), black_box(0), black_box(0)) else {
+                continue;
+            };
+            let _ = black_box(tracker.lock(&frame, black_box(Rect::default())));
+            let _ = black_box(tracker.window());
+            let _ = black_box(tracker.update(&frame));
+        }
+    }
+
+    /// Must be there to compile, and is never linked.
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is not to be run: .ci/targets links and weighs it");
+}

@@ -1,0 +1,219 @@
+//! The grid: frame pixels, resampled so that the template has about as many pixels as there is room for.
+//!
+//! Where a step of the grid is two pixels or more, the frame is first reduced by 2x2 means (4x4, 8x8, ...) until it is less
+//! than two; then the four neighbours are mixed by fractions of 1/256. Beyond the frame its edge goes on. Only the pixels
+//! that are sampled are read, and each row of means is made once.
+
+use crate::image::{Frame, Image, Rect};
+use heapless::Vec;
+
+/// One pixel, as positions have it.
+pub(super) const PIXEL: i64 = 1 << 12;
+/// 1.0, as scales have it.
+pub(super) const SCALE: u32 = 1 << 16;
+/// The most columns that a row of the grid can have.
+pub(super) const COLUMNS: usize = 384;
+/// The most pixels, or means, that such a row lies on.
+const ROW: usize = 2 * COLUMNS + 2;
+
+/// Shape of the template on the grid, and the grid's step at scale 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Grid {
+    /// Columns of the template.
+    pub columns: u16,
+    /// Rows of the template.
+    pub rows: u16,
+    /// Frame pixels from one pixel of the grid to the next at scale 1, in units of 1/4096.
+    pub step: u32,
+}
+
+impl Grid {
+    /// The grid for a box of this size: a template of at most `pixels`, and a window of at most `window` around it.
+    ///
+    /// The step is sqrt(area / pixels), at least half a pixel (a whole one without `enlarging`). Sides are rounded, at least
+    /// 4, and the longer one is cut until both fit: of a very long box only the middle is looked at.
+    #[must_use]
+    pub fn new(target: Rect, pixels: usize, window: usize, enlarging: bool) -> Self {
+        let area = u64::from(target.area()) << 24;
+        let step = (area / (pixels as u64).max(1)).isqrt().max(if enlarging { 2048 } else { 4096 });
+        let side = |size: u16| (((u64::from(size) << 12) + step / 2) / step.max(1)).clamp(4, MOST_SIDE);
+        let (mut columns, mut rows) = (side(target.width), side(target.height));
+        let around = 2 * u64::from(super::RADIUS);
+        while columns * rows > pixels as u64 || (columns + around) * (rows + around) > window as u64 {
+            let longer = if columns > rows { &mut columns } else { &mut rows };
+            if *longer <= 4 {
+                break;
+            }
+            *longer -= 1;
+        }
+        let small = |side: u64| u16::try_from(side).unwrap_or(4);
+        Self { columns: small(columns), rows: small(rows), step: u32::try_from(step).unwrap_or(u32::MAX) }
+    }
+
+    /// The step at `scale`, in units of 1/4096 pixel.
+    pub(super) fn step_at(&self, scale: u32) -> i64 {
+        ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
+    }
+}
+
+/// A window of `COLUMNS` columns is the widest.
+const MOST_SIDE: u64 = COLUMNS as u64 - 2 * super::RADIUS as u64;
+
+/// Where samples are taken: columns and rows `step` apart, around a centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Lattice {
+    pub(super) x: i64,
+    pub(super) y: i64,
+    pub(super) step: i64,
+    pub(super) columns: u16,
+    pub(super) rows: u16,
+}
+
+/// One axis of a lattice on the reduced frame.
+#[derive(Clone, Copy)]
+struct Axis {
+    first: i64,
+    step: i64,
+    /// The last position that there is.
+    end: i64,
+}
+
+impl Axis {
+    fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
+        let first = centre - (i64::from(count) - 1) * step / 2;
+        // The middle of the first block of means lies half a block from the first pixel's.
+        let middle = ((1 << halvings) - 1) * PIXEL / 2;
+        let blocks = i64::from((size >> halvings).max(1));
+        Self { first: (first - middle) >> halvings, step: step >> halvings, end: (blocks - 1) * PIXEL }
+    }
+
+    /// Block, the one that follows it, and the latter's part in units of 1/256.
+    fn at(&self, number: u16) -> (u16, u16, u32) {
+        // The end is never below 0; said here, the clamp has no path to a panic.
+        let position = (self.first + i64::from(number) * self.step).clamp(0, self.end.max(0));
+        let block = position / PIXEL;
+        let next = (block + 1).min(self.end / PIXEL);
+        let part = position % PIXEL / (PIXEL / 256);
+        // No block lies beyond the frame's 65535 pixels.
+        let small = |block: i64| u16::try_from(block).unwrap_or(u16::MAX);
+        (small(block), small(next), u32::try_from(part).unwrap_or(0))
+    }
+}
+
+impl Lattice {
+    fn halvings(&self) -> u32 {
+        let mut halvings = 0;
+        while self.step >> halvings >= 2 * PIXEL {
+            halvings += 1;
+        }
+        halvings
+    }
+
+    fn axes(&self, bounds: Rect) -> (Axis, Axis) {
+        let halvings = self.halvings();
+        let x = Axis::new(self.x, self.step, self.columns, halvings, bounds.width);
+        (x, Axis::new(self.y, self.step, self.rows, halvings, bounds.height))
+    }
+
+    /// The pixels that are read, in a frame with these bounds.
+    pub(super) fn pixels(&self, bounds: Rect) -> Rect {
+        let (x, y) = self.axes(bounds);
+        let side = 1 << self.halvings();
+        let extent = |axis: &Axis, count: u16, size: u16| {
+            let from = i32::from(axis.at(0).0) * side;
+            (from, ((i32::from(axis.at(count.saturating_sub(1)).1) + 1) * side).min(i32::from(size)) - from)
+        };
+        let ((left, width), (top, height)) =
+            (extent(&x, self.columns, bounds.width), extent(&y, self.rows, bounds.height));
+        Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
+    }
+
+    /// Samples `frame` into `out`, row by row; false, and nothing of use in `out`, if pixels that are read are not in memory
+    /// or there is no room.
+    #[inline(never)] // one copy in flash
+    pub(super) fn sample<const N: usize>(&self, frame: &Frame<'_>, out: &mut Vec<u8, N>) -> bool {
+        let bounds = frame.bounds();
+        let (across, down) = self.axes(bounds);
+        let Some(pixels) = frame.patch(self.pixels(bounds)) else { return false };
+        let mut means = Means::new(pixels, across.at(0).0, down.at(0).0, self.halvings());
+        // Cannot fail: a lattice has at most COLUMNS columns.
+        let mut columns = Vec::<_, COLUMNS>::new();
+        for column in 0..self.columns {
+            let _ = columns.push(across.at(column));
+        }
+        out.clear();
+        for row in 0..self.rows {
+            let (upper, lower, part) = down.at(row);
+            means.make(upper);
+            means.make(lower);
+            let (upper, lower) = (means.row(upper), means.row(lower));
+            for &(left, right, across) in &columns {
+                let (left, right) = (usize::from(left - means.left), usize::from(right - means.left));
+                let mix = |row: &[u8]| {
+                    let at = |column: usize| u32::from(row.get(column).copied().unwrap_or(0));
+                    at(left) * (256 - across) + at(right) * across
+                };
+                let value = (mix(upper) * (256 - part) + mix(lower) * part + (1 << 15)) >> 16;
+                if out.push(u8::try_from(value).unwrap_or(u8::MAX)).is_err() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Two rows of block means, the ones that are being mixed.
+struct Means<'a> {
+    pixels: Image<'a>,
+    /// Block of the first column and of the first row that there are.
+    left: u16,
+    top: u16,
+    halvings: u32,
+    rows: [(Option<u16>, Vec<u8, ROW>); 2],
+}
+
+impl<'a> Means<'a> {
+    fn new(pixels: Image<'a>, left: u16, top: u16, halvings: u32) -> Self {
+        Self { pixels, left, top, halvings, rows: [(None, Vec::new()), (None, Vec::new())] }
+    }
+
+    fn row(&self, block: u16) -> &[u8] {
+        if self.halvings == 0 {
+            return self.pixels.row(block.saturating_sub(self.top));
+        }
+        let [even, odd] = &self.rows;
+        if block.is_multiple_of(2) { &even.1 } else { &odd.1 }
+    }
+
+    /// Rows that follow each other are kept in turns.
+    fn make(&mut self, block: u16) {
+        let Self { pixels, top, halvings, rows: [even, odd], .. } = self;
+        let (made, means) = if block.is_multiple_of(2) { even } else { odd };
+        if *halvings == 0 || *made == Some(block) {
+            return;
+        }
+        *made = Some(block);
+        let side = 1usize << *halvings;
+        let first = block.saturating_sub(*top) << *halvings;
+        let columns = usize::from(pixels.width()).div_ceil(side);
+        means.clear();
+        for column in 0..columns {
+            // A step is below 2^16 pixels, so a block's side is at most 2^15 and the sum below 2^38.
+            let mut sum = 0u64;
+            for row in 0..side {
+                // The frame's last row goes on where it is cut before a block is whole.
+                let row = first.saturating_add(u16::try_from(row).unwrap_or(0)).min(pixels.height() - 1);
+                let row = pixels.row(row);
+                let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
+                let missing = u32::try_from(side - block.len()).unwrap_or(0);
+                let edge = missing * u32::from(row.last().copied().unwrap_or(0));
+                sum += u64::from(block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
+            }
+            let mean = (sum + (1 << (2 * *halvings - 1))) >> (2 * *halvings);
+            // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
+            let _ = means.push(u8::try_from(mean).unwrap_or(u8::MAX));
+        }
+    }
+}

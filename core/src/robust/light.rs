@@ -1,0 +1,49 @@
+//! Light: a template as it would look in the light of a patch, so that a lamp or a shadow does not count as another target.
+
+use super::threshold::Contrast;
+use crate::image::Image;
+use heapless::Vec;
+
+/// The least and the most that contrast may change by, in units of 1/256: half and twice.
+const LEAST: i32 = 128;
+const MOST: i32 = 512;
+
+/// Makes `lit` out of `template`: brightness and contrast are those of `seen`.
+///
+/// Each pixel is mean(seen) + (pixel - mean(template)) * gain, cut to 0 to 255; the gain is the ratio of the mean absolute
+/// deviations, in units of 1/256 rounded down, half to twice.
+pub(super) fn of<const PIXELS: usize>(template: &[u8], seen: Image<'_>, lit: &mut Vec<u8, PIXELS>) {
+    let was = Contrast::of(template.iter().copied());
+    // Row by row by its number: `Image::rows` divides by the stride, which could be a panic where it is folded.
+    let is = Contrast::of((0..seen.height()).flat_map(|y| seen.row(y)).copied());
+    let gain = (256 * is.deviation / was.deviation.max(1)).cast_signed().clamp(LEAST, MOST);
+    lit.clear();
+    for &pixel in template.iter().take(PIXELS) {
+        let value = is.mean.cast_signed() + (((i32::from(pixel) - was.mean.cast_signed()) * gain) >> 8);
+        // Cannot fail: there are no more than PIXELS.
+        let _ = lit.push(u8::try_from(value.clamp(0, 255)).unwrap_or(0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lit(template: &[u8], seen: &[u8]) -> std::vec::Vec<u8> {
+        let mut lit = Vec::<u8, 8>::new();
+        of(template, Image::new(seen, 2, 2).unwrap(), &mut lit);
+        lit.to_vec()
+    }
+
+    #[test]
+    fn brightness_and_contrast_are_taken_over() {
+        assert_eq!(lit(&[80, 120, 80, 120], &[80, 120, 80, 120]), [80, 120, 80, 120]);
+        assert_eq!(lit(&[80, 120, 80, 120], &[160, 220, 160, 220]), [160, 220, 160, 220]);
+    }
+
+    #[test]
+    fn a_plain_patch_is_no_target_in_poor_light() {
+        assert_eq!(lit(&[0, 200, 0, 200], &[100, 100, 100, 100]), [50, 150, 50, 150], "half the contrast at least");
+        assert_eq!(lit(&[9, 9, 9, 9], &[0, 255, 0, 255]), [128; 4]);
+    }
+}

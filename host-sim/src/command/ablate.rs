@@ -1,0 +1,64 @@
+//! `host-sim ablate`: what each part of the robust tracker is worth, measured by leaving it out.
+
+use super::recording_options::RecordingOptions;
+use super::tracker_options::Part;
+use super::{Outcome, robustness, say};
+use crate::evaluate::{MethodKind, Variant};
+use anyhow::Result;
+use clap::ValueEnum;
+use smr_core::{Config, robust};
+use std::io::Write;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Ablate {
+    /// Recordings with ground truth beside them, or folders of such recordings
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<PathBuf>,
+    /// In place of the 5 starts of `eval --robustness`, start at every N-th frame in which the target is visible
+    #[arg(long, value_name = "N", conflicts_with_all = ["init", "inclusive"])]
+    starts_every: Option<NonZeroUsize>,
+    /// Print JSON instead of a table: what `eval --robustness --json` prints, with each variant as a tracker
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recording: RecordingOptions,
+}
+
+impl Ablate {
+    pub fn run(self) -> Result<Outcome> {
+        let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants(), self.starts_every)?;
+        let text = match self.json {
+            true => serde_json::to_string_pretty(&robustness)? + "\n",
+            false => robustness.summary(),
+        };
+        say(|out| out.write_all(text.as_bytes()))?;
+        robustness::end(failed)
+    }
+}
+
+/// The paper's tracker, the robust one, and the robust one without each of its parts.
+fn variants() -> Vec<Variant> {
+    let whole = robust::Config::robust();
+    let without = Part::value_variants().iter().map(|&part| {
+        let mut config = whole;
+        part.leave_out(&mut config);
+        Variant::robust(format!("without {}", part.name()), config)
+    });
+    let paper = Variant::new(MethodKind::Smr, &Config::paper().into());
+    [paper, Variant::robust("robust".to_owned(), whole)].into_iter().chain(without).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_part_is_left_out_once() {
+        let names: Vec<String> = variants().into_iter().map(|variant| variant.name).collect();
+        assert_eq!(names.len(), 2 + Part::value_variants().len());
+        assert_eq!(names[..4], ["smr", "robust", "without enlarging", "without contrast"]);
+        assert!(variants().iter().all(|variant| variant.build().is_ok()));
+    }
+}

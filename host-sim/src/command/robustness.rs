@@ -1,0 +1,61 @@
+//! The measurement of robustness as commands run it: starts from the command line, progress on a terminal, failures named.
+
+use super::Outcome;
+use super::recording_options::RecordingOptions;
+use super::recordings::recordings;
+use crate::evaluate::Variant;
+use crate::evaluate::robustness::{self, Progress, Robustness, Settings, Starts};
+use anyhow::{Error, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+/// Measures `variants` on what is at `paths`, names what fails, and tells how much that is.
+///
+/// # Errors
+/// No recording is there, or the only thing that was asked for failed.
+pub fn measure(
+    paths: &[PathBuf],
+    recording: &RecordingOptions,
+    variants: &[Variant],
+    starts_every: Option<NonZeroUsize>,
+) -> Result<(Robustness, usize)> {
+    let found: Result<Vec<_>> = paths.iter().map(|path| recordings(path)).collect();
+    let settings = Settings { variants, starts: starts_every.map_or(Starts::Near, Starts::Every) };
+    let bar = progress_bar();
+    let open = |path: &Path| recording.open(path);
+    let mut robustness = robustness::measure(&found?.concat(), open, settings, &|progress| match progress {
+        Progress::Expected(frames) => bar.inc_length(frames),
+        Progress::Done => bar.inc(1),
+    });
+    bar.finish_and_clear();
+    if robustness.is_empty() && robustness.failures.len() == 1 {
+        // Nothing else was asked for: one line says it all.
+        return Err(robustness.failures.remove(0));
+    }
+    let failed = say_what_failed(&robustness.failures);
+    Ok((robustness, failed))
+}
+
+/// One line on standard error for everything that could not be measured; how many there are.
+pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>) -> usize {
+    let say = |error: &Error| eprintln!("error: {error:#}");
+    errors.into_iter().map(say).count()
+}
+
+/// The end of a command of which so many parts failed.
+///
+/// # Errors
+/// There is such a part.
+pub fn end(failed: usize) -> Result<Outcome> {
+    if failed > 0 {
+        bail!("{failed} of what was asked for could not be measured (see above); results are of the rest");
+    }
+    Ok(Outcome::Holds)
+}
+
+/// Frames done, on standard error; nothing is drawn if that is no terminal.
+pub fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

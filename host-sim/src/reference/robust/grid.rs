@@ -1,0 +1,173 @@
+//! The grid: how the frame is resampled, so that a template has about as many pixels as there is room for.
+
+use super::Numbers;
+use super::rounding::{FINE, POSITION, down, index, nearest, real, whole};
+
+/// A frame's bytes.
+pub struct Picture<'a> {
+    pub pixels: &'a [u8],
+    pub width: i64,
+    pub height: i64,
+}
+
+/// Gray levels on the grid, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    pub columns: i64,
+    pub rows: i64,
+    pub pixels: Vec<f64>,
+}
+
+impl Patch {
+    /// A part of it; `None` if it reaches outside.
+    pub fn cut(&self, x: i64, y: i64, columns: i64, rows: i64) -> Option<Self> {
+        let inside = x >= 0 && y >= 0 && x + columns <= self.columns && y + rows <= self.rows;
+        let pixels = || (y..y + rows).flat_map(|row| self.row(x, row, columns)).copied().collect();
+        inside.then(|| Self { columns, rows, pixels: pixels() })
+    }
+
+    /// `count` pixels from (`x`, `y`) to the right.
+    pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
+        let from = index(y * self.columns + x);
+        &self.pixels[from..from + index(count)]
+    }
+}
+
+/// The template's shape, and frame pixels from one of its pixels to the next at scale 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    pub columns: i64,
+    pub rows: i64,
+    pub step: f64,
+}
+
+impl Shape {
+    /// For a box of so many frame pixels: step = sqrt(area / pixels), sides rounded, the longer one cut until all has room.
+    pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
+        let finest = if numbers.parts.enlarging { 0.5 } else { 1.0 };
+        let step = down((real(width * height) / real(numbers.pixels)).sqrt(), POSITION).max(finest);
+        let longest = numbers.window_columns - 2 * numbers.radius;
+        let side = |size: i64| whole((real(size) / step).round()).clamp(numbers.least_side, longest);
+        let (mut columns, mut rows) = (side(width), side(height));
+        let around = 2 * numbers.radius;
+        let has_room = |columns: i64, rows: i64| {
+            columns * rows <= numbers.pixels && (columns + around) * (rows + around) <= numbers.window_pixels
+        };
+        while !has_room(columns, rows) {
+            if columns > rows {
+                columns -= 1;
+            } else {
+                rows -= 1;
+            }
+        }
+        Self { columns, rows, step }
+    }
+
+    pub fn step_at(&self, scale: f64) -> f64 {
+        down(self.step * scale, POSITION).max(1.0 / POSITION)
+    }
+}
+
+/// Where samples are taken: around (`x`, `y`), `step` apart.
+#[derive(Clone, Copy, Debug)]
+pub struct Lattice {
+    pub x: f64,
+    pub y: f64,
+    pub step: f64,
+    pub columns: i64,
+    pub rows: i64,
+}
+
+/// A sample on one axis: between two blocks of frame pixels, `part` of the way from the first.
+struct Between {
+    first: i64,
+    second: i64,
+    part: f64,
+}
+
+impl Lattice {
+    pub fn sample(&self, frame: &Picture<'_>) -> Patch {
+        let side = self.block();
+        let across = between(self.x, self.step, self.columns, side, frame.width);
+        let down = between(self.y, self.step, self.rows, side, frame.height);
+        let pixel = |row: &Between, column: &Between| {
+            let mix = |row: i64| {
+                let (left, right) = (mean(frame, side, column.first, row), mean(frame, side, column.second, row));
+                left * (1.0 - column.part) + right * column.part
+            };
+            nearest(mix(row.first) * (1.0 - row.part) + mix(row.second) * row.part, 1.0)
+        };
+        let pixels = down.iter().flat_map(|row| across.iter().map(move |column| pixel(row, column))).collect();
+        Patch { columns: self.columns, rows: self.rows, pixels }
+    }
+
+    /// The frame pixels that are read: left, top, right, bottom.
+    pub fn region(&self, frame_size: (i64, i64)) -> [i64; 4] {
+        let side = self.block();
+        let extent = |centre: f64, count: i64, size: i64| {
+            let samples = between(centre, self.step, count, side, size);
+            let last = samples.last().map_or(0, |sample| sample.second);
+            (samples.first().map_or(0, |sample| sample.first) * side, ((last + 1) * side).min(size))
+        };
+        let (left, right) = extent(self.x, self.columns, frame_size.0);
+        let (top, bottom) = extent(self.y, self.rows, frame_size.1);
+        [left, top, right, bottom]
+    }
+
+    /// Side of the blocks that the frame is first reduced by: doubled until a step is less than two of them.
+    fn block(&self) -> i64 {
+        let mut side = 1;
+        while self.step / real(side) >= 2.0 {
+            side *= 2;
+        }
+        side
+    }
+}
+
+/// The samples of one axis, positions in blocks; beyond the first and the last whole block these go on.
+fn between(centre: f64, step: f64, count: i64, side: i64, size: i64) -> Vec<Between> {
+    let first_pixel = centre - down(real(count - 1) * step / 2.0, POSITION);
+    let middle_of_first_block = (real(side) - 1.0) / 2.0;
+    let first = down((first_pixel - middle_of_first_block) / real(side), POSITION);
+    let step = down(step / real(side), POSITION);
+    let last_block = (size / side).max(1) - 1;
+    let sample = |number: i64| {
+        let position = (first + real(number) * step).clamp(0.0, real(last_block));
+        let block = whole(position.floor());
+        Between { first: block, second: (block + 1).min(last_block), part: down(position.fract(), FINE) }
+    };
+    (0..count).map(sample).collect()
+}
+
+/// The mean of a block of side x side pixels, to whole gray levels; where the frame ends within it, its edge goes on.
+fn mean(frame: &Picture<'_>, side: i64, column: i64, row: i64) -> f64 {
+    let pixel = |x: i64, y: i64| {
+        let (x, y) = (x.min(frame.width - 1), y.min(frame.height - 1));
+        f64::from(frame.pixels[index(y * frame.width + x)])
+    };
+    let rows = row * side..(row + 1) * side;
+    let sum: f64 = rows.flat_map(|y| (column * side..(column + 1) * side).map(move |x| pixel(x, y))).sum();
+    nearest(sum / real(side * side), 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_step_mixes_two_pixels_and_a_step_of_two_takes_means() {
+        let frame = Picture { pixels: &[10, 20, 40, 60], width: 4, height: 1 };
+        let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, columns, rows: 1 }.sample(&frame).pixels;
+        assert_eq!(row(0.5, 0.5, 3), [10.0, 15.0, 20.0]);
+        assert_eq!(row(1.5, 2.0, 2), [15.0, 50.0]);
+        assert_eq!(row(9.0, 1.0, 2), [60.0, 60.0]);
+    }
+
+    #[test]
+    fn large_and_small_boxes_have_templates_of_about_as_many_pixels() {
+        let shape = |width, height| Shape::new(&Numbers::robust(), width, height);
+        assert_eq!(shape(64, 64), Shape { columns: 32, rows: 32, step: 2.0 });
+        assert_eq!(shape(10, 8), Shape { columns: 20, rows: 16, step: 0.5 });
+        assert_eq!(shape(1, 1), Shape { columns: 4, rows: 4, step: 0.5 });
+    }
+}

@@ -1,0 +1,43 @@
+//! The grids on which the method's numbers lie, and how they get there.
+//!
+//! A grid is given by its parts of 1; all are powers of two. Numbers on them are exact in f64, and so are their sums and
+//! products here, which stay below 2^53.
+
+/// Positions and steps, in pixels.
+pub const POSITION: f64 = 4096.0;
+/// Scales, and growths squared.
+pub const SCALE: f64 = 65536.0;
+/// Fractions of what is mixed, means of gray levels, and the box of an answer.
+pub const FINE: f64 = 256.0;
+
+/// The next number on the grid that is not above.
+pub fn down(value: f64, parts: f64) -> f64 {
+    (value * parts).floor() / parts
+}
+
+/// The next number on the grid that is not farther from 0.
+pub fn to_zero(value: f64, parts: f64) -> f64 {
+    (value * parts).trunc() / parts
+}
+
+/// The nearest number on the grid; of two, the larger.
+pub fn nearest(value: f64, parts: f64) -> f64 {
+    (value * parts + 0.5).floor() / parts
+}
+
+/// A whole number, as such.
+#[allow(clippy::cast_possible_truncation)] // they are far below 2^53
+pub fn whole(value: f64) -> i64 {
+    value as i64
+}
+
+/// A whole number, to compute with.
+#[allow(clippy::cast_precision_loss)] // they are far below 2^53
+pub fn real(value: i64) -> f64 {
+    value as f64
+}
+
+/// A number of something, or its place.
+pub fn index(value: i64) -> usize {
+    usize::try_from(value).expect("places and numbers of things are not negative")
+}

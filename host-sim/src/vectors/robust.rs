@@ -1,0 +1,259 @@
+//! The vectors of the robust tracker: small recordings, and what `smr_core::robust` answers to them on the host, by the plain
+//! loops and without pruning. That it is the method, too, is what `host-sim check` shows; these hold every other compiler,
+//! instruction set and language to the same answers.
+
+use super::{hash, hex, pixels};
+use smr_core::robust::{Answer, Config, State, ThresholdRule, Tracker};
+use smr_core::similarity::Backend;
+use smr_core::{Fraction, Frame, Image, Rect};
+
+/// Frames of one size, and what the tracker that follows a box through them consists of.
+struct Case {
+    name: &'static str,
+    config: Config,
+    size: (u16, u16),
+    /// In the first frame.
+    target: Rect,
+    frames: Vec<Vec<u8>>,
+}
+
+/// Where the target is in a frame: left and top in quarters of a pixel, its size and the light in percent.
+type View = (i64, i64, i64, i64);
+
+/// Nothing is to be seen, neither target nor background.
+const GONE: View = (4000, 4000, 100, 100);
+
+/// All vectors as text.
+///
+/// # Panics
+/// If the tracker refuses a case, which is a mistake in this file.
+#[must_use]
+pub fn text() -> String {
+    let header = "# Made by `host-sim vectors --config robust`. The form: README.md beside this file.\n";
+    let mut text = format!("{header}smr-robust-vectors 1\n");
+    let whole = [follow("follow"), hidden("hidden"), border(), tiny(), ties(), long(), large()];
+    for case in whole.into_iter().chain(left_out()) {
+        case.write(&mut text);
+    }
+    text
+}
+
+/// The target walks by parts of a pixel, grows, and stands in changing light.
+fn follow(name: &'static str) -> Case {
+    let path = [
+        (40, 32, 100, 100),
+        (41, 32, 103, 100),
+        (42, 33, 106, 104),
+        (44, 34, 109, 110),
+        (46, 34, 112, 104),
+        (47, 35, 115, 96),
+        (48, 35, 118, 90),
+    ];
+    recorded(name, (48, 36), Rect::new(10, 8, 14, 12), &path)
+}
+
+/// The target is hidden until it is lost, and is elsewhere when it comes back.
+fn hidden(name: &'static str) -> Case {
+    let there = (112, 80, 100, 100);
+    let path = [(16, 12, 100, 100), (18, 13, 100, 100), GONE, GONE, GONE, GONE, GONE, GONE];
+    let path = [path.as_slice(), &[there; 6]].concat();
+    recorded(name, (48, 36), Rect::new(4, 3, 14, 12), &path)
+}
+
+/// The target goes beyond the left edge, then the upper one, and comes back.
+fn border() -> Case {
+    let path = [(16, 40), (6, 36), (-6, 34), (-18, 30), (-14, 14), (0, -6), (16, -16), (24, 4), (28, 18)];
+    let path = path.map(|(x, y)| (x, y, 100, 100));
+    recorded("border", (40, 30), Rect::new(4, 10, 14, 12), &path)
+}
+
+/// A target of six pixels.
+fn tiny() -> Case {
+    let path = [(40, 32), (44, 32), (47, 34), (44, 38), (40, 40)].map(|(x, y)| (x, y, 100, 100));
+    recorded("tiny", (24, 20), Rect::new(10, 8, 3, 2), &path)
+}
+
+/// A checkerboard without noise: every frame has many offsets of the same score.
+fn ties() -> Case {
+    let size = (28, 24);
+    let board = |(right, down): (i64, i64)| {
+        pixels(size, |x, y| if ((x + right) / 3 + (y + down) / 3) % 2 == 0 { 50 } else { 170 })
+    };
+    let frames = [(0, 0), (3, 0), (3, 3), (4, 3), (4, 5), (1, 5)].map(board).to_vec();
+    Case { name: "ties", config: plain(), size: (28, 24), target: Rect::new(9, 9, 8, 7), frames }
+}
+
+/// A box so long that only its middle is looked at.
+fn long() -> Case {
+    let path = [(12, 16), (14, 18), (9, 15), (12, 16)].map(|(x, y)| (x, y, 100, 100));
+    recorded("long", (70, 12), Rect::new(3, 4, 62, 4), &path)
+}
+
+/// A target that is reduced by means of 2x2 pixels.
+fn large() -> Case {
+    let path = [(48, 24, 100, 100), (53, 28, 102, 104), (58, 22, 104, 96)];
+    recorded("large", (98, 81), Rect::new(12, 6, 72, 66), &path)
+}
+
+/// Each part left out once, in a recording that it makes a difference in.
+fn left_out() -> [Case; 8] {
+    type Part = fn(&mut Config);
+    let parts: [(Case, Part); 8] = [
+        (follow("without-enlarging"), |config| config.enlarging = false),
+        (follow("without-contrast"), |config| config.threshold = ThresholdRule::LargestChange(Fraction::new(1, 4))),
+        (follow("without-slow-template"), |config| config.slow_template = false),
+        (follow("without-anchor"), |config| config.anchor = false),
+        (follow("without-sub-pixel"), |config| config.sub_pixel = false),
+        (follow("without-cells"), |config| config.cells = false),
+        (hidden("without-verification"), |config| config.verification = false),
+        (hidden("without-sweep"), |config| config.sweep = false),
+    ];
+    parts.map(|(mut case, leave_out)| {
+        leave_out(&mut case.config);
+        case
+    })
+}
+
+/// All parts, by the plain loops alone.
+fn plain() -> Config {
+    let mut config = Config::robust();
+    config.backend = Some(Backend::Scalar);
+    config.pruning = false;
+    config
+}
+
+/// A target of a texture of its own before a background of half its contrast, with noise that differs from frame to frame.
+fn recorded(name: &'static str, size: (u16, u16), target: Rect, path: &[View]) -> Case {
+    let frames = (0..).zip(path).map(|(seed, view)| seen(size, target, *view, seed)).collect();
+    Case { name, config: plain(), size, target, frames }
+}
+
+fn seen(size: (u16, u16), target: Rect, view: View, seed: u32) -> Vec<u8> {
+    let (left, top, percent, light) = view;
+    pixels((size.0.into(), size.1.into()), |x, y| {
+        if view == GONE {
+            return 116 + hash(x, y, 50 + seed) % 24;
+        }
+        // A pixel's middle, in units of 1/256 pixel of the target as it was locked on.
+        let place = |at: i64, edge: i64| (256 * at + 128 - 64 * edge) * 100 / percent;
+        let (u, v) = (place(x, left), place(y, top));
+        let inside =
+            (0..256 * i64::from(target.width)).contains(&u) && (0..256 * i64::from(target.height)).contains(&v);
+        let level = if inside { texture(u, v, 640, 1) } else { 60 + texture(256 * x, 256 * y, 1280, 2) / 2 };
+        let noise = i64::from(hash(x, y, 100 + seed) % 5);
+        u8::try_from((level * light / 100 + noise).clamp(0, 255)).unwrap_or(0)
+    })
+}
+
+/// A level that changes smoothly from knot to knot, `apart` from each other.
+fn texture(u: i64, v: i64, apart: i64, seed: u32) -> i64 {
+    let (column, row) = (u.div_euclid(apart), v.div_euclid(apart));
+    let (across, down) = (u.rem_euclid(apart), v.rem_euclid(apart));
+    let knot = |x: i64, y: i64| i64::from(hash(column + x, row + y, seed)) * 3 / 4;
+    let mix = |y: i64| knot(0, y) * (apart - across) + knot(1, y) * across;
+    (mix(0) * (apart - down) + mix(1) * down) / (apart * apart)
+}
+
+impl Case {
+    fn write(&self, text: &mut String) {
+        let mut line = |words: String| text.push_str(&(words + "\n"));
+        let Rect { x, y, width, height } = self.target;
+        line(format!("\ncase {}", self.name));
+        line(format!("size {} {}", self.size.0, self.size.1));
+        lines(&self.config).into_iter().for_each(&mut line);
+        line(format!("lock {x} {y} {width} {height} {}", hex(&self.frames[0])));
+        for (frame, answer) in self.frames[1..].iter().zip(self.answers()) {
+            line(format!("frame {}", hex(frame)));
+            line(answer);
+        }
+    }
+
+    /// To every frame but the first.
+    fn answers(&self) -> Vec<String> {
+        let mut tracker: Box<Tracker> = Box::new(Tracker::new(self.config));
+        tracker.lock(&self.frame(&self.frames[0]), self.target).expect("a box inside the frame");
+        let answer = |frame: &Vec<u8>| {
+            let answer = tracker.update(&self.frame(frame)).expect("a frame of the same size");
+            words(&answer, &tracker)
+        };
+        self.frames[1..].iter().map(answer).collect()
+    }
+
+    fn frame<'a>(&self, pixels: &'a [u8]) -> Frame<'a> {
+        Frame::whole(Image::new(pixels, self.size.0, self.size.1).expect("frames of the case's size"))
+    }
+}
+
+/// The configuration of a case, a line a switch.
+fn lines(config: &Config) -> Vec<String> {
+    let mut lines: Vec<_> = [
+        ("enlarging", config.enlarging),
+        ("slow_template", config.slow_template),
+        ("anchor", config.anchor),
+        ("sub_pixel", config.sub_pixel),
+        ("cells", config.cells),
+        ("verification", config.verification),
+        ("sweep", config.sweep),
+    ]
+    .map(|(name, there)| format!("{name} {}", u8::from(there)))
+    .into();
+    lines.push(match config.threshold {
+        ThresholdRule::Contrast => "contrast 1".into(),
+        ThresholdRule::LargestChange(k) => format!("largest_change {} {}", k.numerator, k.denominator),
+    });
+    lines
+}
+
+fn words(answer: &Answer, tracker: &Tracker) -> String {
+    let Answer { fine, ratio, scale, alpha, peak, found_again, .. } = answer;
+    let state = match answer.state {
+        State::Tracking => "tracking",
+        State::Uncertain => "uncertain",
+        State::Lost => "lost",
+    };
+    let [last, slow, early] =
+        [tracker.template(), tracker.slow_template(), tracker.early_template()].map(template_hash);
+    format!(
+        "answer {} {} {} {} {state} {ratio} {scale} {alpha} {} {} {} {} {last:08x} {slow:08x} {early:08x}",
+        fine.x,
+        fine.y,
+        fine.width,
+        fine.height,
+        peak.x,
+        peak.y,
+        peak.score,
+        u8::from(*found_again)
+    )
+}
+
+/// FNV-1a, 32 bits, over the template's bytes.
+fn template_hash(template: Option<Image<'_>>) -> u32 {
+    let pixels = template.iter().flat_map(|template| template.rows().flatten());
+    pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cases_show_what_they_are_for() {
+        let answers = hidden("").answers().join("\n");
+        for word in ["tracking", "lost"] {
+            assert!(answers.contains(word), "never {word}:\n{answers}");
+        }
+        let again = |line: &str| line.split(' ').nth(12) == Some("1");
+        assert!(answers.lines().any(again), "never found again:\n{answers}");
+        let scales = follow("").answers();
+        let scale = |line: &String| line.split(' ').nth(7).and_then(|word| word.parse::<u32>().ok()).unwrap_or(0);
+        assert!(scales.iter().any(|line| scale(line) > 70_000), "never grown: {scales:?}");
+    }
+
+    #[test]
+    fn a_part_left_out_makes_a_difference() {
+        let whole = [follow("").answers(), hidden("").answers()];
+        for case in left_out() {
+            assert!(!whole.contains(&case.answers()), "{}", case.name);
+        }
+    }
+}
