@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(scores, evaluated.scores);
         assert_eq!(scores[0].0.name(), "robust");
         let states = || film.moments.iter().map(|moment| moment.smr.state);
-        assert!(states().all(|state| film.states.contains(&state)) && states().any(|state| state == State::Lost));
+        assert!(states().all(|state| film.states.contains(&state)) && states().any(|state| state == State::Uncertain));
         let page = crate::report::page(&film).unwrap();
         assert!(page.contains(">ROBUST</th>") && page.contains("</span>uncertain<span"));
         assert!(!page.contains("</span>leaving"));
