@@ -177,7 +177,7 @@ impl<'a> Image<'a> {
     }
 
     /// All rows from the top, `width` pixels each.
-    pub fn rows(&self) -> impl Iterator<Item = &'a [u8]> + Clone + use<'a> {
+    pub fn rows(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let width = usize::from(self.width);
         // The stride is never 0; saying so here removes the check (and its panic) from `chunks`.
         self.pixels

@@ -46,6 +46,8 @@
 //! Data flows one way: a [`Frame`] is borrowed, [`search`] decides which offsets are scored, [`similarity`] scores
 //! them, and the [`Tracker`] turns peak and runner-up into an [`Answer`] and, where it may, into the next template.
 //!
+//! [`robust`] is the tracker beyond the paper: the same image, similarity and search, and parts for light, size and loss.
+//!
 //! # Memory and time
 //!
 //! A [`Tracker<PIXELS, SPAN>`] holds `PIXELS` bytes of template, as many for the search, and five words for each of `SPAN`

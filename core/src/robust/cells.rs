@@ -47,8 +47,7 @@ struct Moved {
 /// few are seen clearly.
 #[inline(never)] // one copy in flash
 pub(super) fn growth_squared(scene: &Scene<'_>) -> Option<u32> {
-    let cells = |side: u16| if side < SIDE { 0 } else { (side - SIDE) / STRIDE + 1 };
-    let (columns, rows) = (cells(scene.last.width()), cells(scene.last.height()));
+    let (columns, rows) = cells(scene.last);
     let margin = |side: u16, cells: u16| side.saturating_sub(SIDE + cells.saturating_sub(1) * STRIDE) / 2;
     let (left, top) = (margin(scene.last.width(), columns), margin(scene.last.height(), rows));
     let mut moved = Vec::<Moved, MOST_CELLS>::new();
@@ -75,9 +74,15 @@ pub(super) fn growth_squared(scene: &Scene<'_>) -> Option<u32> {
 
 /// How many comparisons of bytes [`growth_squared`] makes, at most.
 pub(super) fn comparisons(template: Image<'_>) -> u32 {
-    let cells = |side: u16| if side < SIDE { 0 } else { u32::from((side - SIDE) / STRIDE) + 1 };
+    let (columns, rows) = cells(template);
     let offsets = u32::try_from(OFFSETS).unwrap_or(0);
-    cells(template.width()) * cells(template.height()) * offsets * u32::from(SIDE * SIDE) * 2
+    u32::from(columns * rows) * offsets * u32::from(SIDE * SIDE) * 2
+}
+
+/// Columns and rows of cells in a template.
+fn cells(template: Image<'_>) -> (u16, u16) {
+    let along = |side: u16| if side < SIDE { 0 } else { (side - SIDE) / STRIDE + 1 };
+    (along(template.width()), along(template.height()))
 }
 
 /// Where the cell at (`x`, `y`) of the template is found; `None` if it is not seen clearly: on the edge of its reach, or

@@ -1,8 +1,8 @@
 //! The sweep: a lost target is looked for all over the frame, one window in each frame, so that none costs much more than
 //! another.
 
+use super::SPAN;
 use super::grid::{Lattice, PIXEL};
-use super::{RADIUS, SPAN};
 use crate::image::Rect;
 
 /// The windows that cover a frame, and which is next.
@@ -35,8 +35,6 @@ impl Sweep {
         Lattice { x, y: centre(number / columns.max(1), rows, bounds.height), ..window }
     }
 }
-
-const _: () = assert!(SPAN == 2 * RADIUS as usize + 1);
 
 #[cfg(test)]
 mod tests {

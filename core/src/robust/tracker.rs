@@ -206,8 +206,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     /// Looks for the target in the next frame.
     ///
     /// Of the frame only the pixels in [`Tracker::window`] are read. Cost: two searches of 65x65 offsets over the template's
-    /// pixels, of which the most are left out where the target is seen clearly, and about a tenth of a million comparisons
-    /// for the cells; while the target is lost one search more.
+    /// pixels, most of which are left out where the target is seen clearly, and at most 156,800 comparisons for the cells; while the target is lost one search more.
     ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
