@@ -41,9 +41,9 @@ pub struct Config {
     pub sub_pixel: bool,
     /// Whether the box follows the target's size.
     pub cells: bool,
-    /// Whether an early template is asked if it is still the target; without, the state is always tracking.
+    /// Whether an early template is asked, part by part, if it is still the target; without, the state is always tracking.
     pub verification: bool,
-    /// Whether a lost target is looked for all over the frame; needs `verification`.
+    /// Whether a lost or doubtful target is looked for all over the frame; needs `verification`.
     pub sweep: bool,
     /// How scores are computed; it changes nothing but the time. `None` is the fastest way that the machine has.
     pub backend: Option<Backend>,

@@ -51,6 +51,11 @@ impl Grid {
         Self { columns: small(columns), rows: small(rows), step: u32::try_from(step).unwrap_or(u32::MAX) }
     }
 
+    /// Pixels of the template.
+    pub(super) fn pixels(&self) -> u32 {
+        u32::from(self.columns) * u32::from(self.rows)
+    }
+
     /// The step at `scale`, in units of 1/4096 pixel.
     pub(super) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)

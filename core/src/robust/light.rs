@@ -8,11 +8,11 @@ use heapless::Vec;
 const LEAST: i32 = 128;
 const MOST: i32 = 512;
 
-/// Makes `lit` out of `template`: brightness and contrast are those of `seen`.
+/// Makes `lit` out of `template`: brightness and contrast are those of `seen`, which are returned.
 ///
 /// Each pixel is mean(seen) + (pixel - mean(template)) * gain, cut to 0 to 255; the gain is the ratio of the mean absolute
 /// deviations, in units of 1/256 rounded down, half to twice.
-pub(super) fn of<const PIXELS: usize>(template: &[u8], seen: Image<'_>, lit: &mut Vec<u8, PIXELS>) {
+pub(super) fn of<const PIXELS: usize>(template: &[u8], seen: Image<'_>, lit: &mut Vec<u8, PIXELS>) -> Contrast {
     let was = Contrast::of(template.iter().copied());
     // Row by row by its number: `Image::rows` divides by the stride, which could be a panic where it is folded.
     let is = Contrast::of((0..seen.height()).flat_map(|y| seen.row(y)).copied());
@@ -23,6 +23,7 @@ pub(super) fn of<const PIXELS: usize>(template: &[u8], seen: Image<'_>, lit: &mu
         // Cannot fail: there are no more than PIXELS.
         let _ = lit.push(u8::try_from(value.clamp(0, 255)).unwrap_or(0));
     }
+    is
 }
 
 #[cfg(test)]

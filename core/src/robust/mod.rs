@@ -11,13 +11,15 @@
 //! | anchor | `light.rs` | an early template, in today's light, has a say: it drifts least |
 //! | sub-pixel | `peak.rs` | a parabola through the peak: errors of half a pixel do not add up |
 //! | cells | `cells.rs` | 8x8 cells of the template, matched by themselves, tell the change of size |
-//! | verification | `trust.rs` | an early template, slower than all, tells whether it is still the target |
-//! | sweep | `sweep.rs` | a lost target is looked for all over the frame, one window in each frame |
+//! | verification | `agreement.rs`, `trust.rs` | an early template, slower than all, tells part by part whether it is still the target |
+//! | sweep | `sweep.rs`, `correlation.rs` | a lost or doubtful target is looked for all over the frame, one window in each frame |
 //!
 //! Positions are in units of 1/4096 pixel, scales in units of 1/65536; a frame's position is that of its pixels' middles.
 
+mod agreement;
 mod cells;
 mod config;
+mod correlation;
 mod grid;
 mod light;
 mod peak;

@@ -1,5 +1,5 @@
-//! The sweep: a lost target is looked for all over the frame, one window in each frame, so that none costs much more than
-//! another.
+//! The sweep: a target that is lost, or doubtful, is looked for all over the frame, one window in each frame, so that none
+//! costs much more than another. This file says which window; how it is looked at stands in `correlation.rs`.
 
 use super::SPAN;
 use super::grid::{Lattice, PIXEL};

@@ -21,6 +21,11 @@ impl Contrast {
     }
 }
 
+/// The mean absolute deviation itself, rounded down, 8 to 100: what agrees with a patch in its light differs by less.
+pub(super) fn within_deviation(contrast: Contrast) -> u16 {
+    u16::try_from((contrast.deviation / contrast.pixels.max(1)).clamp(LEAST, MOST)).unwrap_or(0)
+}
+
 /// 7/5 of the mean absolute deviation of `pixels` from their mean, rounded down, 8 to 100.
 pub(super) fn by_contrast(pixels: &[u8]) -> u16 {
     let contrast = Contrast::of(pixels.iter().copied());
@@ -37,5 +42,7 @@ mod tests {
         assert_eq!(by_contrast(&[77; 100]), 8);
         assert_eq!(by_contrast(&[80, 120, 80, 120]), 28);
         assert_eq!(by_contrast(&[0, 255].repeat(512)), 100);
+        let within = |pixels: &[u8]| within_deviation(Contrast::of(pixels.iter().copied()));
+        assert_eq!([within(&[]), within(&[80, 120, 80, 121]), within(&[0, 255])], [8, 20, 100]);
     }
 }

@@ -1,11 +1,13 @@
 //! The way of a frame through the robust tracker: window, peak, size, verification, templates, answer.
 
+use super::agreement::{self, Agreement};
 use super::cells;
 use super::config::{Config, ThresholdRule};
+use super::correlation::{self, Likely};
 use super::grid::{Grid, Lattice, PIXEL, SCALE};
 use super::sweep::Sweep;
 use super::templates::Mean;
-use super::trust::Trust;
+use super::trust::{self, Trust};
 use super::{RADIUS, Search, light, peak, threshold};
 use crate::Radius;
 use crate::image::{Frame, Image, Rect};
@@ -19,11 +21,12 @@ use heapless::Vec;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The early template agrees: this is the target.
+    /// The early template agrees, part by part: this is the target.
     Tracking,
     /// It hardly agrees: the target is partly hidden or changes quickly, or something else is followed.
     Uncertain,
-    /// It has not agreed for some frames: the target is not seen. The box is what is followed meanwhile.
+    /// It has not agreed for some frames, at most five: the target is not seen. The box is what is followed meanwhile; it is
+    /// believed again only when the early template agrees clearly.
     Lost,
 }
 
@@ -51,7 +54,8 @@ pub struct Answer {
     pub bbox: Rect,
     /// Whether the box is to be believed.
     pub state: State,
-    /// How well the early template matches, in units of 1/65535; without verification, how well the templates do.
+    /// How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts. Without verification,
+    /// how well the templates match.
     pub ratio: u16,
     /// The target's size against that of the box that was locked on, in units of 1/65536.
     pub scale: u32,
@@ -60,9 +64,9 @@ pub struct Answer {
     /// The search's peak on the grid, by all templates: offsets from the window's first, 32 being the last position, and the
     /// score of the last patch twice, of the slow template, and of the anchor twice.
     pub peak: Peak,
-    /// True if the target was found by the sweep, in this frame.
+    /// True if the sweep found the target, in this frame.
     pub found_again: bool,
-    /// Comparisons of bytes that it took, at most.
+    /// Comparisons of bytes that it took, at most, and products of the sweep.
     pub comparisons: u32,
 }
 
@@ -114,8 +118,8 @@ struct Track {
     grid: Grid,
     place: Place,
     alpha: u16,
-    /// As they were when the target was last believed.
-    believed: (u32, u16),
+    /// The scale when the target was last believed.
+    believed: u32,
     trust: Trust,
     state: State,
     sweep: Sweep,
@@ -137,6 +141,10 @@ const MOST_GROWTH: u32 = 72_253;
 const LEAST_GROWTH: u32 = 59_443;
 /// Grid pixels around the window that a larger patch at the peak may need.
 const MARGIN: u16 = 4;
+/// The same around the sweep's window, for the closer look at its edge.
+const SWEEP_MARGIN: u16 = 2;
+/// A closer look goes so far around, in pixels of the grid.
+const CLOSER: u16 = 2;
 
 impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     /// A tracker without a target.
@@ -195,7 +203,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
             grid,
             place,
             alpha,
-            believed: (SCALE, alpha),
+            believed: SCALE,
             trust: Trust::new(),
             state: State::Tracking,
             sweep: Sweep::new(),
@@ -206,28 +214,29 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     /// Looks for the target in the next frame.
     ///
     /// Of the frame only the pixels in [`Tracker::window`] are read. Cost: two searches of 65x65 offsets over the template's
-    /// pixels, most of which are left out where the target is seen clearly, and at most 156,800 comparisons for the cells; while the target is lost one search more.
+    /// pixels, most of which are left out where the target is seen clearly, and at most 156,800 comparisons for the cells; while the
+    /// target is lost or doubtful, one product more for each offset and each of a quarter of the template's pixels.
     ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         let track = self.look(frame)?;
         let mut next = track;
-        let scorer = self.scorer(track.alpha);
+        let scorer = scorer(&self.config, track.alpha);
         let (peak, mut comparisons) = self.follow(&track, &scorer, &mut next);
         let mut ratio = self.ratio_of_templates(&track, peak.score);
         let mut found_again = false;
         if self.config.verification {
-            ratio = self.agreement(&track, &peak, &scorer);
+            ratio = self.agreement(&track, &peak);
+            comparisons = comparisons.saturating_add(9 * track.grid.pixels());
             next.trust = track.trust.after(ratio);
             next.state = next.trust.state(ratio);
-            if next.state == State::Lost && self.config.sweep {
+            if next.trust.sweeps() && self.config.sweep {
                 let (found, more) = self.sweep(frame, &track, ratio);
                 comparisons = comparisons.saturating_add(more);
                 next.sweep.advance();
                 if let Some((place, agreement)) = found {
-                    next =
-                        Track { place, trust: Trust::new(), state: State::Tracking, alpha: track.believed.1, ..next };
+                    next = Track { place, trust: Trust::new(), state: State::Tracking, ..next };
                     (ratio, found_again) = (agreement, true);
                 }
             }
@@ -249,7 +258,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     }
 
     /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock. While the target is
-    /// lost the sweep's window is in it, too.
+    /// lost or doubtful the sweep's window is in it, too.
     #[must_use]
     pub fn window(&self) -> Option<Rect> {
         self.track.as_ref().map(|track| self.pixels_of(track))
@@ -313,11 +322,6 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         Image::new(pixels, grid.columns, grid.rows).ok()
     }
 
-    #[inline(always)] // made where it stays
-    fn scorer(&self, alpha: u16) -> Scorer {
-        Scorer::new(self.config.backend.unwrap_or_else(Backend::best), self.config.table, alpha)
-    }
-
     /// Samples the search window, if all that an update may read is there.
     fn look(&mut self, frame: &Frame<'_>) -> Result<Track, UpdateError> {
         let track = self.track.ok_or(UpdateError::NotLocked)?;
@@ -337,11 +341,11 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         if !self.config.sweep || !self.config.verification {
             return near;
         }
-        // Whether this frame is the one in which it is lost is known only after it was looked at.
-        if !track.trust.may_be_lost_next() {
+        // Whether this frame is the one in which the sweep begins is known only after it was looked at.
+        if !track.trust.may_sweep_next() {
             return near;
         }
-        union(near, track.sweep_window().pixels(track.bounds))
+        union(near, track.sweep_window(SWEEP_MARGIN).pixels(track.bounds))
     }
 
     /// Peak, position and size in the window. Says what was found and what it cost.
@@ -403,52 +407,66 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
     }
 
     fn ratio_of_templates(&self, track: &Track, score: u32) -> u16 {
-        let pixels = u32::from(track.grid.columns) * u32::from(track.grid.rows);
         let weights = if self.config.anchor { 5 } else { 3 };
-        u16::try_from(score / (weights * pixels).max(1)).unwrap_or(Table::ONE)
+        u16::try_from(score / (weights * track.grid.pixels()).max(1)).unwrap_or(Table::ONE)
     }
 
-    /// The early template's best ratio at the peak and one pixel of the grid around it, in the light of what is there.
+    /// The early template's best agreement at the peak and one pixel of the grid around it.
+    fn agreement(&mut self, track: &Track, peak: &Peak) -> u16 {
+        let (columns, rows) = (track.grid.columns, track.grid.rows);
+        let Self { window, early, patch: lit, config, .. } = self;
+        let Ok(view) = Image::new(window, columns + 2 * RADIUS, rows + 2 * RADIUS) else { return 0 };
+        let scene = agreement::Scene { view, early: early.pixels(), columns, rows };
+        agreement::best(&scene, (peak.x, peak.y), 1, lit, |alpha| scorer(config, alpha)).ratio
+    }
+
+    /// Looks for the early template in the sweep's next window. Says where it is, if it agrees there, and what it cost.
     #[inline(never)] // one copy in flash
-    fn agreement(&mut self, track: &Track, peak: &Peak, scorer: &Scorer) -> u16 {
+    fn sweep(&mut self, frame: &Frame<'_>, track: &Track, followed: u16) -> (Option<(Place, u16)>, u32) {
+        let (likely, cost) = self.likely(frame, track);
+        let Some(place) = likely else { return (None, cost) };
+        let cost = cost.saturating_add(u32::from(2 * CLOSER + 1).pow(2) * track.grid.pixels());
+        let found = self.look_closer(frame, track, place);
+        let clear =
+            |(_, ratio): &(Place, u16)| *ratio >= trust::SEEN_AGAIN && *ratio >= followed.saturating_add(BETTER);
+        (found.filter(clear), cost)
+    }
+
+    /// Where in the sweep's window the early template may be, at half the grid's resolution, and what it cost.
+    #[inline(never)] // its stack is not that of the closer look
+    fn likely(&mut self, frame: &Frame<'_>, track: &Track) -> (Option<Place>, u32) {
+        let lattice = track.sweep_window(0);
+        let Self { window, early, patch: half, .. } = self;
         let grid = track.grid;
-        let around = 2 * RADIUS;
-        let Self { window, early, patch: lit, .. } = self;
-        let Ok(window) = Image::new(window, grid.columns + around, grid.rows + around) else { return 0 };
-        let at = |dx: i32, dy: i32| window.crop(Rect::new(peak.x + dx, peak.y + dy, grid.columns, grid.rows));
-        let Some(seen) = at(0, 0) else { return 0 };
-        light::of(early.pixels(), seen, lit);
-        let Ok(lit) = Image::new(lit, grid.columns, grid.rows) else { return 0 };
-        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-        let best = around.filter_map(|(dx, dy)| Some(scorer.score(at(dx, dy)?, lit))).max();
-        ratio(best.unwrap_or(0), &grid)
-    }
-
-    /// Looks for the early template in the sweep's next window.
-    #[inline(never)] // one copy in flash
-    fn sweep(&mut self, frame: &Frame<'_>, track: &Track, agreement: u16) -> (Option<(Place, u16)>, u32) {
-        let lattice = track.sweep_window();
-        if !lattice.sample(frame, &mut self.window) {
+        let Ok(early) = Image::new(early.pixels(), grid.columns, grid.rows) else { return (None, 0) };
+        let (columns, rows) = correlation::halve(early, half);
+        if !lattice.sample(frame, window) {
             return (None, 0);
         }
-        let scorer = self.scorer(track.believed.1);
-        let Self { window, search, early, config, .. } = self;
-        let grid = track.grid;
-        let (Ok(window), Ok(early)) =
-            (Image::new(window, lattice.columns, lattice.rows), Image::new(early.pixels(), grid.columns, grid.rows))
+        let (Ok(window), Ok(half)) =
+            (Image::new(window, lattice.columns, lattice.rows), Image::new(half, columns, rows))
         else {
             return (None, 0);
         };
-        let (found, work) = find(search, window, early, &scorer, config.pruning);
-        let ratio = ratio(found.score, &grid);
-        if ratio < FOUND || ratio < agreement.saturating_add(BETTER) {
-            return (None, work);
+        let place = correlation::find(window, half).map(|Likely { x, y }| track.at(&lattice, x, y, RADIUS));
+        (place, correlation::products_in(window, half))
+    }
+
+    /// Where around `place` the early template agrees best, and how well.
+    #[inline(never)] // its stack is not that of the coarse look
+    fn look_closer(&mut self, frame: &Frame<'_>, track: &Track, place: Place) -> Option<(Place, u16)> {
+        let Self { window, early, patch: lit, config, .. } = self;
+        let lattice = lattice(&track.grid, place, CLOSER);
+        if !lattice.sample(frame, window) {
+            return None;
         }
-        let at = |centre: i64, offset: i32, size: u16| {
-            (centre + (i64::from(offset) - i64::from(RADIUS)) * lattice.step).clamp(0, end_of(size))
-        };
-        let (x, y) = (at(lattice.x, found.x, track.bounds.width), at(lattice.y, found.y, track.bounds.height));
-        (Some((Place { x, y, scale: track.believed.0 }, ratio)), work)
+        let view = Image::new(window, lattice.columns, lattice.rows).ok()?;
+        let Grid { columns, rows, .. } = track.grid;
+        let scene = agreement::Scene { view, early: early.pixels(), columns, rows };
+        let middle = i32::from(CLOSER);
+        let Agreement { ratio, x, y } =
+            agreement::best(&scene, (middle, middle), middle, lit, |alpha| scorer(config, alpha));
+        Some((track.at(&lattice, x, y, CLOSER), ratio))
     }
 
     /// The templates and alpha of the next frame.
@@ -474,7 +492,7 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
             self.early.learn(&self.patch, EARLY);
         }
         if next.state == State::Tracking {
-            next.believed = (next.place.scale, next.alpha);
+            next.believed = next.place.scale;
         }
         self.last.clear();
         let _ = self.last.extend_from_slice(&self.patch);
@@ -486,9 +504,8 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
 
 /// alpha before the first update, under the paper's rule.
 const FIRST_ALPHA: u16 = 13;
-/// A target is found again if the early template matches so well, and by so much better than what is followed.
-const FOUND: u16 = 52_000;
-const BETTER: u16 = 6_500;
+/// By so much better than what is followed the early template has to agree with what the sweep found.
+const BETTER: u16 = 20_000;
 
 /// Where nothing is found, which does not happen: the last position.
 const CENTRE: Peak = Peak { x: RADIUS as i32, y: RADIUS as i32, score: 0 };
@@ -539,15 +556,27 @@ fn end_of(size: u16) -> i64 {
     i64::from(size.saturating_sub(1)) * PIXEL
 }
 
-/// `score` over the pixels of the template, in units of 1/65535, rounded down.
-fn ratio(score: u32, grid: &Grid) -> u16 {
-    u16::try_from(score / (u32::from(grid.columns) * u32::from(grid.rows)).max(1)).unwrap_or(Table::ONE)
+#[inline(always)] // made where it stays
+fn scorer(config: &Config, alpha: u16) -> Scorer {
+    Scorer::new(config.backend.unwrap_or_else(Backend::best), config.table, alpha)
 }
 
 impl Track {
-    fn sweep_window(&self) -> Lattice {
-        let window = lattice(&self.grid, Place { scale: self.believed.0, ..self.place }, RADIUS);
+    /// The sweep's next window, at half the grid's resolution and the scale that was last believed, with so much around it.
+    fn sweep_window(&self, around: u16) -> Lattice {
+        let Grid { columns, rows, .. } = self.grid;
+        let side = |size: u16| size / 2 + 2 * (RADIUS + around);
+        let step = 2 * self.grid.step_at(self.believed);
+        let window = Lattice { x: 0, y: 0, step, columns: side(columns), rows: side(rows) };
         self.sweep.place(window, self.bounds)
+    }
+
+    /// The place at an offset of a window that reaches `radius` to each side of the template, at the believed scale.
+    fn at(&self, window: &Lattice, x: i32, y: i32, radius: u16) -> Place {
+        let at = |centre: i64, offset: i32, size: u16| {
+            (centre + (i64::from(offset) - i64::from(radius)) * window.step).clamp(0, end_of(size))
+        };
+        Place { x: at(window.x, x, self.bounds.width), y: at(window.y, y, self.bounds.height), scale: self.believed }
     }
 
     fn fine(&self) -> FineRect {

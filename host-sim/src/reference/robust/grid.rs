@@ -26,6 +26,17 @@ impl Patch {
         inside.then(|| Self { columns, rows, pixels: pixels() })
     }
 
+    /// So many times as coarse: means of blocks, in whole gray levels; what is no whole block is left out.
+    pub fn coarser(&self, times: i64) -> Self {
+        let (columns, rows) = (self.columns / times, self.rows / times);
+        let mean = |x: i64, y: i64| {
+            let block = self.cut(x * times, y * times, times, times).expect("whole blocks lie inside");
+            nearest(block.pixels.iter().sum::<f64>() / real(times * times), 1.0)
+        };
+        let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+        Self { columns, rows, pixels }
+    }
+
     /// `count` pixels from (`x`, `y`) to the right.
     pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.columns + x);

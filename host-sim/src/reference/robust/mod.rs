@@ -6,6 +6,7 @@
 //! [`Sums`] says; decisions follow the rounded sums.
 
 mod cells;
+mod correlation;
 mod grid;
 mod rounding;
 mod scores;
@@ -53,14 +54,30 @@ pub struct Numbers {
     pub most_scale: f64,
     /// Contrast of the light may change by this factor.
     pub most_gain: f64,
-    /// The early template's ratio, in units of 1/65535: not to be seen below .0, seen again from .1 on.
-    pub lost_below: f64,
-    pub clear_from: f64,
-    /// Frames in a row that make it lost.
+    /// The early template is compared in so many parts on each side; of their ratios the one that counts stands here, the least
+    /// being the first.
+    pub parts_across: i64,
+    pub ratio_that_counts: usize,
+    /// The early template's ratio, in units of 1/65535: doubtful below the first, not to be seen below the second, hardly
+    /// anything of it below the third.
+    pub doubtful_below: f64,
+    pub denied_below: f64,
+    pub far_below: f64,
+    /// Frames in a row that make it lost, and how many one counts in which hardly anything is seen.
     pub patience: i64,
-    /// A find of the sweep needs this ratio, and so much more than at the box.
-    pub found_from: f64,
+    pub far_counts: i64,
+    /// Doubtful frames in a row that begin the sweep.
+    pub doubts: i64,
+    /// A lost target is seen again, or found, from this ratio on; a find has to be so much better than what is followed.
+    pub seen_from: f64,
     pub better_by: f64,
+    /// The sweep looks at a grid so many times as coarse, then so many pixels of the grid around what it found.
+    pub coarser: i64,
+    pub closer: i64,
+    /// Coarse pixels around the sweep's window that the closer look may need.
+    pub sweep_margin: i64,
+    /// A patch with less than the template's variance over this is none.
+    pub plain: f64,
 }
 
 /// What can be left out.
@@ -134,11 +151,20 @@ impl Numbers {
             most_growth: 1.05,
             most_scale: 4.0,
             most_gain: 2.0,
-            lost_below: 40_000.0,
-            clear_from: 43_500.0,
-            patience: 3,
-            found_from: 52_000.0,
-            better_by: 6_500.0,
+            parts_across: 4,
+            ratio_that_counts: 4,
+            doubtful_below: 26_500.0,
+            denied_below: 22_000.0,
+            far_below: 14_000.0,
+            patience: 5,
+            far_counts: 3,
+            doubts: 3,
+            seen_from: 44_000.0,
+            better_by: 20_000.0,
+            coarser: 2,
+            closer: 2,
+            sweep_margin: 2,
+            plain: 16.0,
         }
     }
 }
@@ -197,10 +223,11 @@ pub struct Reference {
     /// The early template in the light of the last patch.
     anchor: Patch,
     belief: Belief,
-    /// Frames in a row in which the early template was not seen.
+    /// Frames in a row in which the early template was not seen, and in which it was doubtful.
     denied: i64,
-    /// Scale and alpha when it was last clearly seen.
-    believed: (f64, f64),
+    doubted: i64,
+    /// The scale when it was last clearly seen.
+    believed: f64,
     /// The number of the sweep's next window.
     next_window: i64,
 }
@@ -229,7 +256,8 @@ impl Reference {
             anchor: patch,
             belief: Belief::Tracking,
             denied: 0,
-            believed: (1.0, alpha),
+            doubted: 0,
+            believed: 1.0,
             next_window: 0,
         }
     }
@@ -264,15 +292,15 @@ impl Reference {
         self.alpha
     }
 
-    /// The frame pixels that the next update may read: left, top, right, bottom. The sweep's window is one of them if one more
-    /// frame can make the target lost.
+    /// The frame pixels that the next update may read: left, top, right, bottom. The sweep's window is one of them if it
+    /// may look there.
     pub fn region(&self) -> [i64; 4] {
-        let Numbers { parts, radius, margin, patience, .. } = self.numbers;
+        let Numbers { parts, radius, margin, doubts, sweep_margin, .. } = self.numbers;
         let near = lattice(&self.shape, self.place, radius + margin).region(self.frame_size);
-        if !parts.verification || !parts.sweep || self.denied + 1 < patience {
+        if !parts.verification || !parts.sweep || self.doubted + 1 < doubts {
             return near;
         }
-        let far = self.sweep_window().region(self.frame_size);
+        let far = self.sweep_window(sweep_margin).region(self.frame_size);
         [near[0].min(far[0]), near[1].min(far[1]), near[2].max(far[2]), near[3].max(far[3])]
     }
 
@@ -294,7 +322,7 @@ impl Reference {
         if parts.verification {
             ratio = self.agreement(&window, peak.0);
             self.judge(ratio);
-            if self.belief == Belief::Lost && parts.sweep {
+            if self.doubted >= self.numbers.doubts && parts.sweep {
                 swept = true;
                 found = self.sweep(&frame, ratio);
                 self.next_window += 1;
@@ -302,8 +330,7 @@ impl Reference {
         }
         if let Some((at, agreement)) = found {
             (place, ratio) = (at, agreement);
-            (self.belief, self.denied) = (Belief::Tracking, 0);
-            self.alpha = self.believed.1;
+            (self.belief, self.denied, self.doubted) = (Belief::Tracking, 0, 0);
         }
         self.place = place;
         self.learn(&frame, found.is_some());
@@ -332,7 +359,7 @@ impl Reference {
         let searches = [last, slow].into_iter().filter(|scores| !scores.is_empty());
         let candidates = searches.flat_map(|scores| {
             let ((x, y), _) = best(scores.iter().map(|&(at, sums)| (at, sums.rounded)), middle);
-            around(x, y)
+            around(x, y, 1)
         });
         let scored = candidates.filter_map(|(x, y)| Some(((x, y), self.score_of_all(window, x, y)?)));
         best(scored, middle)
@@ -384,29 +411,51 @@ impl Reference {
         nearest(self.place.scale * factor, SCALE).clamp(1.0 / numbers.most_scale, numbers.most_scale)
     }
 
-    /// The early template's best ratio at the peak and next to it, in the light of what is seen at the peak.
+    /// The early template's best agreement at the peak and next to it.
     fn agreement(&self, window: &Patch, (x, y): (i64, i64)) -> f64 {
-        let seen = window.cut(x, y, self.shape.columns, self.shape.rows).expect("a peak lies in the window");
+        around(x, y, 1).filter_map(|(x, y)| self.agreement_at(window, x, y)).fold(0.0, f64::max)
+    }
+
+    /// How well the early template, in the light of what is seen there, agrees with it part by part.
+    fn agreement_at(&self, window: &Patch, x: i64, y: i64) -> Option<f64> {
+        let Shape { columns, rows, .. } = self.shape;
+        let seen = window.cut(x, y, columns, rows)?;
         let lit = in_light_of(&self.numbers, &self.early(), &seen);
-        let scores = around(x, y).filter_map(|(x, y)| self.similarity.score(window, &lit, x, y, self.alpha));
-        let best = scores.map(|sums| sums.rounded).fold(0.0, f64::max);
-        (best / self.template_pixels()).floor()
+        let (_, deviation) = mean_and_deviation(&seen);
+        let (least, most) = self.numbers.alpha_bounds;
+        let alpha = (deviation / self.template_pixels()).floor().clamp(least, most);
+        let across = self.numbers.parts_across;
+        let mut ratios: Vec<f64> = (0..across * across)
+            .map(|part| {
+                let (column, row) = (part % across, part / across);
+                let (left, right) = (column * columns / across, (column + 1) * columns / across);
+                let (top, bottom) = (row * rows / across, (row + 1) * rows / across);
+                let lit = lit.cut(left, top, right - left, bottom - top).expect("parts lie in the template");
+                let sums = self.similarity.score(&seen, &lit, left, top, alpha).expect("parts lie in the patch");
+                (sums.rounded / real((right - left) * (bottom - top))).floor()
+            })
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        Some(ratios[self.numbers.ratio_that_counts - 1])
     }
 
     /// Lost after some frames in a row in which the target was not to be seen, until it is clearly seen.
     fn judge(&mut self, ratio: f64) {
-        let Numbers { patience, lost_below, clear_from, .. } = self.numbers;
+        let Numbers { patience, far_counts, doubts, seen_from, doubtful_below, denied_below, far_below, .. } =
+            self.numbers;
         let was_lost = self.denied == patience;
-        self.denied = if ratio >= clear_from {
-            0
-        } else if was_lost || ratio < lost_below {
-            (self.denied + 1).min(patience)
+        let seen = ratio >= if was_lost { seen_from } else { doubtful_below };
+        if seen {
+            (self.denied, self.doubted) = (0, 0);
         } else {
-            0
-        };
+            self.doubted = (self.doubted + 1).min(doubts);
+            let denied = was_lost || ratio < denied_below;
+            let count = if ratio < far_below { far_counts } else { 1 };
+            self.denied = if denied { (self.denied + count).min(patience) } else { 0 };
+        }
         self.belief = if self.denied == patience {
             Belief::Lost
-        } else if ratio < clear_from {
+        } else if ratio < doubtful_below {
             Belief::Uncertain
         } else {
             Belief::Tracking
@@ -414,10 +463,12 @@ impl Reference {
     }
 
     /// The sweep's next window: the frame is divided into equal parts, no larger than a search reaches, each with a window in
-    /// its middle, at the scale that was last believed.
-    fn sweep_window(&self) -> Lattice {
-        let window = lattice(&self.shape, Place { scale: self.believed.0, ..self.place }, self.numbers.radius);
-        let reach = real(2 * self.numbers.radius + 1) * window.step;
+    /// its middle, at the scale that was last believed, on a coarser grid; and so many pixels around it.
+    fn sweep_window(&self, around: i64) -> Lattice {
+        let coarser = self.numbers.coarser;
+        let step = real(coarser) * self.shape.step_at(self.believed);
+        let side = |size: i64| size / coarser + 2 * (self.numbers.radius + around);
+        let reach = real(2 * self.numbers.radius + 1) * step;
         let count = |size: i64| whole((real(size) / reach).ceil());
         let (columns, rows) = (count(self.frame_size.0), count(self.frame_size.1));
         let number = self.next_window % (columns * rows);
@@ -425,23 +476,30 @@ impl Reference {
             (down((real(number) + 0.5) * real(size) / real(count), POSITION) - 0.5).max(0.0)
         };
         let x = middle(number % columns, columns, self.frame_size.0);
-        Lattice { x, y: middle(number / columns, rows, self.frame_size.1), ..window }
+        let y = middle(number / columns, rows, self.frame_size.1);
+        Lattice { x, y, step, columns: side(self.shape.columns), rows: side(self.shape.rows) }
     }
 
-    /// The early template's best place in the sweep's window, if it is good, and much better than what is followed.
-    fn sweep(&self, frame: &Picture<'_>, agreement: f64) -> Option<(Place, f64)> {
-        let at = self.sweep_window();
-        let scores = self.similarity.all(&at.sample(frame), &self.early(), self.believed.1);
-        let middle = self.numbers.radius;
-        let ((x, y), score) = best(scores.iter().map(|&(at, sums)| (at, sums.rounded)), middle);
-        let ratio = (score / self.template_pixels()).floor();
-        let found = ratio >= self.numbers.found_from && ratio >= agreement + self.numbers.better_by;
-        let place = Place {
-            x: at.x + real(x - middle) * at.step,
-            y: at.y + real(y - middle) * at.step,
-            scale: self.believed.0,
-        };
-        found.then(|| (self.inside(place), ratio))
+    /// Where the early template agrees clearly in the sweep's window, and much better than what is followed.
+    fn sweep(&self, frame: &Picture<'_>, followed: f64) -> Option<(Place, f64)> {
+        let Numbers { seen_from, better_by, coarser, closer, radius, plain, .. } = self.numbers;
+        let coarse = self.sweep_window(0);
+        let early = self.early().coarser(coarser);
+        let (x, y) = correlation::best(&coarse.sample(frame), &early, plain)?;
+        let near = lattice(&self.shape, self.place_in(&coarse, x, y, radius), closer);
+        let view = near.sample(frame);
+        let ratios =
+            around(closer, closer, closer).filter_map(|(x, y)| Some(((x, y), self.agreement_at(&view, x, y)?)));
+        // Of equals the first.
+        let ((x, y), ratio) = ratios.fold(((closer, closer), 0.0), |best, new| if new.1 > best.1 { new } else { best });
+        let found = ratio >= seen_from && ratio >= followed + better_by;
+        found.then(|| (self.place_in(&near, x, y, closer), ratio))
+    }
+
+    /// The place at an offset of a window that reaches `radius` around the template, at the believed scale.
+    fn place_in(&self, window: &Lattice, x: i64, y: i64, radius: i64) -> Place {
+        let at = |middle: f64, offset: i64| middle + real(offset - radius) * window.step;
+        self.inside(Place { x: at(window.x, x), y: at(window.y, y), scale: self.believed })
     }
 
     /// The templates and alpha of the next frame.
@@ -465,7 +523,7 @@ impl Reference {
             towards(&mut self.early, &patch, self.numbers.early_rate);
         }
         if self.belief == Belief::Tracking {
-            self.believed = (self.place.scale, self.alpha);
+            self.believed = self.place.scale;
         }
         self.anchor = in_light_of(&self.numbers, &self.early(), &patch);
         self.last = patch;
@@ -487,9 +545,9 @@ fn lattice(shape: &Shape, place: Place, around: i64) -> Lattice {
     Lattice { x: place.x, y: place.y, step: shape.step_at(place.scale), columns, rows }
 }
 
-/// An offset and the eight next to it.
-fn around(x: i64, y: i64) -> impl Iterator<Item = (i64, i64)> {
-    (y - 1..=y + 1).flat_map(move |y| (x - 1..=x + 1).map(move |x| (x, y)))
+/// An offset and those up to `reach` from it, row by row.
+fn around(x: i64, y: i64, reach: i64) -> impl Iterator<Item = (i64, i64)> {
+    (y - reach..=y + reach).flat_map(move |y| (x - reach..=x + reach).map(move |x| (x, y)))
 }
 
 /// Each edge rounded; at least one pixel is left.
