@@ -248,7 +248,7 @@ enum smr_robust_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The early template agrees: this is the target.
+   * The early template agrees, part by part: this is the target.
    */
   SMR_ROBUST_TRACKING = 0,
   /**
@@ -256,7 +256,8 @@ enum smr_robust_state
    */
   SMR_ROBUST_UNCERTAIN = 1,
   /**
-   * It has not agreed for some frames: the target is not seen. The box is what is followed meanwhile.
+   * It has not agreed for some frames: the target is not seen. The box is what is followed
+   * meanwhile; it is believed again only when the early template agrees clearly.
    */
   SMR_ROBUST_LOST = 2,
 };
@@ -362,11 +363,11 @@ typedef struct smr_robust_config {
    */
   uint8_t cells;
   /**
-   * An early template is asked if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
+   * An early template is asked, part by part, if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
    */
   uint8_t verification;
   /**
-   * A lost target is looked for all over the frame; needs `verification`.
+   * A lost or doubtful target is looked for all over the frame; needs `verification`.
    */
   uint8_t sweep;
   /**
@@ -499,7 +500,8 @@ typedef struct smr_robust_answer {
    */
   smr_robust_state state;
   /**
-   * How well the early template matches, in units of 1/65535; without verification, how well the templates do.
+   * How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts. Without verification,
+   * how well the templates match.
    */
   uint16_t ratio;
   /**
@@ -512,15 +514,15 @@ typedef struct smr_robust_answer {
   uint32_t scale;
   /**
    * The best offset on the grid, from the window's first, (32, 32) being the last position; and the scores of the last
-   * patch, twice, and of the slow template, in units of 1/65535 of a fully similar pixel.
+   * patch, twice, of the slow template, and of the anchor, twice, in units of 1/65535 of a fully similar pixel.
    */
   struct smr_peak peak;
   /**
-   * Comparisons of bytes that it took, at most.
+   * Comparisons of bytes that it took, at most, and products of the sweep.
    */
   uint32_t comparisons;
   /**
-   * 1 if the target was found by the sweep, in this frame; else 0.
+   * 1 if the sweep found the target, in this frame; else 0.
    */
   uint8_t found_again;
 } smr_robust_answer;
@@ -735,7 +737,8 @@ smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
  *
  * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
  * Cost: two searches of 65x65 offsets over the template's pixels, of which the most are left out where the target is seen
- * clearly, and about a tenth of a million comparisons for the cells; while the target is lost one search more.
+ * clearly, and at most 156,800 comparisons for the cells; while the target is lost or doubtful, one product more for each
+ * offset and each of a quarter of the template's pixels.
  *
  * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
  * @param frame    The frame, or a part of it that covers #smr_robust_window.

@@ -26,7 +26,7 @@ pub enum State {
     /// It hardly agrees: the target is partly hidden or changes quickly, or something else is followed.
     Uncertain,
     /// It has not agreed for some frames, at most five: the target is not seen. The box is what is followed meanwhile; it is
-    /// believed again only when the early template agrees clearly.
+    /// believed again only when the early template agrees clearly, there or where the sweep finds it.
     Lost,
 }
 

@@ -35,8 +35,9 @@ pub struct Eval {
     ///
     /// The numbers of a changed box are rounded to whole pixels once, and what lies outside the frame is cut off. Of each
     /// recording: correct frames over visible ones, mean over the starts and from the worst; mean IoU where there is an
-    /// answer and the target is visible; correct answers over all answers; answers while the target is hidden; comparisons
-    /// (at most) and time of an update. Then means over recordings, and over those of each folder. A recording is in memory
+    /// answer and the target is visible; correct answers over all answers; answers while the target is hidden; how
+    /// often it came back, and in how many of these a correct answer came within 50 frames; comparisons (at most) and time of
+    /// an update. Then means over recordings, and over those of each folder. A recording is in memory
     /// as a whole, and may have 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
     robustness: bool,

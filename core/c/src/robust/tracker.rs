@@ -112,7 +112,8 @@ unsafe fn lock(
 ///
 /// Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
 /// Cost: two searches of 65x65 offsets over the template's pixels, of which the most are left out where the target is seen
-/// clearly, and about a tenth of a million comparisons for the cells; while the target is lost one search more.
+/// clearly, and at most 156,800 comparisons for the cells; while the target is lost or doubtful, one product more for each
+/// offset and each of a quarter of the template's pixels.
 ///
 /// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
 /// @param frame    The frame, or a part of it that covers #smr_robust_window.

@@ -25,9 +25,9 @@ pub struct smr_robust_config {
     pub sub_pixel: u8,
     /// The box follows the target's size.
     pub cells: u8,
-    /// An early template is asked if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
+    /// An early template is asked, part by part, if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
     pub verification: u8,
-    /// A lost target is looked for all over the frame; needs `verification`.
+    /// A lost or doubtful target is looked for all over the frame; needs `verification`.
     pub sweep: u8,
     /// Offsets that cannot matter are left out; it changes nothing but the time.
     pub pruning: u8,
@@ -37,11 +37,12 @@ pub struct smr_robust_config {
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_robust_state {
-    /// The early template agrees: this is the target.
+    /// The early template agrees, part by part: this is the target.
     SMR_ROBUST_TRACKING = 0,
     /// It hardly agrees: the target is partly hidden or changes quickly, or something else is followed.
     SMR_ROBUST_UNCERTAIN = 1,
-    /// It has not agreed for some frames: the target is not seen. The box is what is followed meanwhile.
+    /// It has not agreed for some frames: the target is not seen. The box is what is followed
+    /// meanwhile; it is believed again only when the early template agrees clearly.
     SMR_ROBUST_LOST = 2,
 }
 
@@ -69,18 +70,19 @@ pub struct smr_robust_answer {
     pub bbox: smr_rect,
     /// Whether the box is to be believed.
     pub state: smr_robust_state,
-    /// How well the early template matches, in units of 1/65535; without verification, how well the templates do.
+    /// How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts. Without verification,
+    /// how well the templates match.
     pub ratio: u16,
     /// The threshold that this frame was scored with, in gray levels (0..256): a pixel counted if it differed by less.
     pub alpha: u16,
     /// The target's size against that of the box that was locked on, in units of 1/65536.
     pub scale: u32,
     /// The best offset on the grid, from the window's first, (32, 32) being the last position; and the scores of the last
-    /// patch, twice, and of the slow template, in units of 1/65535 of a fully similar pixel.
+    /// patch, twice, of the slow template, and of the anchor, twice, in units of 1/65535 of a fully similar pixel.
     pub peak: smr_peak,
-    /// Comparisons of bytes that it took, at most.
+    /// Comparisons of bytes that it took, at most, and products of the sweep.
     pub comparisons: u32,
-    /// 1 if the target was found by the sweep, in this frame; else 0.
+    /// 1 if the sweep found the target, in this frame; else 0.
     pub found_again: u8,
 }
 

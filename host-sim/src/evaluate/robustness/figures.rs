@@ -1,7 +1,7 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
 use super::calibration::Calibration;
-use crate::evaluate::{Score, Trajectory};
+use crate::evaluate::{CORRECT, Score, Trajectory, overlaps};
 use anyhow::Result;
 use serde::Serialize;
 use std::time::Duration;
@@ -12,6 +12,9 @@ pub(super) struct RunFigures {
     pub score: Score,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
+    /// Times that the target came back after it was hidden, and of these the ones after which it was soon followed.
+    returns: usize,
+    found_again: usize,
     /// What the updates took, all together.
     pub spent: Spent,
     pub calibration: Calibration,
@@ -32,8 +35,20 @@ impl RunFigures {
         let score = Score::new(answers, truth)?;
         let answered_visible = answers.iter().zip(truth).filter(|(answer, truth)| answer.is_some() && truth.is_some());
         let calibration = Calibration::new(ratios, answers, truth)?;
-        Ok(Self { score, answered_visible: answered_visible.count(), spent, calibration })
+        let (returns, found_again) = returns(&overlaps(answers, truth)?);
+        Ok(Self { score, answered_visible: answered_visible.count(), returns, found_again, spent, calibration })
     }
+}
+
+/// The target is found again if an answer is correct in so many frames from the one in which it came back.
+const SOON: usize = 50;
+
+/// How often the target came back, and how often it was found again, by the overlaps of all frames: `None` where it is hidden.
+fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
+    let back = (1..overlaps.len()).filter(|&frame| overlaps[frame - 1].is_none() && overlaps[frame].is_some());
+    let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + SOON)];
+    let found = |frame: &usize| soon(*frame).iter().flatten().any(|&overlap| overlap > CORRECT);
+    (back.clone().count(), back.filter(found).count())
 }
 
 /// How well a method does on a recording over all starts, or on several recordings on average.
@@ -52,6 +67,10 @@ pub struct Figures {
     pub hidden: usize,
     /// Of these, the ones with an answer.
     pub answered_hidden: usize,
+    /// Times that the target came back after it was hidden, counted once for every start.
+    pub returns: usize,
+    /// Of these, the ones with a correct answer in the first 50 frames.
+    pub found_again: usize,
     /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
     pub comparisons_per_frame: Option<f64>,
     /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
@@ -77,6 +96,8 @@ impl Figures {
             precision: ratio(sum(|run| run.score.correct) as f64, answered as f64),
             hidden: sum(|run| run.score.frames - run.score.visible),
             answered_hidden: answered - answered_visible,
+            returns: sum(|run| run.returns),
+            found_again: sum(|run| run.found_again),
             comparisons_per_frame: comparisons.map(|comparisons| ratio(comparisons as f64, updates)),
             microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
         }
@@ -93,6 +114,8 @@ impl Figures {
             precision: mean(|part| part.precision),
             hidden: parts.iter().map(|part| part.hidden).sum(),
             answered_hidden: parts.iter().map(|part| part.answered_hidden).sum(),
+            returns: parts.iter().map(|part| part.returns).sum(),
+            found_again: parts.iter().map(|part| part.found_again).sum(),
             comparisons_per_frame: comparisons.map(|sum| ratio(sum, parts.len() as f64)),
             microseconds_per_frame: mean(|part| part.microseconds_per_frame),
         }
@@ -139,6 +162,8 @@ mod tests {
             precision: 3.0 / 7.0,
             hidden: 4,
             answered_hidden: 3,
+            returns: 0,
+            found_again: 0,
             comparisons_per_frame: Some(200.0),
             microseconds_per_frame: 10.0,
         };
@@ -165,11 +190,23 @@ mod tests {
             precision: correct,
             hidden,
             answered_hidden: hidden / 2,
+            returns: hidden,
+            found_again: 1,
             comparisons_per_frame: Some(correct * 100.0),
             microseconds_per_frame: correct * 10.0,
         };
-        let expected = Figures { hidden: 12, answered_hidden: 6, ..part(0.5, 0) };
+        let expected = Figures { hidden: 12, answered_hidden: 6, returns: 12, found_again: 2, ..part(0.5, 0) };
         assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), expected);
+    }
+
+    #[test]
+    fn a_target_is_found_again_within_fifty_frames_of_its_return() {
+        let (hidden, wrong, right) = (None, Some(0.1), Some(0.9));
+        assert_eq!(returns(&[hidden, right, right]), (1, 1));
+        assert_eq!(returns(&[right, hidden, hidden, wrong, hidden, wrong, right]), (2, 2));
+        let late = |frames| [vec![right, hidden], vec![wrong; frames], vec![right]].concat();
+        assert_eq!((returns(&late(49)), returns(&late(50))), ((1, 1), (1, 0)));
+        assert_eq!((returns(&[]), returns(&[right, wrong, hidden])), ((0, 0), (0, 0)));
     }
 
     #[test]

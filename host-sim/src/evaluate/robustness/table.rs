@@ -39,16 +39,21 @@ fn line(tracker: &str, what: &str, starts: &str, figures: &Figures) -> Vec<Strin
 
 impl Figures {
     /// What tables of figures end with.
-    pub(super) const LAST_COLUMNS: [&str; 4] = ["precision", "answered/hidden", "comparisons/frame", "us/frame"];
+    pub(super) const LAST_COLUMNS: [&str; 5] =
+        ["precision", "answered/hidden", "found/returns", "comparisons/frame", "us/frame"];
 
-    pub(super) fn last_cells(&self) -> [String; 4] {
-        let of_hidden = match self.hidden {
-            0 => NOTHING.to_owned(),
-            hidden => format!("{}/{hidden}", self.answered_hidden),
-        };
+    pub(super) fn last_cells(&self) -> [String; 5] {
+        let of = |part: usize, all: usize| if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") };
+        let (of_hidden, of_returns) = (of(self.answered_hidden, self.hidden), of(self.found_again, self.returns));
         let comparisons =
             self.comparisons_per_frame.map_or(NOTHING.to_owned(), |comparisons| format!("{comparisons:.0}"));
-        [format!("{:.3}", self.precision), of_hidden, comparisons, format!("{:.0}", self.microseconds_per_frame)]
+        [
+            format!("{:.3}", self.precision),
+            of_hidden,
+            of_returns,
+            comparisons,
+            format!("{:.0}", self.microseconds_per_frame),
+        ]
     }
 }
 
@@ -67,6 +72,8 @@ pub(super) mod tests {
             precision: 1.0,
             hidden,
             answered_hidden: hidden / 2,
+            returns: hidden / 5,
+            found_again: hidden / 10,
             comparisons_per_frame: comparisons,
             microseconds_per_frame: 12.4,
         }
@@ -114,13 +121,13 @@ pub(super) mod tests {
     #[test]
     fn recordings_then_means() {
         let expected = "\
-tracker  sequence           starts  correct  worst  mean IoU  precision  answered/hidden  comparisons/frame  us/frame
-smr      01_david                5    0.750  0.250     0.500      1.000             5/10             123456        12
-smr      Man                     5    0.750  0.250     0.500      1.000             5/10             123456        12
-smr      mean of 2                    0.750  0.250     0.500      1.000             5/10             123456        12
-smr      mean of 1 in tld             0.750  0.250     0.500      1.000             5/10             123456        12
-smr      mean of 1 in more            0.750  0.250     0.500      1.000             5/10             123456        12
-sad      01_david                5    0.667  0.250     0.500      1.000                -                  -        12
+tracker  sequence           starts  correct  worst  mean IoU  precision  answered/hidden  found/returns  comparisons/frame  us/frame
+smr      01_david                5    0.750  0.250     0.500      1.000             5/10            1/2             123456        12
+smr      Man                     5    0.750  0.250     0.500      1.000             5/10            1/2             123456        12
+smr      mean of 2                    0.750  0.250     0.500      1.000             5/10            1/2             123456        12
+smr      mean of 1 in tld             0.750  0.250     0.500      1.000             5/10            1/2             123456        12
+smr      mean of 1 in more            0.750  0.250     0.500      1.000             5/10            1/2             123456        12
+sad      01_david                5    0.667  0.250     0.500      1.000                -              -                  -        12
 ";
         assert_eq!(results().table(), expected);
         assert_eq!(Robustness::default().table(), "");
