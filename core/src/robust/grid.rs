@@ -200,25 +200,90 @@ impl<'a> Means<'a> {
             return;
         }
         *made = Some(block);
-        let side = 1usize << *halvings;
         let first = block.saturating_sub(*top) << *halvings;
-        let columns = usize::from(pixels.width()).div_ceil(side);
+        // Made where it stays: to return it would be to copy it.
+        let mut whole = Vec::<u16, ROW>::new();
+        sum_whole_blocks(*pixels, first, *halvings, &mut whole);
+        let shift = 2 * *halvings;
         means.clear();
-        for column in 0..columns {
-            // A step is below 2^16 pixels, so a block's side is at most 2^15 and the sum below 2^38.
-            let mut sum = 0u64;
-            for row in 0..side {
-                // The frame's last row goes on where it is cut before a block is whole.
-                let row = first.saturating_add(u16::try_from(row).unwrap_or(0)).min(pixels.height() - 1);
-                let row = pixels.row(row);
-                let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
-                let missing = u32::try_from(side - block.len()).unwrap_or(0);
-                let edge = missing * u32::from(row.last().copied().unwrap_or(0));
-                sum += u64::from(block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
-            }
-            let mean = (sum + (1 << (2 * *halvings - 1))) >> (2 * *halvings);
-            // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
-            let _ = means.push(u8::try_from(mean).unwrap_or(u8::MAX));
+        // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
+        for &sum in &whole {
+            let _ = means.push(u8::try_from((u32::from(sum) + (1 << (shift - 1))) >> shift).unwrap_or(u8::MAX));
         }
+        for column in whole.len()..usize::from(pixels.width()).div_ceil(1 << *halvings) {
+            let _ = means.push(mean_of(*pixels, first, column, *halvings));
+        }
+    }
+}
+
+/// The row of `pixels` that a block has at `row`: the frame's last row goes on where it is cut before a block is whole.
+fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
+    pixels.row(first.saturating_add(row).min(pixels.height() - 1))
+}
+
+/// The sums of the blocks in a row that are not cut, for sides of 2 and 4: few targets have larger ones. None for
+/// those.
+fn sum_whole_blocks(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut Vec<u16, ROW>) {
+    let add: fn(&mut [u16], &[u8]) = match halvings {
+        1 => add_row::<2>,
+        2 => add_row::<4>,
+        _ => return,
+    };
+    for _ in 0..pixels.width() >> halvings {
+        let _ = sums.push(0);
+    }
+    for row in 0..1 << halvings {
+        add(sums, row_of(pixels, first, row));
+    }
+}
+
+fn add_row<const SIDE: usize>(sums: &mut [u16], row: &[u8]) {
+    let (blocks, _) = row.as_chunks::<SIDE>();
+    for (sum, block) in sums.iter_mut().zip(blocks) {
+        *sum += block.iter().map(|&pixel| u16::from(pixel)).sum::<u16>();
+    }
+}
+
+/// The mean of a block of any size, of which a part may be beyond the frame's right edge.
+fn mean_of(pixels: Image<'_>, first: u16, column: usize, halvings: u32) -> u8 {
+    let side = 1usize << halvings;
+    // A step is below 2^17 pixels, so a block's side is at most 2^16 and the sum below 2^40.
+    let mut sum = 0u64;
+    for row in 0..side {
+        let row = row_of(pixels, first, u16::try_from(row).unwrap_or(u16::MAX));
+        let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
+        let missing = u32::try_from(side - block.len()).unwrap_or(0);
+        let edge = missing * u32::from(row.last().copied().unwrap_or(0));
+        sum += u64::from(block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
+    }
+    u8::try_from((sum + (1 << (2 * halvings - 1))) >> (2 * halvings)).unwrap_or(u8::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_blocks_have_the_mean_that_any_block_has() {
+        let pixels: std::vec::Vec<u8> =
+            (0..83 * 50u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 20) as u8).collect();
+        let image = Image::new(&pixels, 83, 50).unwrap();
+        for halvings in 1..=6 {
+            let mut means = Means::new(image, 0, 0, halvings);
+            for block in 0..50u16.div_ceil(1 << halvings) {
+                means.make(block);
+                let one_by_one = (0..83usize.div_ceil(1 << halvings))
+                    .map(|column| mean_of(image, block << halvings, column, halvings));
+                assert_eq!(means.row(block), one_by_one.collect::<std::vec::Vec<_>>(), "{halvings} halvings");
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_sums_of_whole_blocks() {
+        let white = [255; 8 * 4];
+        let mut sums = Vec::new();
+        sum_whole_blocks(Image::new(&white, 8, 4).unwrap(), 0, 2, &mut sums);
+        assert_eq!(sums, [255 * 16; 2]);
     }
 }
