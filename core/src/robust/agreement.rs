@@ -41,10 +41,11 @@ pub(super) fn best<const PIXELS: usize>(
     scorer: impl Fn(u16) -> Scorer,
 ) -> Agreement {
     let Scene { view, early, columns, rows } = *scene;
+    let was = threshold::Contrast::of(early.iter().copied());
     let mut best = Agreement { ratio: 0, x, y };
     for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
         let Some(seen) = view.crop(Rect::new(x + dx, y + dy, columns, rows)) else { continue };
-        let scorer = scorer(threshold::within_deviation(light::of(early, seen, lit)));
+        let scorer = scorer(threshold::within_deviation(light::of(early, was, seen, lit)));
         let Ok(lit) = Image::new(lit, columns, rows) else { continue };
         let ratio = fourth_least(seen, lit, &scorer);
         if ratio > best.ratio {

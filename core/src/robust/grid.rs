@@ -145,24 +145,23 @@ impl Lattice {
         // Cannot fail: a lattice has at most COLUMNS columns.
         let mut columns = Vec::<_, COLUMNS>::new();
         for column in 0..self.columns {
-            let _ = columns.push(across.at(column));
+            let (left, right, part) = across.at(column);
+            let _ = columns.push((left - means.left, right - means.left, part));
         }
-        out.clear();
+        if out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_err() {
+            return false;
+        }
+        let mut out = out.iter_mut();
         for row in 0..self.rows {
             let (upper, lower, part) = down.at(row);
             means.make(upper);
             means.make(lower);
-            let (upper, lower) = (means.row(upper), means.row(lower));
-            for &(left, right, across) in &columns {
-                let (left, right) = (usize::from(left - means.left), usize::from(right - means.left));
-                let mix = |row: &[u8]| {
-                    let at = |column: usize| u32::from(row.get(column).copied().unwrap_or(0));
-                    at(left) * (256 - across) + at(right) * across
-                };
-                let value = (mix(upper) * (256 - part) + mix(lower) * part + (1 << 15)) >> 16;
-                if out.push(u8::try_from(value).unwrap_or(u8::MAX)).is_err() {
-                    return false;
-                }
+            let mixed = means.mix(upper, lower, part);
+            for (&(left, right, across), out) in columns.iter().zip(&mut out) {
+                let at = |column: u16| u32::from(mixed.get(usize::from(column)).copied().unwrap_or(0));
+                // In units of 1/65536: at most 255 of them.
+                let value = (at(left) * (256 - across) + at(right) * across + (1 << 15)) >> 16;
+                *out = u8::try_from(value).unwrap_or(u8::MAX);
             }
         }
         true
@@ -177,43 +176,62 @@ struct Means<'a> {
     top: u16,
     halvings: u32,
     rows: [(Option<u16>, Vec<u8, ROW>); 2],
+    /// Sums of blocks while a row of means is made; then a row that is mixed of two, in units of 1/256 gray level.
+    scratch: Vec<u16, ROW>,
 }
 
 impl<'a> Means<'a> {
     fn new(pixels: Image<'a>, left: u16, top: u16, halvings: u32) -> Self {
-        Self { pixels, left, top, halvings, rows: [(None, Vec::new()), (None, Vec::new())] }
+        Self { pixels, left, top, halvings, rows: [(None, Vec::new()), (None, Vec::new())], scratch: Vec::new() }
     }
 
-    fn row(&self, block: u16) -> &[u8] {
-        if self.halvings == 0 {
-            return self.pixels.row(block.saturating_sub(self.top));
+    /// Between two rows, the lower having a part of so many 256ths.
+    fn mix(&mut self, upper: u16, lower: u16, part: u32) -> &[u16] {
+        let Self { pixels, top, halvings, rows, scratch, .. } = self;
+        let (upper, lower) = (row(*pixels, rows, *halvings, *top, upper), row(*pixels, rows, *halvings, *top, lower));
+        // Cannot fail: there is room for a row. Written over, not pushed: that takes half the instructions.
+        let _ = scratch.resize_default(upper.len());
+        for ((mixed, &upper), &lower) in scratch.iter_mut().zip(upper).zip(lower) {
+            // At most 255 * 256.
+            *mixed = u16::try_from(u32::from(upper) * (256 - part) + u32::from(lower) * part).unwrap_or(u16::MAX);
         }
-        let [even, odd] = &self.rows;
-        if block.is_multiple_of(2) { &even.1 } else { &odd.1 }
+        scratch
     }
 
     /// Rows that follow each other are kept in turns.
     fn make(&mut self, block: u16) {
-        let Self { pixels, top, halvings, rows: [even, odd], .. } = self;
+        let Self { pixels, top, halvings, rows: [even, odd], scratch: whole, .. } = self;
         let (made, means) = if block.is_multiple_of(2) { even } else { odd };
         if *halvings == 0 || *made == Some(block) {
             return;
         }
         *made = Some(block);
         let first = block.saturating_sub(*top) << *halvings;
-        // Made where it stays: to return it would be to copy it.
-        let mut whole = Vec::<u16, ROW>::new();
-        sum_whole_blocks(*pixels, first, *halvings, &mut whole);
+        sum_whole_blocks(*pixels, first, *halvings, whole);
         let shift = 2 * *halvings;
-        means.clear();
         // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
-        for &sum in &whole {
-            let _ = means.push(u8::try_from((u32::from(sum) + (1 << (shift - 1))) >> shift).unwrap_or(u8::MAX));
+        let _ = means.resize_default(usize::from(pixels.width()).div_ceil(1 << *halvings));
+        for (mean, &sum) in means.iter_mut().zip(&*whole) {
+            *mean = u8::try_from((u32::from(sum) + (1 << (shift - 1))) >> shift).unwrap_or(u8::MAX);
         }
-        for column in whole.len()..usize::from(pixels.width()).div_ceil(1 << *halvings) {
-            let _ = means.push(mean_of(*pixels, first, column, *halvings));
+        for (column, mean) in means.iter_mut().enumerate().skip(whole.len()) {
+            *mean = mean_of(*pixels, first, column, *halvings);
         }
     }
+}
+
+/// A row of means that was made, or of pixels where nothing is halved.
+fn row<'a>(
+    pixels: Image<'a>,
+    [even, odd]: &'a [(Option<u16>, Vec<u8, ROW>); 2],
+    halvings: u32,
+    top: u16,
+    block: u16,
+) -> &'a [u8] {
+    if halvings == 0 {
+        return pixels.row(block.saturating_sub(top));
+    }
+    if block.is_multiple_of(2) { &even.1 } else { &odd.1 }
 }
 
 /// The row of `pixels` that a block has at `row`: the frame's last row goes on where it is cut before a block is whole.
@@ -227,11 +245,10 @@ fn sum_whole_blocks(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut Vec
     let add: fn(&mut [u16], &[u8]) = match halvings {
         1 => add_row::<2>,
         2 => add_row::<4>,
-        _ => return,
+        _ => return sums.clear(),
     };
-    for _ in 0..pixels.width() >> halvings {
-        let _ = sums.push(0);
-    }
+    sums.clear();
+    let _ = sums.resize_default(usize::from(pixels.width() >> halvings));
     for row in 0..1 << halvings {
         add(sums, row_of(pixels, first, row));
     }
@@ -274,7 +291,8 @@ mod tests {
                 means.make(block);
                 let one_by_one = (0..83usize.div_ceil(1 << halvings))
                     .map(|column| mean_of(image, block << halvings, column, halvings));
-                assert_eq!(means.row(block), one_by_one.collect::<std::vec::Vec<_>>(), "{halvings} halvings");
+                let made = row(image, &means.rows, halvings, 0, block);
+                assert_eq!(made, one_by_one.collect::<std::vec::Vec<_>>(), "{halvings} halvings");
             }
         }
     }

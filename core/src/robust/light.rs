@@ -8,20 +8,24 @@ use heapless::Vec;
 const LEAST: i32 = 128;
 const MOST: i32 = 512;
 
-/// Makes `lit` out of `template`: brightness and contrast are those of `seen`, which are returned.
+/// Makes `lit` out of `template`: its brightness and contrast `was` become those of `seen`, which are returned.
 ///
 /// Each pixel is mean(seen) + (pixel - mean(template)) * gain, cut to 0 to 255; the gain is the ratio of the mean absolute
 /// deviations, in units of 1/256 rounded down, half to twice.
-pub(super) fn of<const PIXELS: usize>(template: &[u8], seen: Image<'_>, lit: &mut Vec<u8, PIXELS>) -> Contrast {
-    let was = Contrast::of(template.iter().copied());
+pub(super) fn of<const PIXELS: usize>(
+    template: &[u8],
+    was: Contrast,
+    seen: Image<'_>,
+    lit: &mut Vec<u8, PIXELS>,
+) -> Contrast {
     // Row by row by its number: `Image::rows` divides by the stride, which could be a panic where it is folded.
     let is = Contrast::of((0..seen.height()).flat_map(|y| seen.row(y)).copied());
     let gain = (256 * is.deviation / was.deviation.max(1)).cast_signed().clamp(LEAST, MOST);
-    lit.clear();
-    for &pixel in template.iter().take(PIXELS) {
+    // Cannot fail: there are no more than PIXELS.
+    let _ = lit.resize_default(template.len().min(PIXELS));
+    for (lit, &pixel) in lit.iter_mut().zip(template) {
         let value = is.mean.cast_signed() + (((i32::from(pixel) - was.mean.cast_signed()) * gain) >> 8);
-        // Cannot fail: there are no more than PIXELS.
-        let _ = lit.push(u8::try_from(value.clamp(0, 255)).unwrap_or(0));
+        *lit = u8::try_from(value.clamp(0, 255)).unwrap_or(0);
     }
     is
 }
@@ -32,7 +36,7 @@ mod tests {
 
     fn lit(template: &[u8], seen: &[u8]) -> std::vec::Vec<u8> {
         let mut lit = Vec::<u8, 8>::new();
-        of(template, Image::new(seen, 2, 2).unwrap(), &mut lit);
+        of(template, Contrast::of(template.iter().copied()), Image::new(seen, 2, 2).unwrap(), &mut lit);
         lit.to_vec()
     }
 

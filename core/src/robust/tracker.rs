@@ -497,7 +497,9 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         self.last.clear();
         let _ = self.last.extend_from_slice(&self.patch);
         if let Ok(last) = Image::new(&self.last, next.grid.columns, next.grid.rows) {
-            light::of(self.early.pixels(), last, &mut self.anchor);
+            let early = self.early.pixels();
+            let was = threshold::Contrast::of(early.iter().copied());
+            light::of(early, was, last, &mut self.anchor);
         }
     }
 }
