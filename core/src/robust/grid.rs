@@ -143,10 +143,10 @@ impl Lattice {
         let Some(pixels) = frame.patch(self.pixels(bounds)) else { return false };
         let mut means = Means::new(pixels, across.at(0).0, down.at(0).0, self.halvings());
         // Cannot fail: a lattice has at most COLUMNS columns.
-        let mut columns = Vec::<_, COLUMNS>::new();
+        let mut columns = Vec::<(u16, u16), COLUMNS>::new();
         for column in 0..self.columns {
-            let (left, right, part) = across.at(column);
-            let _ = columns.push((left - means.left, right - means.left, part));
+            let (left, _, part) = across.at(column);
+            let _ = columns.push((left - means.left, u16::try_from(part).unwrap_or(0)));
         }
         if out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_err() {
             return false;
@@ -157,10 +157,11 @@ impl Lattice {
             means.make(upper);
             means.make(lower);
             let mixed = means.mix(upper, lower, part);
-            for (&(left, right, across), out) in columns.iter().zip(&mut out) {
+            for (&(left, across), out) in columns.iter().zip(&mut out) {
+                let across = u32::from(across);
                 let at = |column: u16| u32::from(mixed.get(usize::from(column)).copied().unwrap_or(0));
-                // In units of 1/65536: at most 255 of them.
-                let value = (at(left) * (256 - across) + at(right) * across + (1 << 15)) >> 16;
+                // Of the last block there is no part that lies beyond it.
+                let value = (at(left) * (256 - across) + at(left + 1) * across + (1 << 15)) >> 16;
                 *out = u8::try_from(value).unwrap_or(u8::MAX);
             }
         }
