@@ -718,7 +718,7 @@ smr_status smr_robust_init(void *storage,
 
 /**
  * Starts on the target in a box, at any time; whatever was followed before is forgotten. Only the pixels of the box and one
- * more on each side are read. Takes about 9 KB of stack.
+ * more on each side are read. Takes about 8 KB of stack.
  *
  * @param tracker  Made by #smr_robust_init.
  * @param frame    The frame, or a part of it that covers the box and, as far as the frame goes, the pixels next to it.
@@ -733,7 +733,7 @@ smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
                            const struct smr_rect *target);
 
 /**
- * Looks for the target in the next frame. Takes about 9 KB of stack.
+ * Looks for the target in the next frame. Takes about 8 KB of stack.
  *
  * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
  * Cost: two searches of 65x65 offsets over the template's pixels, of which the most are left out where the target is seen
