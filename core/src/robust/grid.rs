@@ -1,9 +1,11 @@
-//! The grid: frame pixels, resampled so that the template has about as many pixels as there is room for.
+//! The grid: target and surroundings, resampled so that the target has about 1600 pixels, whatever its size in the frame.
 //!
 //! Where a step of the grid is two pixels or more, the frame is first reduced by 2x2 means (4x4, 8x8, ...) until it is less
 //! than two; then the four neighbours are mixed by fractions of 1/256. Beyond the frame its edge goes on. Only the pixels
 //! that are sampled are read, and each row of means is made once.
 
+use super::features::CELL;
+use super::{MOST_CELLS, MOST_PIXELS, REACH};
 use crate::image::{Frame, Image, Rect};
 use heapless::Vec;
 
@@ -11,44 +13,51 @@ use heapless::Vec;
 pub(super) const PIXEL: i64 = 1 << 12;
 /// 1.0, as scales have it.
 pub(super) const SCALE: u32 = 1 << 16;
-/// The most columns that a row of the grid can have.
-pub(super) const COLUMNS: usize = 384;
+/// The least and the most cells of the filter on a side.
+const LEAST_SIDE: u64 = 4;
+pub(super) const MOST_SIDE: u16 = 32;
+/// The most columns that a row of the grid can have: a search window, and the pixel on each side that gradients need.
+pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// The most pixels, or means, that such a row lies on.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// Shape of the template on the grid, and the grid's step at scale 1.
+/// Shapes of the template and of the filter, and the grid's step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Grid {
-    /// Columns of the template.
+    /// Columns of the template, in pixels of the grid.
     pub columns: u16,
-    /// Rows of the template.
+    /// Rows of the template, in pixels of the grid.
     pub rows: u16,
+    /// Columns of the filter, in cells of 4x4 pixels of the grid. It covers 1.4 times the target.
+    pub across: u16,
+    /// Rows of the filter, in cells.
+    pub down: u16,
     /// Frame pixels from one pixel of the grid to the next at scale 1, in units of 1/4096.
     pub step: u32,
 }
 
 impl Grid {
-    /// The grid for a box of this size: a template of at most `pixels`, and a window of at most `window` around it.
+    /// The grid for a box of this size.
     ///
-    /// The step is sqrt(area / pixels), at least half a pixel (a whole one without `enlarging`). Sides are rounded, at least
-    /// 4, and the longer one is cut until both fit: of a very long box only the middle is looked at.
+    /// The step is sqrt(area / 1600), at least half a pixel. Sides are rounded; the longer one is cut until template and filter
+    /// have room: of a very long box only the middle is looked at.
     #[must_use]
-    pub fn new(target: Rect, pixels: usize, window: usize, enlarging: bool) -> Self {
+    pub fn new(target: Rect) -> Self {
         let area = u64::from(target.area()) << 24;
-        let step = (area / (pixels as u64).max(1)).isqrt().max(if enlarging { 2048 } else { 4096 });
-        let side = |size: u16| (((u64::from(size) << 12) + step / 2) / step.max(1)).clamp(4, MOST_SIDE);
-        let (mut columns, mut rows) = (side(target.width), side(target.height));
-        let around = 2 * u64::from(super::RADIUS);
-        while columns * rows > pixels as u64 || (columns + around) * (rows + around) > window as u64 {
-            let longer = if columns > rows { &mut columns } else { &mut rows };
-            if *longer <= 4 {
-                break;
-            }
-            *longer -= 1;
-        }
-        let small = |side: u64| u16::try_from(side).unwrap_or(4);
-        Self { columns: small(columns), rows: small(rows), step: u32::try_from(step).unwrap_or(u32::MAX) }
+        let step = (area / MOST_PIXELS as u64).isqrt().max(2048);
+        // 1.4 times the side, in cells: 1.4 / 4 = 7 / 20.
+        let cells = |size: u16| {
+            ((7 * (u64::from(size) << 12) + 10 * step) / (20 * step)).clamp(LEAST_SIDE, MOST_SIDE.into())
+        };
+        let (across, down) = fitting(cells(target.width), cells(target.height), MOST_CELLS as u64);
+        // Even, so that the template's middle is the window's.
+        let pixels = |size: u16, cells: u16| {
+            let side = 2 * (((u64::from(size) << 12) + step) / (2 * step));
+            side.clamp(4, (cells * CELL).into())
+        };
+        let (columns, rows) = fitting(pixels(target.width, across) / 2, pixels(target.height, down) / 2, MOST_PIXELS as u64 / 4);
+        Self { columns: 2 * columns, rows: 2 * rows, across, down, step: u32::try_from(step).unwrap_or(u32::MAX) }
     }
 
     /// Pixels of the template.
@@ -62,8 +71,14 @@ impl Grid {
     }
 }
 
-/// A window of `COLUMNS` columns is the widest.
-const MOST_SIDE: u64 = COLUMNS as u64 - 2 * super::RADIUS as u64;
+/// Two sides, the longer one cut until their product is at most `most`.
+fn fitting(mut across: u64, mut down: u64, most: u64) -> (u16, u16) {
+    while across * down > most {
+        *(if across > down { &mut across } else { &mut down }) -= 1;
+    }
+    let small = |side: u64| u16::try_from(side).unwrap_or(u16::MAX);
+    (small(across), small(down))
+}
 
 /// Where samples are taken: columns and rows `step` apart, around a centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,10 +149,8 @@ impl Lattice {
         Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
     }
 
-    /// Samples `frame` into `out`, row by row; false, and nothing of use in `out`, if pixels that are read are not in memory
-    /// or there is no room.
-    #[inline(never)] // one copy in flash
-    pub(super) fn sample<const N: usize>(&self, frame: &Frame<'_>, out: &mut Vec<u8, N>) -> bool {
+    /// Samples `frame`, row by row from the top; false, and no row, if pixels that are read are not in memory.
+    pub(super) fn rows(&self, frame: &Frame<'_>, mut each: impl FnMut(&[u8])) -> bool {
         let bounds = frame.bounds();
         let (across, down) = self.axes(bounds);
         let Some(pixels) = frame.patch(self.pixels(bounds)) else { return false };
@@ -148,10 +161,8 @@ impl Lattice {
             let (left, _, part) = across.at(column);
             let _ = columns.push((left - means.left, u16::try_from(part).unwrap_or(0)));
         }
-        if out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_err() {
-            return false;
-        }
-        let mut out = out.iter_mut();
+        let mut out = Vec::<u8, COLUMNS>::new();
+        let _ = out.resize_default(columns.len());
         for row in 0..self.rows {
             let (upper, lower, part) = down.at(row);
             means.make(upper);
@@ -160,12 +171,22 @@ impl Lattice {
             for (&(left, across), out) in columns.iter().zip(&mut out) {
                 let across = u32::from(across);
                 let at = |column: u16| u32::from(mixed.get(usize::from(column)).copied().unwrap_or(0));
-                // Of the last block there is no part that lies beyond it.
+                // After the last block comes none, and the part of that is 0.
                 let value = (at(left) * (256 - across) + at(left + 1) * across + (1 << 15)) >> 16;
                 *out = u8::try_from(value).unwrap_or(u8::MAX);
             }
+            each(&out);
         }
         true
+    }
+
+    /// Samples `frame` into `out`; false, and nothing of use in `out`, if pixels that are read are not in memory or there is
+    /// no room.
+    #[inline(never)] // one copy in flash
+    pub(super) fn sample<const N: usize>(&self, frame: &Frame<'_>, out: &mut Vec<u8, N>) -> bool {
+        out.clear();
+        let mut fits = true;
+        self.rows(frame, |row| fits &= out.extend_from_slice(row).is_ok()) && fits
     }
 }
 

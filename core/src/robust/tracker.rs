@@ -1,19 +1,17 @@
-//! The way of a frame through the robust tracker: window, peak, size, verification, templates, answer.
+//! The way of a frame through the robust tracker: window, filter, place, size, verification, learning, answer.
 
-use super::agreement::{self, Agreement};
-use super::cells;
-use super::config::{Config, ThresholdRule};
-use super::correlation::{self, Likely};
-use super::grid::{Grid, Lattice, PIXEL, SCALE};
+use super::agreement;
+use super::config::Config;
+use super::features::{CELL, CHANNELS, Strip};
+use super::filter::{Coded, Desk, Filter};
+use super::grid::{Grid, Lattice, MOST_SIDE, PIXEL, SCALE};
+use super::samples::Samples;
 use super::sweep::Sweep;
 use super::templates::Mean;
-use super::trust::{self, Trust};
-use super::{RADIUS, Search, light, peak, threshold};
-use crate::Radius;
+use super::trust::Trust;
+use super::{MOST_CELLS, MOST_PIXELS, REACH, place, threshold};
 use crate::image::{Frame, Image, Rect};
-use crate::search::{Peak, Scene, Window};
-use crate::similarity::{Backend, Scorer, Table};
-use core::cmp::Reverse;
+use crate::similarity::{Backend, Scorer};
 use core::fmt;
 use heapless::Vec;
 
@@ -54,61 +52,44 @@ pub struct Answer {
     pub bbox: Rect,
     /// Whether the box is to be believed.
     pub state: State,
-    /// How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts. Without verification,
-    /// how well the templates match.
+    /// How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts.
     pub ratio: u16,
+    /// Confidence.
+    pub confidence: u16,
     /// The target's size against that of the box that was locked on, in units of 1/65536.
     pub scale: u32,
-    /// The threshold that this frame was scored with, in gray levels: a pixel counted if it differed by less.
-    pub alpha: u16,
-    /// The search's peak on the grid, by all templates: offsets from the window's first, 32 being the last position, and the
-    /// score of the last patch twice, of the slow template, and of the anchor twice.
-    pub peak: Peak,
-    /// True if the sweep found the target, in this frame.
+    /// The filter's response at the place, in units of 1/16384; the label is 16384.
+    pub response: i32,
+    /// True if the target was found somewhere else, after it was lost or doubtful.
     pub found_again: bool,
-    /// Comparisons of bytes that it took, at most, and products of the sweep.
-    pub comparisons: u32,
 }
 
-/// Follows one target, whose size, light and view may change. `PIXELS` is the most pixels of the template on the grid, 1024
-/// as it was measured; `WINDOW` the most of the search window. All memory is in here: about `2 * WINDOW + 9 * PIXELS` bytes.
-///
-/// ```
-/// use smr_core::robust::{Config, State, Tracker};
-/// use smr_core::{Frame, Image, Rect};
-///
-/// // A target of 40x40 pixels with some texture, on a plain ground.
-/// fn picture(left: usize, top: usize) -> Vec<u8> {
-///     let mut pixels = vec![90; 160 * 120];
-///     for (y, x) in (0..40).flat_map(|y| (0..40).map(move |x| (y, x))) {
-///         pixels[(top + y) * 160 + left + x] = ((x / 5 * 37 + y / 5 * 59) % 200) as u8;
-///     }
-///     pixels
-/// }
-///
-/// let mut tracker: Tracker = Tracker::new(Config::robust());
-/// let first = picture(20, 30);
-/// tracker.lock(&Frame::whole(Image::new(&first, 160, 120)?), Rect::new(20, 30, 40, 40))?;
-/// let second = picture(26, 33);
-/// let answer = tracker.update(&Frame::whole(Image::new(&second, 160, 120)?))?;
-/// assert_eq!((answer.bbox.x, answer.bbox.y), (26, 33));
-/// assert_eq!(answer.state, State::Tracking);
-/// # Ok::<(), Box<dyn core::error::Error>>(())
-/// ```
-pub struct Tracker<const PIXELS: usize = 1024, const WINDOW: usize = 12288> {
+/// Bytes of the largest window of cells.
+const WINDOW: usize = (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
+/// The place is looked for in a view that is so much larger than the template, and the agreement one pixel beyond.
+const AROUND: u16 = place::AROUND + 1;
+/// Pixels of the largest view.
+const VIEW: usize = 4096;
+/// Offsets on an axis of the search window.
+const SPAN: usize = 2 * REACH as usize + 1;
+
+/// Follows one target, whose size, light and view may change.
+pub struct Tracker {
     config: Config,
-    window: Vec<u8, WINDOW>,
-    search: Search<WINDOW>,
-    patch: Vec<u8, PIXELS>,
-    last: Vec<u8, PIXELS>,
-    slow: Mean<PIXELS>,
-    early: Mean<PIXELS>,
-    /// The early template in the light of the last patch.
-    anchor: Vec<u8, PIXELS>,
+    strip: Strip,
+    cells: Vec<i8, WINDOW>,
+    desk: Desk,
+    view: Vec<u8, VIEW>,
+    patch: Vec<u8, MOST_PIXELS>,
+    filter: Filter,
+    samples: Samples,
+    last: Vec<u8, MOST_PIXELS>,
+    slow: Mean<MOST_PIXELS>,
+    early: Mean<MOST_PIXELS>,
     track: Option<Track>,
 }
 
-/// What is remembered of a target beside its templates.
+/// What is remembered of a target beside its filter and its templates.
 #[derive(Clone, Copy)]
 struct Track {
     bounds: Rect,
@@ -117,7 +98,9 @@ struct Track {
     height: u16,
     grid: Grid,
     place: Place,
-    alpha: u16,
+    /// How far the target moves from frame to frame, as far as is known.
+    right: i64,
+    down: i64,
     /// The scale when the target was last believed.
     believed: u32,
     trust: Trust,
@@ -126,48 +109,43 @@ struct Track {
 }
 
 /// The target's middle and size.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Place {
     x: i64,
     y: i64,
     scale: u32,
 }
 
-/// The running means' rates, as powers of two.
-const SLOW: u32 = 5;
-const EARLY: u32 = 8;
-/// A growth in a frame, squared, in units of 1/65536: at most 1.05, at least 1 / 1.05.
-const MOST_GROWTH: u32 = 72_253;
-const LEAST_GROWTH: u32 = 59_443;
-/// Grid pixels around the window that a larger patch at the peak may need.
-const MARGIN: u16 = 4;
-/// The same around the sweep's window, for the closer look at its edge.
-const SWEEP_MARGIN: u16 = 2;
-/// A closer look goes so far around, in pixels of the grid.
-const CLOSER: u16 = 2;
+/// A peak of responses: where, in units of 1/256 cell from the window's middle, and how large, in units of 1/16384.
+#[derive(Clone, Copy, Debug)]
+struct Peak {
+    x: i32,
+    y: i32,
+    response: i32,
+}
 
-impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
+impl Tracker {
     /// A tracker without a target.
     #[must_use]
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub const fn new(config: Config) -> Self {
-        const { assert!(PIXELS <= 1024 && PIXELS >= 16, "cells and scores are made for templates of 16 to 1024 pixels") };
-        const { assert!(WINDOW >= 68 * 68, "the smallest template needs a window of 68x68") };
         Self {
             config,
-            window: Vec::new(),
-            search: Search::new(),
+            strip: Strip::new(),
+            cells: Vec::new(),
+            desk: Desk::new(),
+            view: Vec::new(),
             patch: Vec::new(),
+            filter: Filter::new(),
+            samples: Samples::new(),
             last: Vec::new(),
             slow: Mean::new(),
             early: Mean::new(),
-            anchor: Vec::new(),
             track: None,
         }
     }
 
-    /// Starts on the target in `target`, at any time; whatever was followed before is forgotten. Only the pixels of the box
-    /// and one more on each side are read.
+    /// Starts on the target in `target`, at any time; whatever was followed before is forgotten.
     ///
     /// # Errors
     /// [`LockError`]; the tracker then goes on with what it had.
@@ -179,69 +157,92 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         if !bounds.contains(target) {
             return Err(LockError::BoxOutsideFrame);
         }
-        let grid = Grid::new(target, PIXELS, WINDOW, self.config.enlarging);
+        let grid = Grid::new(target);
         let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
         let place = Place { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE };
-        if !lattice(&grid, place, 0).sample(frame, &mut self.patch) {
-            return Err(LockError::BoxNotInMemory);
-        }
-        self.last.clear();
-        // Cannot fail: both have the same capacity.
-        let _ = self.last.extend_from_slice(&self.patch);
-        self.slow.start(&self.patch);
-        self.early.start(&self.patch);
-        self.anchor.clear();
-        let _ = self.anchor.extend_from_slice(&self.patch);
-        let alpha = match self.config.threshold {
-            ThresholdRule::Contrast => threshold::by_contrast(&self.patch),
-            ThresholdRule::LargestChange(_) => FIRST_ALPHA,
-        };
-        self.track = Some(Track {
+        let track = Track {
             bounds,
             width: target.width,
             height: target.height,
             grid,
             place,
-            alpha,
+            right: 0,
+            down: 0,
             believed: SCALE,
-            trust: Trust::new(),
+            trust: Trust::new(CLEAR),
             state: State::Tracking,
             sweep: Sweep::new(),
-        });
+        };
+        if !frame.covered().contains(window(&grid, place, REACH).pixels(bounds)) {
+            return Err(LockError::BoxNotInMemory);
+        }
+        // Cannot fail: all of it is in memory.
+        template(&grid, place, 0).sample(frame, &mut self.last);
+        self.slow.start(&self.last);
+        self.early.start(&self.last);
+        self.filter.start(&grid);
+        self.samples.clear();
+        self.see(frame, &grid, place, REACH);
+        let Self { samples, cells, filter, desk, config, .. } = self;
+        samples.take(&grid, cells, (0, 0), &config.tuning);
+        for _ in 0..config.tuning.first_steps {
+            filter.learn(&grid, samples, desk, &config.tuning);
+        }
+        self.track = Some(track);
         Ok(())
     }
 
     /// Looks for the target in the next frame.
     ///
-    /// Of the frame only the pixels in [`Tracker::window`] are read. Cost: two searches of 65x65 offsets over the template's
-    /// pixels, most of which are left out where the target is seen clearly, and at most 156,800 comparisons for the cells; while the
-    /// target is lost or doubtful, one product more for each offset and each of a quarter of the template's pixels.
-    ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        let track = self.look(frame)?;
+        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        if track.bounds != frame.bounds() {
+            return Err(UpdateError::FrameSizeChanged);
+        }
+        if !frame.covered().contains(self.pixels_of(&track)) {
+            return Err(UpdateError::WindowNotInMemory);
+        }
+        let tuning = self.config.tuning;
         let mut next = track;
-        let scorer = scorer(&self.config, track.alpha);
-        let (peak, mut comparisons) = self.follow(&track, &scorer, &mut next);
-        let mut ratio = self.ratio_of_templates(&track, peak.score);
+        let centre = track.expected(&tuning);
+        let coded = self.filter.code(&mut self.desk);
+        let (mut place, peak, mut ratio) = self.look(frame, &track, centre, coded);
+        let evidence = evidence(ratio, peak);
         let mut found_again = false;
-        if self.config.verification {
-            ratio = self.agreement(&track, &peak);
-            comparisons = comparisons.saturating_add(9 * track.grid.pixels());
-            next.trust = track.trust.after(ratio);
-            next.state = next.trust.state(ratio);
-            if next.trust.sweeps() && self.config.sweep {
-                let (found, more) = self.sweep(frame, &track, ratio);
-                comparisons = comparisons.saturating_add(more);
-                next.sweep.advance();
-                if let Some((place, agreement)) = found {
-                    next = Track { place, trust: Trust::new(), state: State::Tracking, ..next };
-                    (ratio, found_again) = (agreement, true);
-                }
+        if tuning.verify {
+            next.trust = track.trust.after(evidence, &tuning);
+            next.state = next.trust.state(&tuning);
+        }
+        let doubted = tuning.gate && evidence < tuning.gate_below;
+        // The sample is of this window: it is taken before another one is looked at.
+        if !doubted {
+            let step = (i64::from(CELL) * track.grid.step_at(centre.scale)).max(1);
+            let label = |to: i64, from: i64| i32::try_from((to - from) * 256 / step).unwrap_or(0);
+            let at = (label(place.x, centre.x), label(place.y, centre.y));
+            self.samples.take(&track.grid, &self.cells, at, &tuning);
+        }
+        if tuning.size {
+            place.scale = self.size(frame, &track, place, peak, coded);
+        }
+        if next.trust.sweeps(&tuning) && tuning.sweep {
+            let there = track.sweep_place();
+            next.sweep.advance();
+            let (found, peak, again) = self.look(frame, &track, there, coded);
+            let clear = self::evidence(again, peak);
+            if clear >= tuning.again && clear >= evidence + tuning.better {
+                (place, ratio, found_again) = (found, again, true);
+                next = Track { trust: Trust::new(clear), state: State::Tracking, ..next };
             }
         }
-        self.learn(frame, &mut next, found_again);
+        next.moved_to(place, found_again);
+        if !doubted {
+            for _ in 0..tuning.steps {
+                self.filter.learn(&track.grid, &self.samples, &mut self.desk, &tuning);
+            }
+        }
+        self.remember(frame, &mut next, found_again);
         self.track = Some(next);
         let fine = next.fine();
         Ok(Answer {
@@ -249,30 +250,17 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
             bbox: whole(fine),
             state: next.state,
             ratio,
+            confidence: next.trust.confidence(),
             scale: next.place.scale,
-            alpha: track.alpha,
-            peak,
+            response: peak.response,
             found_again,
-            comparisons,
         })
     }
 
-    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock. While the target is
-    /// lost or doubtful the sweep's window is in it, too.
+    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock.
     #[must_use]
     pub fn window(&self) -> Option<Rect> {
         self.track.as_ref().map(|track| self.pixels_of(track))
-    }
-
-    /// The search window on the grid, as the next [`Tracker::update`] will see it in this frame: the templates are compared
-    /// with its parts. Nothing but scratch memory changes.
-    ///
-    /// # Errors
-    /// Those of [`Tracker::update`].
-    pub fn window_on_grid(&mut self, frame: &Frame<'_>) -> Result<Image<'_>, UpdateError> {
-        let Grid { columns, rows, .. } = self.look(frame)?.grid;
-        // Cannot fail: the window is as large as it was just made.
-        Image::new(&self.window, columns + 2 * RADIUS, rows + 2 * RADIUS).map_err(|_| UpdateError::WindowNotInMemory)
     }
 
     /// The last patch on the grid; `None` before the first lock.
@@ -293,22 +281,10 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         self.image(self.early.pixels())
     }
 
-    /// The early template in the light of the last patch; `None` before the first lock.
-    #[must_use]
-    pub fn anchor(&self) -> Option<Image<'_>> {
-        self.image(&self.anchor)
-    }
-
     /// The grid; `None` before the first lock.
     #[must_use]
     pub fn grid(&self) -> Option<Grid> {
         self.track.map(|track| track.grid)
-    }
-
-    /// alpha of the next [`Tracker::update`]; 0 before the first lock.
-    #[must_use]
-    pub fn alpha(&self) -> u16 {
-        self.track.map_or(0, |track| track.alpha)
     }
 
     /// The configuration.
@@ -322,233 +298,156 @@ impl<const PIXELS: usize, const WINDOW: usize> Tracker<PIXELS, WINDOW> {
         Image::new(pixels, grid.columns, grid.rows).ok()
     }
 
-    /// Samples the search window, if all that an update may read is there.
-    fn look(&mut self, frame: &Frame<'_>) -> Result<Track, UpdateError> {
-        let track = self.track.ok_or(UpdateError::NotLocked)?;
-        if track.bounds != frame.bounds() {
-            return Err(UpdateError::FrameSizeChanged);
-        }
-        let window = lattice(&track.grid, track.place, RADIUS);
-        if !frame.covered().contains(self.pixels_of(&track)) || !window.sample(frame, &mut self.window) {
-            return Err(UpdateError::WindowNotInMemory);
-        }
-        Ok(track)
-    }
-
-    /// What may be read: the window, a little around it for a patch that has grown, and the sweep's next window.
+    /// What may be read: the window, and the sweep's next one.
     fn pixels_of(&self, track: &Track) -> Rect {
-        let near = lattice(&track.grid, track.place, RADIUS + MARGIN).pixels(track.bounds);
-        if !self.config.sweep || !self.config.verification {
+        let tuning = &self.config.tuning;
+        let near = window(&track.grid, track.expected(tuning), REACH).pixels(track.bounds);
+        if !tuning.sweep || !tuning.verify {
             return near;
         }
-        // Whether this frame is the one in which the sweep begins is known only after it was looked at.
-        if !track.trust.may_sweep_next() {
-            return near;
-        }
-        union(near, track.sweep_window(SWEEP_MARGIN).pixels(track.bounds))
+        union(near, window(&track.grid, track.sweep_place(), REACH).pixels(track.bounds))
     }
 
-    /// Peak, position and size in the window. Says what was found and what it cost.
-    #[inline(never)] // one copy in flash
-    fn follow(&mut self, track: &Track, scorer: &Scorer, next: &mut Track) -> (Peak, u32) {
-        let grid = track.grid;
-        let around = 2 * RADIUS;
-        let Self { window, search, last, slow, anchor, config, .. } = self;
-        let (Ok(window), Ok(last), Ok(slow), Ok(anchor)) = (
-            Image::new(window, grid.columns + around, grid.rows + around),
-            Image::new(last, grid.columns, grid.rows),
-            Image::new(slow.pixels(), grid.columns, grid.rows),
-            Image::new(anchor, grid.columns, grid.rows),
-        ) else {
-            return (CENTRE, 0);
-        };
-        let both = if config.slow_template { Some(slow) } else { None };
-        let score = |x: i32, y: i32| {
-            let patch = window.crop(Rect::new(x, y, grid.columns, grid.rows))?;
-            let anchored = if config.anchor { 2 * scorer.score(patch, anchor) } else { 0 };
-            Some(2 * scorer.score(patch, last) + scorer.score(patch, both.unwrap_or(last)) + anchored)
-        };
-        let mut comparisons = 0;
-        let mut best = CENTRE;
-        for template in [Some(last), both].into_iter().flatten() {
-            let (found, work) = find(search, window, template, scorer, config.pruning);
-            comparisons += work + 9 * 3 * u32::from(grid.columns) * u32::from(grid.rows);
-            for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
-                let (x, y) = (found.x + dx, found.y + dy);
-                if let Some(score) = score(x, y) {
-                    let candidate = Peak { x, y, score };
-                    if rank(&candidate) > rank(&best) {
-                        best = candidate;
-                    }
+    /// The features of a window.
+    fn see(&mut self, frame: &Frame<'_>, grid: &Grid, place: Place, reach: u16) {
+        self.strip.features(frame, &window(grid, place, reach), &mut self.cells);
+    }
+
+    /// The filter's peak in the last window that was seen, of offsets up to `reach` cells around its middle.
+    fn peak(&self, grid: &Grid, coded: Coded, reach: u16) -> Peak {
+        let row = usize::from(grid.across) * CHANNELS;
+        let stride = usize::from(grid.across + 2 * reach) * CHANNELS;
+        let span = 2 * usize::from(reach) + 1;
+        let mut responses = [[0; SPAN]; SPAN];
+        let mut best = (i32::MIN, 0, 0);
+        for (y, out) in responses.iter_mut().take(span).enumerate() {
+            let out = out.get_mut(..span).unwrap_or_default();
+            self.desk.responses(coded, self.cells.get(y * stride..).unwrap_or_default(), stride, row, out);
+            for (x, response) in out.iter_mut().enumerate() {
+                if reach == REACH {
+                    let away = |at: usize| (i64::try_from(at).unwrap_or(0) - i64::from(reach)).pow(2);
+                    let part = 256 - ((self.config.tuning.near * (away(x) + away(y)).min(64)) >> 6);
+                    *response = i32::try_from((i64::from(*response) * part) >> 8).unwrap_or(0);
+                }
+                if *response > best.0 {
+                    best = (*response, x, y);
                 }
             }
         }
-        let step = grid.step_at(track.place.scale);
-        let near = |dx: i32, dy: i32| score(best.x + dx, best.y + dy);
-        let part = |before: Option<u32>, after: Option<u32>| match (before, after) {
-            (Some(before), Some(after)) if config.sub_pixel => peak::top(before, best.score, after),
+        let (response, x, y) = best;
+        let at = |x: usize, y: usize| responses.get(y).filter(|_| x < span && y < span).and_then(|row| row.get(x)).copied();
+        let part = |before: Option<i32>, after: Option<i32>| match (before, after) {
+            (Some(before), Some(after)) => top(before, response, after),
             _ => 0,
         };
-        let (right, down) = (part(near(-1, 0), near(1, 0)), part(near(0, -1), near(0, 1)));
-        let moved = |from: i64, offset: i32, part: i64, size: u16| {
-            let grid_pixels = (i64::from(offset) - i64::from(RADIUS)) * PIXEL + part;
-            (from + ((grid_pixels * step) >> 12)).clamp(0, end_of(size))
+        let cells = |at: usize| (i32::try_from(at).unwrap_or(0) - i32::from(reach)) * 256;
+        Peak {
+            x: cells(x) + part(x.checked_sub(1).and_then(|x| at(x, y)), at(x + 1, y)),
+            y: cells(y) + part(y.checked_sub(1).and_then(|y| at(x, y)), at(x, y + 1)),
+            response,
+        }
+    }
+
+    /// Where the target is in the window around `centre`: by the filter, then by the templates; and how well the early template
+    /// agrees there.
+    fn look(&mut self, frame: &Frame<'_>, track: &Track, centre: Place, coded: Coded) -> (Place, Peak, u16) {
+        let grid = track.grid;
+        self.see(frame, &grid, centre, REACH);
+        let peak = self.peak(&grid, coded, REACH);
+        let step = grid.step_at(centre.scale);
+        // 1/256 cell is 1/64 pixel of the grid; a step is in 1/4096 pixel.
+        let moved = |from: i64, by: i32| from + ((i64::from(by) * step) >> 6);
+        let rough = Place { x: moved(centre.x, peak.x), y: moved(centre.y, peak.y), scale: centre.scale };
+        let lattice = template(&grid, rough, AROUND);
+        if !lattice.sample(frame, &mut self.view) {
+            return (track.inside(rough), peak, 0);
+        }
+        let alpha = threshold::by_contrast(&self.last);
+        let Self { view, last, slow, early, patch: lit, config, .. } = self;
+        let (Ok(view), Ok(last), Ok(slow)) = (
+            Image::new(view, lattice.columns, lattice.rows),
+            Image::new(last, grid.columns, grid.rows),
+            Image::new(slow.pixels(), grid.columns, grid.rows),
+        ) else {
+            return (track.inside(rough), peak, 0);
         };
-        next.place.x = moved(track.place.x, best.x, right, track.bounds.width);
-        next.place.y = moved(track.place.y, best.y, down, track.bounds.height);
-        if config.cells {
-            let scene = cells::Scene { window, last, slow: both.unwrap_or(last), x: best.x, y: best.y, scorer };
-            comparisons += cells::comparisons(last);
-            if let Some(growth) = cells::growth_squared(&scene) {
-                next.place.scale = grown(track.place.scale, growth);
+        let tuning = config.tuning;
+        let (mut place, mut at) = (rough, (i32::from(AROUND), i32::from(AROUND)));
+        if tuning.fine {
+            let scorer = scorer(config, alpha);
+            if tuning.w_early > 0 {
+                let was = threshold::Contrast::of(early.pixels().iter().copied());
+                super::light::of(early.pixels(), was, last, lit);
+            }
+            let Ok(lit) = Image::new(if tuning.w_early > 0 { lit } else { early.pixels() }, grid.columns, grid.rows) else { return (rough, peak, 0) };
+            let (right, down) = place::best(view, 1, [(last, tuning.w_last), (slow, tuning.w_slow), (lit, tuning.w_early)], &scorer);
+            let part = |from: i64, by: i64| from + ((by * tuning.fine_mix / 256 * step) >> 12);
+            place = Place { x: part(rough.x, right), y: part(rough.y, down), ..rough };
+            let pixel = |by: i64| i32::try_from((by * tuning.fine_mix / 256 + PIXEL / 2) >> 12).unwrap_or(0);
+            at = (at.0 + pixel(right), at.1 + pixel(down));
+        }
+        let scene = agreement::Scene { view, early: early.pixels(), columns: grid.columns, rows: grid.rows };
+        let ratio = agreement::best(&scene, at, 1, lit, |alpha| scorer(config, alpha)).ratio;
+        (track.inside(place), peak, ratio)
+    }
+
+    /// The scale at `place`: a little smaller, a little larger, or as it was.
+    fn size(&mut self, frame: &Frame<'_>, track: &Track, place: Place, peak: Peak, coded: Coded) -> u32 {
+        let tuning = self.config.tuning;
+        let mut best = (peak.response, place.scale);
+        let step = u64::from(tuning.size_step);
+        let (larger, smaller) = ((u64::from(place.scale) * step) >> 16, (u64::from(place.scale) << 16) / step);
+        for scale in [smaller, larger] {
+            let scale = u32::try_from(scale).unwrap_or(SCALE).clamp(SCALE / 5, 5 * SCALE);
+            self.see(frame, &track.grid, Place { scale, ..place }, tuning.size_reach);
+            let peak = self.peak(&track.grid, coded, tuning.size_reach);
+            let response = i32::try_from((i64::from(peak.response) * tuning.size_cost) >> 8).unwrap_or(0);
+            if response > best.0 {
+                best = (response, scale);
             }
         }
-        (best, comparisons)
+        best.1
     }
 
-    fn ratio_of_templates(&self, track: &Track, score: u32) -> u16 {
-        let weights = if self.config.anchor { 5 } else { 3 };
-        u16::try_from(score / (weights * track.grid.pixels()).max(1)).unwrap_or(Table::ONE)
-    }
-
-    /// The early template's best agreement at the peak and one pixel of the grid around it.
-    fn agreement(&mut self, track: &Track, peak: &Peak) -> u16 {
-        let (columns, rows) = (track.grid.columns, track.grid.rows);
-        let Self { window, early, patch: lit, config, .. } = self;
-        let Ok(view) = Image::new(window, columns + 2 * RADIUS, rows + 2 * RADIUS) else { return 0 };
-        let scene = agreement::Scene { view, early: early.pixels(), columns, rows };
-        agreement::best(&scene, (peak.x, peak.y), 1, lit, |alpha| scorer(config, alpha)).ratio
-    }
-
-    /// Looks for the early template in the sweep's next window. Says where it is, if it agrees there, and what it cost.
-    #[inline(never)] // one copy in flash
-    fn sweep(&mut self, frame: &Frame<'_>, track: &Track, followed: u16) -> (Option<(Place, u16)>, u32) {
-        let (likely, cost) = self.likely(frame, track);
-        let Some(place) = likely else { return (None, cost) };
-        let cost = cost.saturating_add(u32::from(2 * CLOSER + 1).pow(2) * track.grid.pixels());
-        let found = self.look_closer(frame, track, place);
-        let clear =
-            |(_, ratio): &(Place, u16)| *ratio >= trust::SEEN_AGAIN && *ratio >= followed.saturating_add(BETTER);
-        (found.filter(clear), cost)
-    }
-
-    /// Where in the sweep's window the early template may be, at half the grid's resolution, and what it cost.
-    #[inline(never)] // its stack is not that of the closer look
-    fn likely(&mut self, frame: &Frame<'_>, track: &Track) -> (Option<Place>, u32) {
-        let lattice = track.sweep_window(0);
-        let Self { window, early, patch: half, .. } = self;
-        let grid = track.grid;
-        let Ok(early) = Image::new(early.pixels(), grid.columns, grid.rows) else { return (None, 0) };
-        let (columns, rows) = correlation::halve(early, half);
-        if !lattice.sample(frame, window) {
-            return (None, 0);
-        }
-        let (Ok(window), Ok(half)) =
-            (Image::new(window, lattice.columns, lattice.rows), Image::new(half, columns, rows))
-        else {
-            return (None, 0);
-        };
-        let place = correlation::find(window, half).map(|Likely { x, y }| track.at(&lattice, x, y, RADIUS));
-        (place, correlation::products_in(window, half))
-    }
-
-    /// Where around `place` the early template agrees best, and how well.
-    #[inline(never)] // its stack is not that of the coarse look
-    fn look_closer(&mut self, frame: &Frame<'_>, track: &Track, place: Place) -> Option<(Place, u16)> {
-        let Self { window, early, patch: lit, config, .. } = self;
-        let lattice = lattice(&track.grid, place, CLOSER);
-        if !lattice.sample(frame, window) {
-            return None;
-        }
-        let view = Image::new(window, lattice.columns, lattice.rows).ok()?;
-        let Grid { columns, rows, .. } = track.grid;
-        let scene = agreement::Scene { view, early: early.pixels(), columns, rows };
-        let middle = i32::from(CLOSER);
-        let Agreement { ratio, x, y } =
-            agreement::best(&scene, (middle, middle), middle, lit, |alpha| scorer(config, alpha));
-        Some((track.at(&lattice, x, y, CLOSER), ratio))
-    }
-
-    /// The templates and alpha of the next frame.
-    #[inline(never)] // one copy in flash
-    fn learn(&mut self, frame: &Frame<'_>, next: &mut Track, found_again: bool) {
-        if !lattice(&next.grid, next.place, 0).sample(frame, &mut self.patch) {
+    /// The templates of the next frame.
+    fn remember(&mut self, frame: &Frame<'_>, next: &mut Track, found_again: bool) {
+        let tuning = self.config.tuning;
+        if !template(&next.grid, next.place, 0).sample(frame, &mut self.last) {
             return;
         }
         if found_again {
             self.slow.start(self.early.pixels());
         } else {
-            self.slow.learn(&self.patch, SLOW);
+            self.slow.learn(&self.last, tuning.slow_rate);
         }
-        next.alpha = match self.config.threshold {
-            ThresholdRule::Contrast => threshold::by_contrast(&self.patch),
-            ThresholdRule::LargestChange(k) => {
-                let largest = self.last.iter().zip(&self.patch).map(|(old, new)| old.abs_diff(*new)).max().unwrap_or(0);
-                let alpha = u16::try_from(k.ceil_of(largest)).unwrap_or(256).min(256);
-                if largest == 0 { next.alpha } else { alpha }
-            }
-        };
         if next.state != State::Lost {
-            self.early.learn(&self.patch, EARLY);
+            self.early.learn(&self.last, tuning.early_rate);
         }
         if next.state == State::Tracking {
             next.believed = next.place.scale;
         }
-        self.last.clear();
-        let _ = self.last.extend_from_slice(&self.patch);
-        if let Ok(last) = Image::new(&self.last, next.grid.columns, next.grid.rows) {
-            let early = self.early.pixels();
-            let was = threshold::Contrast::of(early.iter().copied());
-            light::of(early, was, last, &mut self.anchor);
-        }
     }
 }
 
-/// alpha before the first update, under the paper's rule.
-const FIRST_ALPHA: u16 = 13;
-/// By so much better than what is followed the early template has to agree with what the sweep found.
-const BETTER: u16 = 20_000;
-
-/// Where nothing is found, which does not happen: the last position.
-const CENTRE: Peak = Peak { x: RADIUS as i32, y: RADIUS as i32, score: 0 };
-
-/// What makes one offset better than another: its score, then how close it is to the last position, then the upper and the
-/// left one.
-fn rank(peak: &Peak) -> (u32, Reverse<(i32, i32, i32)>) {
-    let (dx, dy) = (peak.x - CENTRE.x, peak.y - CENTRE.y);
-    (peak.score, Reverse((dx * dx + dy * dy, peak.y, peak.x)))
-}
-
-/// The peak of `template` in `window`, and what it cost.
-fn find<const WINDOW: usize>(
-    search: &mut Search<WINDOW>,
-    window: Image<'_>,
-    template: Image<'_>,
-    scorer: &Scorer,
-    pruning: bool,
-) -> (Peak, u32) {
-    let frame = Frame::whole(window);
-    let target = Rect::new(CENTRE.x, CENTRE.y, template.width(), template.height());
-    let offsets = Window::new(target, Radius { x: RADIUS, y: RADIUS }, frame.bounds(), 0);
-    let scene = Scene { frame, template, window: offsets, scorer };
-    search.begin(&scene, pruning, None);
-    let mut work = 0;
-    while !search.is_done() {
-        work += search.step(&scene, u32::MAX);
+/// Where between its neighbours a maximum lies, in units of 1/256 of their distance, -128 to 128.
+fn top(before: i32, at: i32, after: i32) -> i32 {
+    let [before, at, after] = [before, at, after].map(i64::from);
+    let bend = before - 2 * at + after;
+    if bend >= 0 {
+        return 0;
     }
-    (search.found(&offsets).map_or(CENTRE, |found| found.peak), work)
+    i32::try_from(((before - after) * 128 / bend).clamp(-128, 128)).unwrap_or(0)
 }
 
-/// `scale`, times the fourth root of `growth`, which is squared: half of the way, as logarithms go.
-fn grown(scale: u32, growth: u32) -> u32 {
-    let growth = u64::from(growth.clamp(LEAST_GROWTH, MOST_GROWTH));
-    let factor = ((growth << 16).isqrt() << 16).isqrt();
-    let scale = (u64::from(scale) * factor + (1 << 15)) >> 16;
-    u32::try_from(scale).unwrap_or(SCALE).clamp(SCALE / 4, 4 * SCALE)
+/// The search window around `place`, with the pixel on each side that gradients need.
+fn window(grid: &Grid, place: Place, reach: u16) -> Lattice {
+    let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
+    let (columns, rows) = (side(grid.across), side(grid.down));
+    Lattice { x: place.x, y: place.y, step: grid.step_at(place.scale), columns, rows }
 }
 
 /// The template at `place`, and so many pixels of the grid around it.
-fn lattice(grid: &Grid, place: Place, around: u16) -> Lattice {
+fn template(grid: &Grid, place: Place, around: u16) -> Lattice {
     let (columns, rows) = (grid.columns + 2 * around, grid.rows + 2 * around);
     Lattice { x: place.x, y: place.y, step: grid.step_at(place.scale), columns, rows }
 }
@@ -563,22 +462,39 @@ fn scorer(config: &Config, alpha: u16) -> Scorer {
     Scorer::new(config.backend.unwrap_or_else(Backend::best), config.table, alpha)
 }
 
+/// The evidence of a look in which all agrees, in units of 1/65536.
+const CLEAR: i32 = 3 << 15;
+
+/// What a look says for the target: how well the early template agrees, and half of the filter's response.
+fn evidence(ratio: u16, peak: Peak) -> i32 {
+    i32::from(ratio) + 2 * peak.response.clamp(0, 1 << 14)
+}
+
 impl Track {
-    /// The sweep's next window, at half the grid's resolution and the scale that was last believed, with so much around it.
-    fn sweep_window(&self, around: u16) -> Lattice {
-        let Grid { columns, rows, .. } = self.grid;
-        let side = |size: u16| size / 2 + 2 * (RADIUS + around);
-        let step = 2 * self.grid.step_at(self.believed);
-        let window = Lattice { x: 0, y: 0, step, columns: side(columns), rows: side(rows) };
-        self.sweep.place(window, self.bounds)
+    /// Where the target is expected in the next frame.
+    fn expected(&self, tuning: &super::tuning::Tuning) -> Place {
+        let Place { x, y, scale } = self.place;
+        self.inside(Place { x: x + ((self.right * tuning.velocity) >> 8), y: y + ((self.down * tuning.velocity) >> 8), scale })
     }
 
-    /// The place at an offset of a window that reaches `radius` to each side of the template, at the believed scale.
-    fn at(&self, window: &Lattice, x: i32, y: i32, radius: u16) -> Place {
-        let at = |centre: i64, offset: i32, size: u16| {
-            (centre + (i64::from(offset) - i64::from(radius)) * window.step).clamp(0, end_of(size))
-        };
-        Place { x: at(window.x, x, self.bounds.width), y: at(window.y, y, self.bounds.height), scale: self.believed }
+    fn moved_to(&mut self, place: Place, found_again: bool) {
+        let speed = |to: i64, from: i64, before: i64| if found_again { 0 } else { (to - from + before) >> 1 };
+        self.right = speed(place.x, self.place.x, self.right);
+        self.down = speed(place.y, self.place.y, self.down);
+        self.place = place;
+    }
+
+    /// The place, moved into the frame.
+    fn inside(&self, place: Place) -> Place {
+        let Place { x, y, scale } = place;
+        Place { x: x.clamp(0, end_of(self.bounds.width)), y: y.clamp(0, end_of(self.bounds.height)), scale }
+    }
+
+    /// The middle of the sweep's next window, at the scale that was last believed.
+    fn sweep_place(&self) -> Place {
+        let reach = i64::from(2 * REACH * CELL) * self.grid.step_at(self.believed);
+        let (x, y) = self.sweep.place(reach, self.bounds);
+        Place { x, y, scale: self.believed }
     }
 
     fn fine(&self) -> FineRect {
@@ -658,17 +574,3 @@ impl fmt::Display for UpdateError {
 }
 
 impl core::error::Error for UpdateError {}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::println;
-
-    #[test]
-    fn memory_is_twice_the_window_and_nine_times_the_template() {
-        let size = size_of::<Tracker>();
-        println!("robust::Tracker: {size} bytes");
-        assert!(size <= 2 * 12288 + 9 * 1024 + 2400, "{size} bytes");
-        assert!(size <= 48 * 1024);
-    }
-}

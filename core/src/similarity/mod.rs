@@ -5,6 +5,7 @@
 //! padding.
 
 mod arch;
+pub(crate) mod products;
 pub mod scalar;
 mod table;
 
