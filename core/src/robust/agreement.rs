@@ -4,7 +4,9 @@
 //! template is cut into 16 parts, and the fourth least of their ratios is what counts: three may be hidden or have turned
 //! away, but not four.
 
-use super::{light, threshold};
+use super::MOST_PIXELS;
+use super::early::Early;
+use super::light::{self, Contrast};
 use crate::image::{Image, Rect};
 use crate::similarity::Scorer;
 use heapless::Vec;
@@ -17,40 +19,24 @@ const RANK: usize = 4;
 /// What is compared with what.
 pub(super) struct Scene<'a> {
     pub(super) view: Image<'a>,
-    pub(super) early: &'a [u8],
-    /// The template's shape.
+    pub(super) early: &'a Early,
+    /// The template's shape; the view has one pixel more on each side.
     pub(super) columns: u16,
     pub(super) rows: u16,
 }
 
-/// The best place, and how well the early template agrees there, in units of 1/65535.
-pub(super) struct Agreement {
-    pub(super) ratio: u16,
-    pub(super) x: i32,
-    pub(super) y: i32,
-}
-
-/// The best agreement at (`x`, `y`) and up to `reach` pixels around it, each in its own light; of equals the upper and then the
-/// left one. alpha is the mean absolute deviation of what is seen. `lit` is scratch.
+/// The best agreement at the middle of the view and one pixel around it, each in its own light, in units of 1/65535. alpha is the
+/// mean absolute deviation of what is seen. `lit` is scratch.
 #[inline(never)] // one copy in flash
-pub(super) fn best<const PIXELS: usize>(
-    scene: &Scene<'_>,
-    (x, y): (i32, i32),
-    reach: i32,
-    lit: &mut Vec<u8, PIXELS>,
-    scorer: impl Fn(u16) -> Scorer,
-) -> Agreement {
+pub(super) fn best(scene: &Scene<'_>, lit: &mut Vec<u8, MOST_PIXELS>, scorer: impl Fn(u16) -> Scorer) -> u16 {
     let Scene { view, early, columns, rows } = *scene;
-    let was = threshold::Contrast::of(early.iter().copied());
-    let mut best = Agreement { ratio: 0, x, y };
-    for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
-        let Some(seen) = view.crop(Rect::new(x + dx, y + dy, columns, rows)) else { continue };
-        let scorer = scorer(threshold::within_deviation(light::of(early, was, seen, lit)));
+    let was = Contrast::of(early.pixels());
+    let mut best = 0;
+    for (x, y) in (0..=2).flat_map(|y| (0..=2).map(move |x| (x, y))) {
+        let Some(seen) = view.crop(Rect::new(x, y, columns, rows)) else { continue };
+        let scorer = scorer(light::of(early.pixels(), was, seen, lit).threshold());
         let Ok(lit) = Image::new(lit, columns, rows) else { continue };
-        let ratio = fourth_least(seen, lit, &scorer);
-        if ratio > best.ratio {
-            best = Agreement { ratio, x: x + dx, y: y + dy };
-        }
+        best = best.max(fourth_least(seen, lit, &scorer));
     }
     best
 }
@@ -79,32 +65,42 @@ fn fourth_least(seen: Image<'_>, lit: Image<'_>, scorer: &Scorer) -> u16 {
 mod tests {
     use super::*;
     use crate::similarity::{Backend, Table};
+    use std::vec::Vec as Pixels;
 
-    /// 16x16 pixels; the first so many of the 16 parts are not those of the template.
-    fn agreement(hidden: usize) -> u16 {
-        let pixel = |at: usize| u8::try_from(at * 37 % 200).unwrap();
-        let early: std::vec::Vec<u8> = (0..256).map(pixel).collect();
+    /// How well a template of 16x16 pixels agrees with what is seen in its place, nothing being around it.
+    fn agreement(template: &[u8], seen: &[u8]) -> u16 {
+        let mut early = Early::new();
+        early.start(template);
+        let mut view = std::vec![0; 18 * 18];
+        for (row, seen) in view.chunks_mut(18).skip(1).zip(seen.chunks(16)) {
+            row[1..17].copy_from_slice(seen);
+        }
+        let scene = Scene { view: Image::new(&view, 18, 18).unwrap(), early: &early, columns: 16, rows: 16 };
+        best(&scene, &mut Vec::new(), |alpha| Scorer::new(Backend::Scalar, &Table::PAPER, alpha))
+    }
+
+    fn pixel(at: usize) -> u8 {
+        u8::try_from(at * 37 % 200).unwrap()
+    }
+
+    /// The first so many of the 16 parts are not those of the template.
+    fn with_hidden(hidden: usize) -> u16 {
+        let template: Pixels<u8> = (0..256).map(pixel).collect();
         let part = |at: usize| at / 64 * 4 + at % 16 / 4;
-        let seen: std::vec::Vec<u8> =
-            (0..256).map(|at| if part(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
-        let scene = Scene { view: Image::new(&seen, 16, 16).unwrap(), early: &early, columns: 16, rows: 16 };
-        let scorer = |alpha| Scorer::new(Backend::Scalar, &Table::PAPER, alpha);
-        best(&scene, (0, 0), 1, &mut Vec::<u8, 256>::new(), scorer).ratio
+        let seen: Pixels<u8> = (0..256).map(|at| if part(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
+        agreement(&template, &seen)
     }
 
     #[test]
     fn three_parts_may_be_hidden_but_not_four() {
-        assert_eq!(agreement(0), u16::MAX);
-        assert!(agreement(3) > 60_000, "{}", agreement(3));
-        assert!(agreement(4) < 40_000, "{}", agreement(4));
+        assert_eq!(with_hidden(0), u16::MAX);
+        assert!(with_hidden(3) > 60_000, "{}", with_hidden(3));
+        assert!(with_hidden(4) < 40_000, "{}", with_hidden(4));
     }
 
     #[test]
     fn a_plain_patch_does_not_agree() {
-        let early: std::vec::Vec<u8> = (0..=255).map(|at: u8| if at.is_multiple_of(3) { 20 } else { 180 }).collect();
-        let plain = [90; 256];
-        let scene = Scene { view: Image::new(&plain, 16, 16).unwrap(), early: &early, columns: 16, rows: 16 };
-        let scorer = |alpha| Scorer::new(Backend::Scalar, &Table::PAPER, alpha);
-        assert_eq!(best(&scene, (0, 0), 0, &mut Vec::<u8, 256>::new(), scorer).ratio, 0);
+        let template: Pixels<u8> = (0..=255).map(|at: u8| if at.is_multiple_of(3) { 20 } else { 180 }).collect();
+        assert!(agreement(&template, &[90; 256]) < 2000);
     }
 }

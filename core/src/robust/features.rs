@@ -6,15 +6,15 @@
 //! A gradient is split between the two directions next to it, as a vector is into two others: g = a u + b v. That is linear,
 //! so it takes no root, no angle and no division.
 
-use super::grid::Lattice;
-use super::{MOST_SIDE, REACH};
+use super::REACH;
+use super::grid::{COLUMNS, Lattice, MOST_SIDE};
 use crate::image::Frame;
 use heapless::Vec;
 
 /// Pixels of the grid on a side of a cell.
-pub(super) const CELL: u16 = 4;
+pub const CELL: u16 = 4;
 /// Bytes of a cell.
-pub(super) const CHANNELS: usize = 10;
+pub const CHANNELS: usize = 10;
 const BINS: usize = 9;
 /// Cells in a row, at most.
 const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
@@ -59,7 +59,7 @@ struct CellRow {
 
 /// Scratch: rows of the grid and rows of cells, as many as are needed at a time.
 pub(super) struct Strip {
-    pixels: [Vec<u8, { super::grid::COLUMNS }>; 3],
+    pixels: [Vec<u8, COLUMNS>; 3],
     cells: [CellRow; 3],
 }
 

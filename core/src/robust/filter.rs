@@ -1,52 +1,72 @@
-//! The filter: weights for the cells of the target and around it, so that their sum is 1 on the target and 0 elsewhere.
+//! The filter: a weight for each byte of the cells on the target and around it, so that their sum is 1 where the target is and 0
+//! elsewhere.
 //!
-//! It learns by steepest descent with the exact length of step: the sum over all offsets of all samples of (response - label)^2,
-//! and a pull towards 0 that grows where the filter reaches beyond the target.
+//! It learns what the target is not, too: by steepest descent it lessens the sum, over all offsets of all samples, of
+//! (response - label)^2, and the sum of its squared weights. Each step is as long as is best in its direction, which takes one
+//! division.
 //!
 //! | number | unit | bound |
 //! |---|---|---|
-//! | response, label, error | 1/16384 | error 65535 |
-//! | weight | 1/65536 of a response's unit for each unit of a feature | an `i32` |
-//! | coded weight, coded gradient | a power of two, chosen each time | 8191 |
-//! | share of a sample | 1/65536 | their sum is 65536 at most |
+//! | response, label | 1/16384 | responses 2^24 |
+//! | error | 1/16384 | 65,535, farther ones count as much |
+//! | weight | 1/65536 of a response's unit | an `i32` |
+//! | coded weight, coded slope | a power of two, chosen each time | 8191 |
+//! | gathered error | a power of two, chosen each time | 16,383 |
+//! | share of a sample | 1/65536 | all together 65,536 |
 
+use super::MOST_CELLS;
 use super::features::CHANNELS;
 use super::grid::Grid;
-use super::samples::{OFFSETS, Sample, Samples};
-use super::{MOST_CELLS, tuning::Tuning};
-use crate::similarity::products;
+use super::label::Bell;
+use super::samples::{OFFSETS, SAMPLES, Sample, Samples};
+use crate::similarity::Products;
 use heapless::Vec;
 
 /// Weights of the largest filter.
-pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
-/// The largest coded number.
+const WEIGHTS: usize = MOST_CELLS * CHANNELS;
+/// The largest coded number: 2000 of them times a byte stay below 2^31.
 const CODED: u64 = 8191;
-/// The largest error that is told from larger ones.
+/// The largest gathered error: 4 samples of 169 of them times a byte stay below 2^31.
+const GATHERED: u64 = 16_383;
+/// The largest error.
 const MOST_ERROR: i64 = 65_535;
-/// Errors are gathered as numbers of at most so much.
-const MOST_GATHERED: u64 = 16_383;
+/// How much squared weights count: 0.05 where a feature of 1 is 318, which squared is 5056.
+const PULL: i64 = 5056;
 
+/// One offset after another.
+type Row<T> = [T; OFFSETS];
+
+/// What has been learned.
 pub(super) struct Filter {
     weights: Vec<i32, WEIGHTS>,
 }
 
-/// Scratch for responses and for learning.
+/// Scratch: coded weights, and what it takes to learn.
 pub(super) struct Desk {
     coded: Vec<i16, WEIGHTS>,
     gradient: Vec<i32, WEIGHTS>,
-    errors: [[i32; OFFSETS * OFFSETS]; super::samples::SAMPLES],
+    errors: [[Row<i32>; OFFSETS]; SAMPLES],
 }
 
 impl Desk {
     pub(super) const fn new() -> Self {
-        Self { coded: Vec::new(), gradient: Vec::new(), errors: [[0; OFFSETS * OFFSETS]; super::samples::SAMPLES] }
+        Self { coded: Vec::new(), gradient: Vec::new(), errors: [[[0; OFFSETS]; OFFSETS]; SAMPLES] }
+    }
+
+    /// Responses at offsets side by side, to the weights that were coded last by `shift`.
+    pub(super) fn responses(&self, products: Products, shift: u32, cells: &[i8], shape: Shape, out: &mut [i32]) {
+        products.responses(cells, shape.stride, CHANNELS, &self.coded, shape.row, out);
+        out.iter_mut().for_each(|out| *out = response(*out, shift));
     }
 }
 
-/// Filter weights, coded: a coded weight stands for `weight << shift`.
+/// How weights lie on cells.
 #[derive(Clone, Copy)]
-pub(super) struct Coded {
-    pub(super) shift: u32,
+pub(super) struct Shape {
+    /// Bytes of a row of the filter.
+    pub(super) row: usize,
+    /// Bytes of a row of the cells.
+    pub(super) stride: usize,
 }
 
 impl Filter {
@@ -61,115 +81,118 @@ impl Filter {
         let _ = self.weights.resize_default(usize::from(grid.across) * usize::from(grid.down) * CHANNELS);
     }
 
-    /// Puts the weights, coded, on the desk.
-    pub(super) fn code(&self, desk: &mut Desk) -> Coded {
+    /// Products for each weight that a step of learning takes.
+    pub(super) fn work(samples: &Samples) -> u32 {
+        let offsets = u32::try_from(OFFSETS * OFFSETS).unwrap_or(0);
+        3 * offsets * u32::try_from(samples.count()).unwrap_or(0)
+    }
+
+    /// The weights.
+    pub(super) fn weights(&self) -> &[i32] {
+        &self.weights
+    }
+
+    /// Puts the weights on the desk, coded: each stands for itself times 2 to the power that is returned.
+    pub(super) fn code(&self, desk: &mut Desk) -> u32 {
         let largest = self.weights.iter().map(|weight| weight.unsigned_abs()).max().unwrap_or(0);
         let shift = shift_to(largest.into(), CODED);
         desk.coded.clear();
-        for &weight in &self.weights {
-            let _ = desk.coded.push(code(weight.into(), shift));
-        }
-        Coded { shift }
+        desk.coded.extend(self.weights.iter().map(|&weight| code(weight.into(), shift)));
+        shift
     }
 
-    /// One step of learning.
-    pub(super) fn learn(&mut self, grid: &Grid, samples: &Samples, desk: &mut Desk, tuning: &Tuning) {
+    /// One step of learning. Cost: three products for each weight, offset and sample.
+    #[inline(never)] // one copy in flash
+    pub(super) fn learn(&mut self, grid: &Grid, samples: &Samples, desk: &mut Desk, products: Products) {
         let row = usize::from(grid.across) * CHANNELS;
-        let coded = self.code(desk);
-        let Desk { coded: code_of, gradient, errors } = desk;
-        // The errors, each sample's times its share.
-        let mut largest = 0;
-        for (sample, errors) in samples.iter().zip(errors.iter_mut()) {
-            for (y, errors) in errors.chunks_mut(OFFSETS).enumerate() {
-                let mut sums = [0; OFFSETS];
-                products::responses(sample.row(y), sample.stride(), CHANNELS, code_of, row, &mut sums);
-                for (x, (error, sum)) in errors.iter_mut().zip(sums).enumerate() {
-                    *error = weighted(sum, coded, sample, (x, y));
-                    largest = largest.max(error.unsigned_abs());
-                }
-            }
-        }
-        let shift = shift_to(largest.into(), MOST_GATHERED);
+        let largest = self.errors(grid, samples, desk, products);
+        let Desk { coded, gradient, errors } = desk;
+        // Where to.
+        let shift = shift_to(largest.into(), GATHERED);
         gradient.clear();
         let _ = gradient.resize_default(self.weights.len());
         for (sample, errors) in samples.iter().zip(errors.iter()) {
-            for (y, errors) in errors.chunks(OFFSETS).enumerate() {
-                let mut small = [0; OFFSETS];
-                for (small, &error) in small.iter_mut().zip(errors) {
-                    *small = code(error.into(), shift);
-                }
-                products::gather(sample.row(y), sample.stride(), CHANNELS, &small, row, gradient);
+            for (y, errors) in errors.iter().enumerate() {
+                let errors = errors.map(|error| code(error.into(), shift));
+                products.gather(sample.row(y), sample.stride(), CHANNELS, &errors, row, gradient);
             }
         }
-        // Where to: the gradient, coded.
-        let pulls = Pulls::new(grid, tuning);
-        let slope = |(at, (&weight, &sum)): (usize, (&i32, &i32))| {
-            pulls.at(at) * i64::from(weight) + (i64::from(sum) << (shift + 8))
-        };
-        let slopes = || self.weights.iter().zip(gradient.iter()).enumerate().map(slope);
+        // Errors have their share in 1/65536, of which 1/256 were taken away. Both terms are below 2^51.
+        let slope = |(&weight, &sum): (&i32, &i32)| PULL * i64::from(weight) + (i64::from(sum) << (shift + 8));
+        let slopes = || self.weights.iter().zip(gradient.iter()).map(slope);
         let steepest = slopes().map(i64::unsigned_abs).max().unwrap_or(0);
-        if steepest == 0 {
-            return;
-        }
         let scale = shift_to(steepest, CODED);
-        for (code_of, slope) in code_of.iter_mut().zip(slopes()) {
-            *code_of = code(slope, scale);
-        }
-        // How far: |g|^2 over what the step changes, |g|^2 pulled and the samples' responses to g.
-        let (mut squared, mut pulled) = (0i64, 0i64);
-        for (at, &slope) in code_of.iter().enumerate() {
-            let square = i64::from(slope).pow(2);
-            squared += square;
-            pulled += pulls.at(at) * square;
-        }
-        let mut bend = pulled >> 18;
-        for sample in samples.iter() {
-            let mut sum = 0;
-            for y in 0..OFFSETS {
-                let mut sums = [0; OFFSETS];
-                products::responses(sample.row(y), sample.stride(), CHANNELS, code_of, row, &mut sums);
-                sum += sums.iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum::<i64>();
-            }
-            bend += ((sum >> 15) * i64::from(sample.share)) >> 1;
-        }
-        // In units of 2^-44; 2^12 to 2^32.
-        let length = (squared << 26) / bend.max(1);
+        coded.iter_mut().zip(slopes()).for_each(|(coded, slope)| *coded = code(slope, scale));
+        // How far.
+        let length = length(samples, coded, row, products);
+        // Lengths have 44 binary places; a product is below 2^46.
         let back = 44u32.saturating_sub(scale);
-        for (weight, &slope) in self.weights.iter_mut().zip(code_of.iter()) {
+        for (weight, &slope) in self.weights.iter_mut().zip(coded.iter()) {
             let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
             *weight = i32::try_from(i64::from(*weight) - change).unwrap_or(*weight);
         }
     }
-}
 
-impl Desk {
-    /// Responses to the coded weights at offsets side by side, in units of 1/16384.
-    pub(super) fn responses(&self, coded: Coded, cells: &[i8], stride: usize, row: usize, out: &mut [i32]) {
-        products::responses(cells, stride, CHANNELS, &self.coded, row, out);
-        for out in out {
-            *out = response(*out, coded);
+    /// The errors at all offsets of all samples, each times its sample's share, in units of 1/256 of that; says how large the
+    /// largest is.
+    fn errors(&self, grid: &Grid, samples: &Samples, desk: &mut Desk, products: Products) -> u32 {
+        let bell = Bell::of(grid);
+        let shift = self.code(desk);
+        let mut largest = 0;
+        for (number, sample) in samples.iter().enumerate() {
+            let [across, down] = sample.bell(bell);
+            let shape = Shape { row: usize::from(grid.across) * CHANNELS, stride: sample.stride() };
+            for (y, down) in down.into_iter().enumerate() {
+                let mut row = Row::default();
+                desk.responses(products, shift, sample.row(y), shape, &mut row);
+                for (error, across) in row.iter_mut().zip(across) {
+                    *error = weighted(*error - ((across * down + (1 << 13)) >> 14), sample);
+                    largest = largest.max(error.unsigned_abs());
+                }
+                if let Some(errors) = desk.errors.get_mut(number).and_then(|errors| errors.get_mut(y)) {
+                    *errors = row;
+                }
+            }
         }
+        largest
     }
 }
 
+/// How long the step along the coded slopes is, with 44 binary places, below 2^33: the slopes squared over what the step bends, which
+/// is their pull and the samples' responses to them, squared.
+fn length(samples: &Samples, slopes: &[i16], row: usize, products: Products) -> i64 {
+    // At most 2000 * 8191^2 < 2^37.
+    let squared: i64 = slopes.iter().map(|&slope| i64::from(slope).pow(2)).sum();
+    let mut bend = (PULL * squared) >> 18;
+    for sample in samples.iter() {
+        // A sum is below 2^31, of which 9 places are taken away, squared twice that: 169 of them are below 2^52.
+        let mut sum = 0;
+        for y in 0..OFFSETS {
+            let mut sums = Row::default();
+            products.responses(sample.row(y), sample.stride(), CHANNELS, slopes, row, &mut sums);
+            sum += sums.iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum::<i64>();
+        }
+        bend += ((sum >> 15) * i64::from(sample.share)) >> 1;
+    }
+    (squared << 26) / bend.max(1)
+}
+
 /// A sum of products with coded weights as a response.
-fn response(sum: i32, coded: Coded) -> i32 {
-    // The shift is at most 18: the product is below 2^49.
-    let response = (i64::from(sum) << coded.shift) >> 16;
+fn response(sum: i32, shift: u32) -> i32 {
+    // The shift is at most 19: the product is below 2^50.
+    let response = (i64::from(sum) << shift) >> 16;
     i32::try_from(response.clamp(-(1 << 24), 1 << 24)).unwrap_or(0)
 }
 
-/// The error at an offset of a sample, times the sample's share, in units of 1/16384 and 1/256.
-fn weighted(sum: i32, coded: Coded, sample: &Sample, (x, y): (usize, usize)) -> i32 {
-    let error = i64::from(response(sum, coded)) - i64::from(sample.label(x, y));
-    let weighted = (error.clamp(-MOST_ERROR, MOST_ERROR) * i64::from(sample.share)) >> 8;
+/// An error times its sample's share.
+fn weighted(error: i32, sample: &Sample) -> i32 {
+    let weighted = (i64::from(error).clamp(-MOST_ERROR, MOST_ERROR) * i64::from(sample.share)) >> 8;
     i32::try_from(weighted).unwrap_or(0)
 }
 
-/// By how much numbers must be shifted to the right so that the largest is at most `most`.
+/// By how much numbers must be shifted to the right so that the largest is at most `most`, rounded.
 fn shift_to(largest: u64, most: u64) -> u32 {
     let mut shift = 0;
-    // What is rounded may be one more.
     while (largest >> shift) + 1 > most {
         shift += 1;
     }
@@ -179,27 +202,4 @@ fn shift_to(largest: u64, most: u64) -> u32 {
 /// `number >> shift`, rounded.
 fn code(number: i64, shift: u32) -> i16 {
     i16::try_from((number + (1 << shift >> 1)) >> shift).unwrap_or(0)
-}
-
-/// How much each weight is pulled towards 0.
-struct Pulls {
-    across: i64,
-    down: i64,
-    least: i64,
-    outside: i64,
-}
-
-impl Pulls {
-    fn new(grid: &Grid, tuning: &Tuning) -> Self {
-        Self { across: grid.across.into(), down: grid.down.into(), least: tuning.pull, outside: tuning.outside }
-    }
-
-    fn at(&self, weight: usize) -> i64 {
-        let cell = i64::try_from(weight / CHANNELS).unwrap_or(0);
-        let (x, y) = (cell % self.across, cell / self.across);
-        // From the target's edge (0) to the filter's (256); the filter covers 1.4 times the target.
-        let beyond = |at: i64, side: i64| (128 * (7 * (2 * at + 1 - side).abs() - 5 * side) / side).clamp(0, 256);
-        let most = beyond(x, self.across).max(beyond(y, self.down));
-        self.least + ((self.least * self.outside * most) >> 8)
-    }
 }

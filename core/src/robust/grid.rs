@@ -47,16 +47,16 @@ impl Grid {
         let area = u64::from(target.area()) << 24;
         let step = (area / MOST_PIXELS as u64).isqrt().max(2048);
         // 1.4 times the side, in cells: 1.4 / 4 = 7 / 20.
-        let cells = |size: u16| {
-            ((7 * (u64::from(size) << 12) + 10 * step) / (20 * step)).clamp(LEAST_SIDE, MOST_SIDE.into())
-        };
+        let cells =
+            |size: u16| ((7 * (u64::from(size) << 12) + 10 * step) / (20 * step)).clamp(LEAST_SIDE, MOST_SIDE.into());
         let (across, down) = fitting(cells(target.width), cells(target.height), MOST_CELLS as u64);
         // Even, so that the template's middle is the window's.
         let pixels = |size: u16, cells: u16| {
             let side = 2 * (((u64::from(size) << 12) + step) / (2 * step));
             side.clamp(4, (cells * CELL).into())
         };
-        let (columns, rows) = fitting(pixels(target.width, across) / 2, pixels(target.height, down) / 2, MOST_PIXELS as u64 / 4);
+        let (columns, rows) =
+            fitting(pixels(target.width, across) / 2, pixels(target.height, down) / 2, MOST_PIXELS as u64 / 4);
         Self { columns: 2 * columns, rows: 2 * rows, across, down, step: u32::try_from(step).unwrap_or(u32::MAX) }
     }
 

@@ -1,31 +1,46 @@
 //! Beyond the paper: a tracker that holds when light, size and view change, and says so when it does not.
+//!
+//! Where the target is, a filter says that learns in every frame what the target is and what it is not. Whether it is still the
+//! target, SMR says: an early template, which hardly learns, is compared part by part. All is integers, and no frame costs
+//! much more than another.
+//!
+//! | part | file | what it does |
+//! |---|---|---|
+//! | grid | `grid.rs` | target and surroundings are resampled, so that the target has about 1600 pixels |
+//! | features | `features.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
+//! | filter | `filter.rs`, `label.rs`, `samples.rs` | weights for the cells, learned from four samples |
+//! | velocity, near | `track.rs` | a moving target is expected to go on, and far places must answer more clearly |
+//! | size | `tracker.rs` | the filter looks at two more scales |
+//! | verification | `early.rs`, `light.rs`, `agreement.rs`, `trust.rs` | the early template tells whether it is still the target |
+//! | caution | `trust.rs` | what does not agree is not learned |
+//! | sweep | `sweep.rs` | a lost target is looked for all over the frame, one window in each frame |
+//!
+//! Positions are in units of 1/4096 pixel, scales in units of 1/65536; a frame's position is that of its pixels' middles.
 
 mod agreement;
 mod config;
+mod early;
 mod features;
 mod filter;
-mod gauss;
 mod grid;
+mod label;
 mod light;
-mod peak;
-mod place;
+mod responses;
 mod samples;
 mod sweep;
-mod templates;
-mod threshold;
+mod track;
 mod tracker;
 mod trust;
-#[doc(hidden)]
-pub mod tuning;
 
 pub use config::Config;
+pub use features::{CELL, CHANNELS};
 pub use grid::Grid;
-pub use tracker::{Answer, FineRect, LockError, State, Tracker, UpdateError};
+pub use track::FineRect;
+pub use tracker::{Answer, LockError, State, Tracker, UpdateError};
 
-/// How far the filter searches to each side, in cells of 4 pixels of the grid.
+/// How far the filter searches to each side, in cells.
 pub const REACH: u16 = 8;
 /// Pixels of the largest template.
 const MOST_PIXELS: usize = 1600;
 /// Cells of the largest filter.
 const MOST_CELLS: usize = 200;
-use grid::MOST_SIDE;

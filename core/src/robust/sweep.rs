@@ -5,7 +5,7 @@ use super::grid::PIXEL;
 use crate::image::Rect;
 
 /// The windows that cover a frame, and which is next.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Sweep {
     next: u32,
 }

@@ -1,38 +1,116 @@
 //! Trust: what the evidence says, frame after frame.
+//!
+//! A track that learns from itself agrees with itself, whatever it follows: the filter's own response says little about whether
+//! it is right. The early template hardly learns, so it counts twice as much.
 
+use super::label::ONE;
 use super::tracker::State;
-use super::tuning::Tuning;
 
-/// What is believed of the track: a running mean of the evidence, in units of 1/65536.
-#[derive(Clone, Copy)]
+/// Evidence and its mean are in units of 1/65536: 1 for a template that agrees wholly, and 1/2 for a response of 1.
+const CLEAR: i32 = 3 << 15;
+/// A mean below, and the target is lost (of such frames less than one in twelve was right); below, and it is uncertain (from
+/// there on four in five were right).
+const LOST: i32 = 23_600;
+const UNCERTAIN: i32 = 40_000;
+/// A look with less evidence is not learned from.
+const LEARNED: i32 = 29_500;
+/// A lost target is found where there is so much evidence, and so much more than where it was followed.
+const FOUND: i32 = 42_600;
+const BETTER: i32 = 13_000;
+/// Part of the way that the mean moves to the evidence of a frame, in units of 1/256.
+const RATE: i32 = 77;
+
+/// What a look at a place says for the target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Evidence(i32);
+
+impl Evidence {
+    /// By how well the early template agrees, in units of 1/65535, and by the filter's response.
+    pub(super) fn of(agreement: u16, response: i32) -> Self {
+        Self(i32::from(agreement) + 2 * response.clamp(0, ONE))
+    }
+
+    /// True if what was seen may be learned.
+    pub(super) fn teaches(self) -> bool {
+        self.0 >= LEARNED
+    }
+
+    /// True if this is the lost target, which was followed elsewhere with the evidence `there`.
+    pub(super) fn finds(self, there: Self) -> bool {
+        self.0 >= FOUND && self.0 >= there.0 + BETTER
+    }
+}
+
+/// The running mean of the evidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Trust(i32);
 
 impl Trust {
-    /// After a look at the target that was this clear.
-    pub(super) const fn new(evidence: i32) -> Self {
-        Self(evidence)
+    /// Of a target that was pointed at.
+    pub(super) const fn new() -> Self {
+        Self(CLEAR)
     }
 
-    pub(super) fn after(self, evidence: i32, t: &Tuning) -> Self {
-        Self(self.0 + (((evidence - self.0) * t.smooth) >> 8))
+    /// Of a target that was found again.
+    pub(super) const fn found(evidence: Evidence) -> Self {
+        Self(evidence.0)
     }
 
-    pub(super) fn state(self, t: &Tuning) -> State {
-        if self.0 < t.lost {
-            State::Lost
-        } else if self.0 < t.sure {
-            State::Uncertain
-        } else {
-            State::Tracking
+    pub(super) fn after(self, evidence: Evidence) -> Self {
+        Self(self.0 + (((evidence.0 - self.0) * RATE) >> 8))
+    }
+
+    pub(super) fn state(self) -> State {
+        match self.0 {
+            ..LOST => State::Lost,
+            LOST..UNCERTAIN => State::Uncertain,
+            _ => State::Tracking,
         }
     }
 
-    pub(super) fn sweeps(self, t: &Tuning) -> bool {
-        self.0 < t.sweep_below
+    /// True if a frame without any evidence would make it lost.
+    pub(super) fn may_be_lost_next(self) -> bool {
+        self.after(Evidence(0)).state() == State::Lost
     }
 
     /// 0 to 65535.
     pub(super) fn confidence(self) -> u16 {
-        u16::try_from((self.0 * 2 / 3).clamp(0, 65535)).unwrap_or(0)
+        u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evidence_is_between_nothing_and_clear() {
+        assert_eq!(Evidence::of(0, -ONE), Evidence(0));
+        assert_eq!(Evidence::of(u16::MAX, 9 * ONE), Evidence(CLEAR - 1));
+        let confidence = |trust: Trust| trust.confidence();
+        assert_eq!([confidence(Trust::new()), confidence(Trust::found(Evidence(0)))], [u16::MAX, 0]);
+    }
+
+    #[test]
+    fn without_evidence_a_target_is_uncertain_and_then_lost() {
+        let states =
+            core::iter::successors(Some(Trust::new()), |trust| Some(trust.after(Evidence(0)))).map(Trust::state);
+        let runs: std::vec::Vec<State> = states.take(8).collect();
+        use State::{Lost, Tracking, Uncertain};
+        assert_eq!(runs, [Tracking, Tracking, Tracking, Uncertain, Lost, Lost, Lost, Lost]);
+    }
+
+    #[test]
+    fn states_begin_where_they_are_said_to() {
+        let state = |mean: i32| Trust(mean).state();
+        assert_eq!([state(LOST - 1), state(LOST)], [State::Lost, State::Uncertain]);
+        assert_eq!([state(UNCERTAIN - 1), state(UNCERTAIN)], [State::Uncertain, State::Tracking]);
+    }
+
+    #[test]
+    fn a_find_is_clear_and_clearer_than_what_is_followed() {
+        assert!(Evidence(FOUND).finds(Evidence(FOUND - BETTER)));
+        assert!(!Evidence(FOUND - 1).finds(Evidence(0)) && !Evidence(FOUND).finds(Evidence(FOUND - BETTER + 1)));
+        assert!(Evidence(LEARNED).teaches() && !Evidence(LEARNED - 1).teaches());
     }
 }

@@ -10,6 +10,7 @@ pub mod scalar;
 mod table;
 
 pub use arch::{Backend, Scorer};
+pub(crate) use products::Products;
 pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};

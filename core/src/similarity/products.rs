@@ -4,6 +4,38 @@
 //! A *row* of weights lies on a row of bytes; `stride` bytes on, the next row of weights lies. Offsets side by side are
 //! `step` bytes apart.
 
+use super::Backend;
+
+/// How sums of products are computed. All ways give the same integers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Products(Backend);
+
+impl Products {
+    /// By `backend`; by the plain loops where the machine does not have it.
+    pub(crate) fn new(backend: Backend) -> Self {
+        Self(backend)
+    }
+
+    /// See [`responses`].
+    pub(crate) fn responses(
+        self,
+        cells: &[i8],
+        stride: usize,
+        step: usize,
+        weights: &[i16],
+        row: usize,
+        out: &mut [i32],
+    ) {
+        let _ = self.0;
+        responses(cells, stride, step, weights, row, out);
+    }
+
+    /// See [`gather`].
+    pub(crate) fn gather(self, cells: &[i8], stride: usize, step: usize, errors: &[i16], row: usize, sums: &mut [i32]) {
+        gather(cells, stride, step, errors, row, sums);
+    }
+}
+
 /// `out[k]` is the sum over all weights of `weight * byte`, the weights' first byte being `k * step`.
 ///
 /// No sum may leave an `i32`: at most 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.

@@ -1,0 +1,57 @@
+//! The early template: a mean of patches that learns so slowly that what slips in is noticed before it is learned.
+
+use super::MOST_PIXELS;
+use heapless::Vec;
+
+/// It moves a 1024th of the way to each patch that it learns.
+const RATE: u32 = 10;
+
+/// A running mean of patches, in units of 1/256 gray level.
+pub(super) struct Early {
+    fine: Vec<u16, MOST_PIXELS>,
+}
+
+impl Early {
+    pub(super) const fn new() -> Self {
+        Self { fine: Vec::new() }
+    }
+
+    /// Begins with `patch`, or with as much of it as there is room for.
+    pub(super) fn start(&mut self, patch: &[u8]) {
+        self.fine.clear();
+        for &pixel in patch.iter().take(MOST_PIXELS) {
+            let _ = self.fine.push(u16::from(pixel) << 8);
+        }
+    }
+
+    /// Moves towards `patch`, rounded: a pixel that differs by less than 2 gray levels stays.
+    pub(super) fn learn(&mut self, patch: impl Iterator<Item = u8>) {
+        for (fine, new) in self.fine.iter_mut().zip(patch) {
+            let difference = (i32::from(new) << 8) - i32::from(*fine);
+            let moved = i32::from(*fine) + ((difference + (1 << (RATE - 1))) >> RATE);
+            // Between two numbers of 16 bits.
+            *fine = u16::try_from(moved).unwrap_or(*fine);
+        }
+    }
+
+    /// Rounded to gray levels.
+    pub(super) fn pixels(&self) -> impl ExactSizeIterator<Item = u8> + Clone {
+        self.fine.iter().map(|&fine| u8::try_from((u32::from(fine) + 128) >> 8).unwrap_or(u8::MAX))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_comes_within_two_gray_levels_of_what_it_learns() {
+        let mut early = Early::new();
+        early.start(&[0, 255]);
+        assert!(early.pixels().eq([0, 255]));
+        for _ in 0..20_000 {
+            early.learn([255, 0].into_iter());
+        }
+        assert!(early.pixels().eq([253, 2]));
+    }
+}
