@@ -7,7 +7,7 @@
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.
-//! - [`target`]: the firmware in QEMU against the host.
+//! - [`emulator`]: the firmware in QEMU against the host.
 //! - [`mod@bench`]: how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
@@ -19,7 +19,7 @@ pub mod reference;
 pub mod report;
 pub mod sequence;
 pub mod spread;
-pub mod target;
+pub mod emulator;
 pub mod vectors;
 
 /// The tracker as this program builds it: room for the largest template there can be (256x256 pixels), and for a window

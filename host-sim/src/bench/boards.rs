@@ -3,10 +3,10 @@
 
 use crate::sequence::Sequence;
 use crate::spread::Spread;
-use crate::target::Recording;
-use crate::target::firmware;
-use crate::target::protocol::TooBig;
-use crate::target::qemu::{Qemu, Setup};
+use crate::emulator::Recording;
+use crate::emulator::firmware;
+use crate::emulator::protocol::TooBig;
+use crate::emulator::qemu::{Qemu, Setup};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -89,7 +89,7 @@ impl Board {
         Ok(())
     }
 
-    fn run(&self, recording: &Recording, folder: &Path) -> Result<crate::target::Report> {
+    fn run(&self, recording: &Recording, folder: &Path) -> Result<crate::emulator::Report> {
         let mut qemu = Qemu::start(&self.setup, &self.elf, folder, Stdio::null())?;
         recording.compare(&mut qemu, folder)
     }

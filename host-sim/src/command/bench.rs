@@ -12,7 +12,7 @@ use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
 use crate::evaluate::{self, MethodKind};
 use crate::report::{diagram, speeds};
-use crate::target::qemu::Machine;
+use crate::emulator::qemu::Machine;
 use anyhow::{Context, Result, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;

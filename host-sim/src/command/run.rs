@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::qemu_options::QemuOptions;
-use crate::target::qemu::Qemu;
+use crate::emulator::qemu::Qemu;
 use anyhow::{Context, Result, anyhow, bail};
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
