@@ -8,18 +8,20 @@
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.
 //! - [`emulator`]: the firmware in QEMU against the host.
+//! - [`output`]: how files are written: whole or not at all.
 //! - [`mod@bench`]: how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
 pub mod bench;
 pub mod check;
 pub mod command;
+pub mod emulator;
 pub mod evaluate;
+pub mod output;
 pub mod reference;
 pub mod report;
 pub mod sequence;
 pub mod spread;
-pub mod emulator;
 pub mod vectors;
 
 /// The tracker as this program builds it: room for the largest template there can be (256x256 pixels), and for a window

@@ -1,12 +1,12 @@
 //! Instructions of an update on the emulated boards: the firmware in QEMU, with its window of +-16, on the recordings' own
 //! boxes.
 
-use crate::sequence::Sequence;
-use crate::spread::Spread;
 use crate::emulator::Recording;
 use crate::emulator::firmware;
 use crate::emulator::protocol::TooBig;
 use crate::emulator::qemu::{Qemu, Setup};
+use crate::sequence::Sequence;
+use crate::spread::Spread;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

@@ -10,14 +10,14 @@ use crate::bench::case::{self, Size};
 use crate::bench::clock::{Patience, timed};
 use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
-use crate::evaluate::{self, MethodKind};
-use crate::report::{diagram, speeds};
 use crate::emulator::qemu::Machine;
+use crate::evaluate::{self, MethodKind};
+use crate::output::Output;
+use crate::report::{diagram, speeds};
 use anyhow::{Context, Result, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use smr_core::{Config, Radius};
-use std::fs;
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
@@ -77,6 +77,7 @@ impl Bench {
     pub fn run(self) -> Result<Outcome> {
         self.tracker.check("bench")?;
         let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
+        let plot = self.plot.as_deref().map(Output::create).transpose()?;
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let paths = found?.concat();
 
@@ -86,9 +87,9 @@ impl Bench {
         let (evaluated, time) = timed(|| self.evaluate(&paths));
         evaluated?;
         let report = Report::new(&run, boards, Some(time));
-        if let (Some(file), Some(form)) = (&self.plot, form) {
-            let bytes = form.draw(&speeds::marks(&report.speeds))?;
-            fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
+        if let (Some(mut plot), Some(form)) = (plot, form) {
+            plot.write(&form.draw(&speeds::marks(&report.speeds))?)?;
+            plot.finish()?;
         }
         self.print(&report)?;
         for difference in &report.differences {

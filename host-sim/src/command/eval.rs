@@ -7,12 +7,12 @@ use super::robustness::{self, end, progress_bar, say_what_failed};
 use super::tracker_options::TrackerOptions;
 use crate::evaluate::robustness::Robustness;
 use crate::evaluate::{self, Configs, Evaluation, MethodKind, Results, Variant};
+use crate::output::{Output, print};
 use crate::report::calibration;
 use crate::report::diagram::Form;
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Error, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -88,11 +88,12 @@ impl Eval {
         let form = self.calibration.as_deref().map(Form::of).transpose()?;
         let smr = self.method.contains(&MethodKind::Smr);
         ensure!(smr || form.is_none(), "--calibration is of the ratio that SMR reports: --method smr is missing");
+        let plot = self.calibration.as_deref().map(Output::create).transpose()?;
         let variants: Vec<Variant> = self.method.iter().map(|&kind| Variant::new(kind, configs)).collect();
         let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants, self.starts_every)?;
-        if let (Some(file), Some(form)) = (&self.calibration, form) {
-            let bytes = form.draw(&calibration::marks(robustness.calibration()))?;
-            fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
+        if let (Some(mut plot), Some(form)) = (plot, form) {
+            plot.write(&form.draw(&calibration::marks(robustness.calibration()))?)?;
+            plot.finish()?;
         }
         self.print_robustness(&robustness)?;
         end(failed)
@@ -104,7 +105,7 @@ impl Eval {
             (false, None) => robustness.table(),
             (false, Some(_)) => format!("{}\n{}", robustness.table(), robustness.calibration_table()),
         };
-        Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+        print(|out| out.write_all(text.as_bytes()))
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
@@ -128,7 +129,7 @@ impl Eval {
             false if results.is_empty() => String::new(),
             false => format!("{}\n{}", results.details(), results.correct_frames()),
         };
-        Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+        print(|out| out.write_all(text.as_bytes()))
     }
 }
 

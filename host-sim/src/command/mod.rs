@@ -16,6 +16,7 @@ mod track;
 mod tracker_options;
 mod vectors;
 
+use crate::output::print;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::io::{self, ErrorKind, StdoutLock};
@@ -97,8 +98,8 @@ impl HostSim {
 
 /// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
 fn say(report: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
-    match report(&mut io::stdout().lock()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+    match print(report) {
+        Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),
     }
 }

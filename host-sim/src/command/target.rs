@@ -53,14 +53,14 @@ impl Target {
         self.tracker.check("target")?;
         let sequence = self.recording.open(&self.sequence)?;
         let target = sequence.start()?;
-        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
-        let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
-        let recording = Recording::write(&sequence.name, sequence.frames, target, most, folder.path())?;
         let elf = match &self.elf {
             Some(elf) => elf.clone(),
             None => firmware::build("replay", self.qemu.machine)?,
         };
         let sizes = Sizes::of(&elf)?;
+        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+        let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
+        let recording = Recording::write(&sequence.name, sequence.frames, target, most, folder.path())?;
         let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
         let report = recording.compare(&mut qemu, folder.path())?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
