@@ -24,6 +24,11 @@ pub mod sequence;
 pub mod spread;
 pub mod vectors;
 
-/// The tracker as this program builds it: room for the largest template there can be (256x256 pixels), and for a window
-/// of 4096 offsets on each axis, so the whole of a frame of up to about 4000x4000 pixels.
-pub type Tracker = smr_core::Tracker<65536, 4096>;
+/// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.
+pub const MOST_PIXELS: usize = 65536;
+
+/// The most offsets of a window on an axis: the whole of a frame of up to about 4000x4000 pixels.
+pub const MOST_OFFSETS: usize = 4096;
+
+/// The tracker as this program builds it, as large as it can be.
+pub type Tracker = smr_core::Tracker<MOST_PIXELS, MOST_OFFSETS>;

@@ -80,6 +80,7 @@ impl Bench {
         let plot = self.plot.as_deref().map(Output::create).transpose()?;
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let paths = found?.concat();
+        self.recording.check_for(paths.len())?;
 
         // First what can fail for want of a program.
         let boards = self.boards(&paths)?;

@@ -75,7 +75,9 @@ impl Eval {
         }
 
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let evaluations = self.evaluate(&found?.concat(), &configs);
+        let found = found?.concat();
+        self.recording.check_for(found.len())?;
+        let evaluations = self.evaluate(&found, &configs);
         let failed = say_what_failed(evaluations.iter().flat_map(errors));
         let mut evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
         evaluations.retain(|evaluation| !evaluation.scores.is_empty());

@@ -21,10 +21,12 @@ pub fn measure(
     starts_every: Option<NonZeroUsize>,
 ) -> Result<(Robustness, usize)> {
     let found: Result<Vec<_>> = paths.iter().map(|path| recordings(path)).collect();
+    let found = found?.concat();
+    recording.check_for(found.len())?;
     let settings = Settings { variants, starts: starts_every.map_or(Starts::Near, Starts::Every) };
     let bar = progress_bar();
     let open = |path: &Path| recording.open(path);
-    let mut robustness = robustness::measure(&found?.concat(), open, settings, &|progress| match progress {
+    let mut robustness = robustness::measure(&found, open, settings, &|progress| match progress {
         Progress::Expected(frames) => bar.inc_length(frames),
         Progress::Done => bar.inc(1),
     });

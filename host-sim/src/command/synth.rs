@@ -116,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("new").join("folder");
         write(&out, format).unwrap();
-        let read = sequence::open(&out, &OpenOptions { size, init: None }).unwrap();
+        let read = sequence::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
         let made = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         assert_eq!((read.name.as_str(), read.init, read.truth), ("folder", made.init, made.truth));
         assert!(read.length.is_none_or(|length| length == synthetic::LENGTH));

@@ -4,9 +4,9 @@ use super::Configs;
 use super::baseline::{Baseline, Measure};
 use crate::Tracker;
 use crate::sequence::{BoundingBox, GrayFrame};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
-use smr_core::{Answer, Frame, Image, Rect, robust};
+use smr_core::{Answer, Frame, Image, LockError, Rect, robust};
 
 /// A tracker that follows one box.
 pub trait Method {
@@ -168,7 +168,14 @@ impl MethodKind {
 
 impl Method for Tracker {
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        Ok(Self::lock(self, frame, target)?)
+        Self::lock(self, frame, target).map_err(|error| match error {
+            LockError::BoxTooLarge => anyhow!(
+                "{error}: expected at most {}, as a score has 32 bits; --config robust has no such bound",
+                crate::MOST_PIXELS
+            ),
+            LockError::WindowTooLarge => anyhow!("{error}: expected at most {} on an axis", crate::MOST_OFFSETS),
+            error => error.into(),
+        })
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
@@ -218,11 +225,26 @@ impl Run {
     pub fn step(&mut self, frame: &GrayFrame) -> Result<Report> {
         self.frames += 1;
         let report = match self.frames {
-            1 => self.method.lock(&frame.frame(), self.start).map(|()| Report::locked(self.start)),
+            1 => lock(self.method.as_mut(), &frame.frame(), self.start).map(|()| Report::locked(self.start)),
             _ => self.method.update(&frame.frame()),
         };
         report.with_context(|| format!("frame {}", self.frames))
     }
+}
+
+/// Starts `method` on the target in `target`.
+///
+/// # Errors
+/// The method's, with the numbers that it is about.
+pub fn lock(method: &mut dyn Method, frame: &Frame<'_>, target: Rect) -> Result<()> {
+    method.lock(frame, target).with_context(|| {
+        let (Rect { x, y, width, height }, bounds) = (target, frame.bounds());
+        let pixels = u64::from(width) * u64::from(height);
+        format!(
+            "the box {x},{y},{width},{height} of {pixels} pixels in a frame of {}x{}",
+            bounds.width, bounds.height
+        )
+    })
 }
 
 #[cfg(test)]
@@ -273,7 +295,8 @@ mod tests {
             assert_eq!(format!("{error:#}"), format!("frame 2: {update}"));
             let mut run = Run::new(kind.build(&configs).unwrap(), Rect::new(13, 2, 4, 4));
             let error = run.step(&plain(16, 12)).unwrap_err();
-            assert_eq!(format!("{error:#}"), format!("frame 1: {lock}"));
+            let numbers = "the box 13,2,4,4 of 16 pixels in a frame of 16x12";
+            assert_eq!(format!("{error:#}"), format!("frame 1: {numbers}: {lock}"));
         }
     }
 

@@ -164,6 +164,7 @@ fn stem(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequence::Damage;
     use anyhow::bail;
     use smr_core::Config;
     use std::cell::Cell;
@@ -188,6 +189,7 @@ mod tests {
             length: Some(4),
             init: Some(at(4.0)),
             truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
+            damage: Damage::default(),
         }
     }
 

@@ -22,6 +22,7 @@ pub use figures::Figures;
 pub use starts::Starts;
 
 use super::Variant;
+use super::method::lock;
 use crate::bench::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
@@ -213,7 +214,7 @@ fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl F
     let mut spent = Spent { comparisons: Some(0), ..Spent::default() };
     let mut frames = (1..).zip(&recording.frames).skip(start.frame);
     if let Some((number, first)) = frames.next() {
-        method.lock(&first.frame(), start.target).with_context(|| format!("frame {number}"))?;
+        lock(method.as_mut(), &first.frame(), start.target).with_context(|| format!("frame {number}"))?;
         progress();
     }
     for (number, frame) in frames {
@@ -284,6 +285,7 @@ fn label(folder: &Path, all: &[&Path]) -> String {
 mod tests {
     use super::*;
     use crate::evaluate::MethodKind;
+    use crate::sequence::Damage;
     use crate::sequence::GrayFrame;
     use smr_core::Config;
     use std::num::NonZeroUsize;
@@ -305,6 +307,7 @@ mod tests {
             length: Some(4),
             init: at(4.0),
             truth: Some(vec![at(4.0), at(6.0), None, at(10.0)]),
+            damage: Damage::default(),
         }
     }
 
@@ -377,8 +380,9 @@ mod tests {
         };
         let result = measured(&["a/bare", "a/moving", "a/outside"], open, Starts::Near);
         let failures: Vec<String> = result.failures.iter().map(|error| format!("{error:#}")).collect();
+        let numbers = "the box 21,6,5,4 of 20 pixels in a frame of 24x20";
         let reason = smr_core::LockError::BoxOutsideFrame;
-        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
+        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {numbers}: {reason}"));
         assert_eq!(failures.len(), 3);
         assert!(failures.iter().any(|failure| failure.starts_with("bare: no ground truth")));
         assert!(expected.iter().all(|line| failures.contains(line)), "{failures:?}");

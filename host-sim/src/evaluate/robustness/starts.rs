@@ -2,7 +2,7 @@
 
 use super::recording::Recording;
 use crate::sequence::BoundingBox;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::Rect;
 use std::num::NonZeroUsize;
 
@@ -84,7 +84,7 @@ fn scaled(given: BoundingBox, factor: f64) -> BoundingBox {
 }
 
 fn whole(target: &BoundingBox) -> Result<Rect> {
-    target.to_rect().with_context(|| format!("the box has no pixels: {target} (x,y,width,height)"))
+    target.pixels().map_err(|what| anyhow!("the box {what}"))
 }
 
 fn inside(target: &BoundingBox, bounds: Rect) -> Result<Rect> {
