@@ -11,7 +11,7 @@ use crate::bench::clock::{Patience, timed};
 use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
 use crate::emulator::qemu::Machine;
-use crate::evaluate::{self, MethodKind};
+use crate::evaluate::{self, MethodKind, Variant};
 use crate::output::Output;
 use crate::report::{diagram, speeds};
 use anyhow::{Context, Result, anyhow, ensure};
@@ -155,8 +155,8 @@ impl Bench {
     fn evaluate(&self, paths: &[PathBuf]) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
         let one = |path: &PathBuf| {
-            evaluate::evaluate(self.recording.open(path)?, &[MethodKind::Smr], &Config::paper().into(), &[], || ())
-                .map(|_| ())
+            let variant = Variant::new(MethodKind::Smr, &Config::paper().into());
+            evaluate::evaluate(self.recording.open(path)?, &[variant], &[], || ()).map(|_| ())
         };
         pool.install(|| paths.par_iter().map(one).collect())
     }

@@ -46,6 +46,11 @@ impl RecordingOptions {
         Ok(Sequence { name, frames, damage, ..sequence })
     }
 
+    /// True if no option changes the box to start from.
+    pub fn says_nothing_of_start(&self) -> bool {
+        self.init.is_none() && !self.inclusive
+    }
+
     /// To be asked before the work on so many recordings.
     ///
     /// # Errors

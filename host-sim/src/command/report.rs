@@ -128,7 +128,7 @@ fn json(film: &Film, files: &[Written]) -> Result<String> {
         "shown": film.shown(),
         "changes_left_out": film.changes_left_out,
         "files": files,
-        "scores": results.rows().collect::<Vec<_>>(),
+        "scores": results.measured(),
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }

@@ -45,6 +45,7 @@ struct JsonLine {
 
 impl Track {
     pub fn run(self) -> Result<Outcome> {
+        self.tracker.check_for(&[self.method])?;
         let method = self.method.build(&self.tracker.configs()?)?;
         let sequence = self.recording.open(&self.sequence)?;
         let mut run = Run::new(method, sequence.start()?);

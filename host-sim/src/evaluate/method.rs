@@ -1,7 +1,7 @@
 //! What every tracker that can be run here has in common: [`Method`]; both of SMR as two of them, and a [`Run`] of any.
 
 use super::Configs;
-use super::baseline::{Baseline, Measure};
+use super::baseline::{Baseline, Flow, Measure};
 use crate::Tracker;
 use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::{Context, Result, anyhow};
@@ -136,6 +136,8 @@ pub enum MethodKind {
     Ssd,
     /// Zero-mean normalised cross-correlation
     Ncc,
+    /// Lucas-Kanade: translation, with an image pyramid
+    Lk,
 }
 
 impl MethodKind {
@@ -147,6 +149,7 @@ impl MethodKind {
             Self::Sad => "sad",
             Self::Ssd => "ssd",
             Self::Ncc => "ncc",
+            Self::Lk => "lk",
         }
     }
 
@@ -162,6 +165,7 @@ impl MethodKind {
             (Self::Sad, _) => baseline(Measure::Absolute),
             (Self::Ssd, _) => baseline(Measure::Squared),
             (Self::Ncc, _) => baseline(Measure::Correlation),
+            (Self::Lk, _) => Box::new(Flow::new(&configs.paper)),
         })
     }
 }
@@ -240,10 +244,7 @@ pub fn lock(method: &mut dyn Method, frame: &Frame<'_>, target: Rect) -> Result<
     method.lock(frame, target).with_context(|| {
         let (Rect { x, y, width, height }, bounds) = (target, frame.bounds());
         let pixels = u64::from(width) * u64::from(height);
-        format!(
-            "the box {x},{y},{width},{height} of {pixels} pixels in a frame of {}x{}",
-            bounds.width, bounds.height
-        )
+        format!("the box {x},{y},{width},{height} of {pixels} pixels in a frame of {}x{}", bounds.width, bounds.height)
     })
 }
 
@@ -283,8 +284,7 @@ mod tests {
     #[test]
     fn errors_name_the_frame() {
         let [paper, robust] = all_configs();
-        let of_paper =
-            (smr_core::LockError::BoxOutsideFrame.to_string(), smr_core::UpdateError::FrameSizeChanged.to_string());
+        let of_paper = (LockError::BoxOutsideFrame.to_string(), smr_core::UpdateError::FrameSizeChanged.to_string());
         let of_robust =
             (robust::LockError::BoxOutsideFrame.to_string(), robust::UpdateError::FrameSizeChanged.to_string());
         let papers = all_kinds().map(|&kind| (kind, paper, &of_paper));

@@ -15,10 +15,10 @@ fn picture(format: ImageFormat) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     match format {
         ImageFormat::Jpeg => {
-            JpegEncoder::new(&mut bytes).encode(&pixels, width, height, ExtendedColorType::L8).unwrap()
+            JpegEncoder::new(&mut bytes).encode(&pixels, width, height, ExtendedColorType::L8).unwrap();
         }
         _ => {
-            image::write_buffer_with_format(&mut bytes, &pixels, width, height, ExtendedColorType::L8, format).unwrap()
+            image::write_buffer_with_format(&mut bytes, &pixels, width, height, ExtendedColorType::L8, format).unwrap();
         }
     }
     bytes.into_inner()

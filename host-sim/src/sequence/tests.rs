@@ -285,7 +285,7 @@ mod pictures {
 
     /// A JPEG with detail everywhere, so that most bytes are pixels.
     fn jpeg() -> Vec<u8> {
-        let pixels: Vec<u8> = (0..96 * 96_u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        let pixels: Vec<u8> = (0..96 * 96_u32).map(|at| at.wrapping_mul(2_654_435_761).to_be_bytes()[0]).collect();
         let mut bytes = Vec::new();
         image::codecs::jpeg::JpegEncoder::new(&mut bytes)
             .encode(&pixels, 96, 96, image::ExtendedColorType::L8)
@@ -320,7 +320,7 @@ mod pictures {
     #[test]
     fn a_jpeg_is_what_image_decodes() {
         let folder = folder();
-        let color = |x: u32, y: u32| Rgb([x * 5, y * 7, x * y].map(|level| (level % 256) as u8));
+        let color = |x: u32, y: u32| Rgb([x * 5, y * 7, x * y].map(|level| level.to_le_bytes()[0]));
         RgbImage::from_fn(40, 30, color).save(folder.path().join("1.jpg")).unwrap();
         let decoded = image::open(folder.path().join("1.jpg")).unwrap().into_rgb8();
         decoded.save(folder.path().join("2.png")).unwrap();

@@ -89,7 +89,7 @@ impl Patient {
                     chunk
                 });
                 let over = chunk.as_ref().map_or(true, Vec::is_empty);
-                if over && chunk.is_ok() || sender.send(chunk).is_err() || over {
+                if sender.send(chunk).is_err() || over {
                     break;
                 }
             }
