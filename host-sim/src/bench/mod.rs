@@ -1,7 +1,6 @@
 //! How fast it is: here, and on the emulated boards; beside OpenCV and a plain SAD search, in the same run.
 //!
 //! - [`case`]: what is timed, searches in frames of recordings.
-//! - [`clock`]: how it is timed.
 //! - [`searches`]: the same searches in every way that there is. [`sad`] and [`opencv`] are the yardsticks.
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`boards`]: instructions of an update in QEMU.
@@ -13,7 +12,6 @@
 
 pub mod boards;
 pub mod case;
-pub mod clock;
 pub mod goals;
 pub mod opencv;
 pub mod report;
@@ -22,10 +20,10 @@ pub mod searches;
 pub mod speeds;
 pub mod table;
 
+use crate::clock::Patience;
 use crate::sequence::Sequence;
 use anyhow::{Context, Result};
 use case::Size;
-use clock::Patience;
 use searches::{Searches, Way};
 use smr_core::Radius;
 use speeds::Speeds;

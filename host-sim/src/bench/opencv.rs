@@ -1,6 +1,6 @@
 //! OpenCV's `matchTemplate` on the same searches, where `python3` has OpenCV.
 
-use super::clock::Patience;
+use crate::clock::Patience;
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;

@@ -1,9 +1,9 @@
 //! The same searches, run in every way that there is: times side by side, from one run.
 
 use super::case::{Case, Size, Triple};
-use super::clock::{Budget, Patience, shortest, timed};
 use super::sad::Sad;
 use crate::Tracker;
+use crate::clock::{Budget, Patience, shortest, timed};
 use crate::sequence::GrayFrame;
 use anyhow::{Result, ensure};
 use smr_core::similarity::Backend;

@@ -22,7 +22,7 @@ pub use figures::Figures;
 pub use starts::Starts;
 
 use super::Variant;
-use crate::bench::clock::timed;
+use crate::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
 use calibration::Calibration;
