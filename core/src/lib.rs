@@ -80,9 +80,9 @@ pub mod similarity;
 mod template;
 mod tracker;
 
-/// The README's example is a test, too.
+/// The example of the README is a test, too.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;
 
 pub use config::{Config, ConfigError, Fraction, Gate, Radius, RunnerUp};

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -398,14 +399,16 @@ fn track_writes_a_json_object_a_frame() {
     assert_eq!((&lines[6]["state"], &lines[6]["bbox"]), (&Value::from("lost"), &Value::Null));
 }
 
-/// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
+/// The recordings are not part of the project: `host-sim/README.md` says where they are looked for.
 #[test]
 fn the_recorded_sequences_are_followed_as_the_readme_says() {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
     let root = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from);
     let tld = root.join("tld");
     if !tld.is_dir() {
-        println!(
+        // Not `println!`, which is not shown for a test that passes.
+        let _ = writeln!(
+            std::io::stderr(),
             "skipped: the_recorded_sequences_are_followed_as_the_readme_says: no {} (set SMR_SEQUENCES)",
             tld.display()
         );
