@@ -1,4 +1,4 @@
-//! Frames per second by size of template and of window, with the fastest backend that there is.
+//! Frames per second by size of template and of window, with the fastest backend of this machine.
 
 use super::case::{Case, Size, Triple};
 use crate::clock::{Budget, Patience, shortest, timed};
