@@ -1,20 +1,23 @@
 //! Replays recorded sequences through `smr-core`, the very code that is linked into a camera.
 //!
 //! - [`sequence`]: where frames and boxes come from.
-//! - [`spread`]: many measurements as three numbers.
+//! - [`clock`]: how long something takes; [`spread`]: many measurements as three numbers.
 //! - [`mod@reference`]: both methods in f64, the one written from the paper, the other from its description.
 //! - [`check`]: core against the references, score by score.
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.
-//! - [`emulator`]: the firmware in QEMU against the host.
 //! - [`output`]: how files are written: whole or not at all.
-//! - [`mod@bench`]: how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
+//! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
+//! - `bench` (feature `bench`): how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
+#[cfg(feature = "bench")]
 pub mod bench;
 pub mod check;
+pub mod clock;
 pub mod command;
+#[cfg(feature = "emulator")]
 pub mod emulator;
 pub mod evaluate;
 pub mod output;

@@ -24,7 +24,7 @@ pub struct Board {
 #[derive(Clone, Debug, Serialize)]
 pub struct Figures {
     pub machine: &'static str,
-    /// Of all frames of all recordings.
+    /// Instructions of each update, over all frames of all recordings.
     pub instructions: Spread<u64>,
     pub recordings: Vec<Measured>,
     /// Recordings that the firmware has no room for, and why.
@@ -63,7 +63,7 @@ impl Board {
     /// Runs it on a recording, in whole.
     ///
     /// # Errors
-    /// QEMU's, or the recording's. That a box is too big for the firmware is none.
+    /// QEMU fails, or the recording cannot be read. A box that is too big for the firmware is not an error: it is noted.
     pub fn add(&mut self, sequence: Sequence) -> Result<()> {
         let target = sequence.start()?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;

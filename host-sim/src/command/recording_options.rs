@@ -29,6 +29,11 @@ pub struct RecordingOptions {
 }
 
 impl RecordingOptions {
+    /// Whether the box to start from is given, not found beside the recording.
+    pub fn gives_init(&self) -> bool {
+        self.init.is_some()
+    }
+
     /// Opens the recording at `path`.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
         let options = OpenOptions {

@@ -236,6 +236,7 @@ impl TrackerOptions {
     }
 }
 
+#[cfg(feature = "emulator")]
 /// For a command that runs the paper's tracker only: the other one is refused in words, not as an unknown option.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PaperOnly {
@@ -244,6 +245,7 @@ pub struct PaperOnly {
     config: Preset,
 }
 
+#[cfg(feature = "emulator")]
 impl PaperOnly {
     /// # Errors
     /// Another tracker is asked for.

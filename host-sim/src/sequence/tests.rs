@@ -487,7 +487,8 @@ mod videos {
     fn ffmpeg_for(test: &str) -> bool {
         let there = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
         if !there {
-            println!("skipped: {test}: no ffmpeg on the PATH");
+            // Not `println!`, which is not shown for a test that passes.
+            let _ = writeln!(std::io::stderr(), "skipped: {test}: no ffmpeg on the PATH");
         }
         there
     }

@@ -28,7 +28,7 @@ pub use starts::Starts;
 
 use super::Variant;
 use super::method::lock;
-use crate::bench::clock::timed;
+use crate::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
 use calibration::Calibration;
