@@ -7,8 +7,8 @@
 //! the next template. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching
 //! Ratio" (VISAPP 2013).
 //!
-//! The crate is `no_std`, allocates nothing, uses integers only (but for `pursuit`) and reads nothing but the window it asks for. Its
-//! scores are exact: the same frames give the same answers, bit for bit, on every platform.
+//! The crate is `no_std`, allocates nothing, uses integers only (except in `pursuit`), and reads only the window it asks for.
+//! Its scores are exact: the same frames give the same answers, bit for bit, on every platform.
 //!
 //! ```
 //! use smr_core::{Config, Frame, Image, Rect, State, Tracker};
@@ -46,14 +46,15 @@
 //! Data flows one way: a [`Frame`] is borrowed, [`search`] decides which offsets are scored, [`similarity`] scores
 //! them, and the [`Tracker`] turns peak and runner-up into an [`Answer`] and, where it may, into the next template.
 //!
-//! [`robust`] is the tracker beyond the paper: the same image, similarity and search, and parts for light, size and loss.
+//! [`robust`] is the tracker beyond the paper. It shares image, similarity and search, and adds parts for changing light, size
+//! and loss.
 //!
 //! # Memory and time
 //!
 //! A [`Tracker<PIXELS, SPAN>`] holds `PIXELS` bytes of template, as many for the search, and five words for each of `SPAN`
-//! offsets; there is nothing else of size, and no heap. An update costs at most (offsets in the window) x (pixels of the
-//! template) comparisons and about an eighth of it more; where the target is seen clearly, about a tenth of that.
-//! [`Tracker::begin`] cuts it into steps.
+//! offsets. Nothing else is large, and there is no heap. An update makes at most (offsets in the window) x (pixels of the
+//! template) comparisons and about an eighth more. Where the target is seen clearly, it makes about a tenth of that.
+//! [`Tracker::begin`] splits an update into steps.
 //!
 //! # Features
 //!
@@ -80,9 +81,9 @@ pub mod similarity;
 mod template;
 mod tracker;
 
-/// The README's example is a test, too.
+/// The example of the README is a test, too.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;
 
 pub use config::{Config, ConfigError, Fraction, Gate, Radius, RunnerUp};

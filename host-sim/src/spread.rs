@@ -3,8 +3,8 @@
 use serde::Serialize;
 use std::cmp::Ordering;
 
-/// Of all measurements the middle one (of two the larger), the one that 95 % do not exceed, and the largest. Each is one
-/// that was measured; nothing is interpolated.
+/// The median (the larger of two middle values), the 95th percentile and the largest of some measurements. Each is a measured
+/// value; nothing is interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Spread<T> {
     pub median: T,

@@ -1,7 +1,7 @@
-//! The conformance vectors: what the reference answers to small recordings that are written out with every pixel.
+//! The conformance vectors: small recordings written out pixel by pixel, with the answers of the reference.
 //!
-//! Whoever runs smr-core elsewhere (another compiler, another instruction set, from C) can be held to them without this
-//! program. `tests/vectors/README.md` describes the form.
+//! With them, smr-core can be checked without this program: built by another compiler, for another instruction set, or called
+//! from C. `tests/vectors/README.md` describes the form.
 
 pub mod robust;
 

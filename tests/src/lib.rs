@@ -8,6 +8,11 @@ mod robust;
 
 pub use robust::{ROBUST, ROBUST_FRAME_PIXELS, RobustExpected, RobustLine, RobustReader};
 
+/// The example of the project's README is a test, too.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
+
 use smr_core::similarity::Table;
 use smr_core::{Answer, Config, Fraction, Radius, Rect, RunnerUp, State, Tracker};
 

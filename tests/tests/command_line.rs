@@ -1,12 +1,13 @@
 //! `host-sim` as its user meets it: exit codes, one clear line on errors, JSON, and nothing lost.
 
-mod program;
-
-use program::PROGRAM;
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+/// The program, built by cargo before these tests.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
 struct Said {
     code: Option<i32>,
@@ -15,7 +16,7 @@ struct Said {
 }
 
 fn host_sim(arguments: &[&str]) -> Said {
-    let Output { status, stdout, stderr } = Command::new(&*PROGRAM).args(arguments).output().expect("host-sim runs");
+    let Output { status, stdout, stderr } = Command::new(PROGRAM).args(arguments).output().expect("host-sim runs");
     let text = |bytes| String::from_utf8(bytes).expect("host-sim writes UTF-8");
     Said { code: status.code(), out: text(stdout), err: text(stderr) }
 }
@@ -145,7 +146,7 @@ fn a_reader_that_goes_away_does_not_change_the_verdict() {
     for arguments in [&["check", "periodic"][..], &["check", "periodic", "--json"], &["track", "periodic"]] {
         let (reader, writer) = std::io::pipe().expect("a pipe can be made");
         drop(reader);
-        let mut command = Command::new(&*PROGRAM);
+        let mut command = Command::new(PROGRAM);
         let output = command.args(arguments).stdout(writer).output().expect("host-sim runs");
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!((output.status.code(), said.as_ref()), (Some(0), ""), "{arguments:?}");
@@ -341,6 +342,55 @@ fn report_says_what_it_wrote() {
 }
 
 #[test]
+fn frame_shows_coordinates_and_the_box() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("frame.png");
+    let frame = |arguments: &[&str]| host_sim(&[&["frame", "synthetic", "-o", utf8(&picture)], arguments].concat());
+
+    let said = frame(&["--json"]).json();
+    let bytes = fs::read(&picture).unwrap();
+    assert!(bytes.starts_with(b"\x89PNG"));
+    assert_eq!((&said["frame"], &said["width"], &said["height"]), (&1.into(), &160.into(), &120.into()));
+    assert_eq!(said["file"], utf8(&picture));
+    assert_eq!(said["bytes"], bytes.len());
+    assert_eq!(said["bbox"]["x"], 36.0, "the recording's own box");
+    assert_eq!(said["inside"], true);
+
+    let later = frame(&["41", "--json"]).json();
+    assert_eq!((&later["frame"], &later["bbox"], &later["inside"]), (&41.into(), &Value::Null, &Value::Null));
+    let without = fs::read(&picture).unwrap();
+    let given = frame(&["41", "--init", "150,100,40,48"]);
+    assert_eq!(given.code, Some(0), "{}", given.err);
+    assert!(
+        given.out.contains("box: 150,100,40,48 (x,y,width,height); not all of it lies in the frame"),
+        "{}",
+        given.out
+    );
+    assert_ne!(fs::read(&picture).unwrap(), without, "the box is drawn");
+    host_sim(&["track", "synthetic", "--init", "150,100,40,48"]).refuses(&["inside the frame"]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left behind");
+}
+
+#[test]
+fn frame_says_what_it_cannot_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("frame.png");
+    let there = ["-o", utf8(&picture)];
+    host_sim(&[&["frame", "synthetic", "241"], &there[..]].concat()).refuses(&[
+        "synthetic",
+        "no frame 241",
+        "1 to 240",
+    ]);
+    host_sim(&[&["frame", "no/such/recording"], &there[..]].concat()).refuses(&["no/such/recording"]);
+    host_sim(&["frame", "synthetic", "-o", utf8(folder.path())]).refuses(&["cannot write", utf8(folder.path())]);
+    for wrong in [&["0"][..], &["one"], &["--init", "1,2,3"], &["--init", "1,2,0,3"]] {
+        assert_eq!(host_sim(&[&["frame", "synthetic"], &there[..], wrong].concat()).code, Some(2), "{wrong:?}");
+    }
+    assert_eq!(host_sim(&["frame", "synthetic"]).code, Some(2), "-o is needed");
+    assert!(!picture.exists());
+}
+
+#[test]
 fn track_writes_a_json_object_a_frame() {
     let said = host_sim(&["track", "periodic", "--json"]);
     let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -349,14 +399,16 @@ fn track_writes_a_json_object_a_frame() {
     assert_eq!((&lines[6]["state"], &lines[6]["bbox"]), (&Value::from("lost"), &Value::Null));
 }
 
-/// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
+/// The recordings are not part of the project: `host-sim/README.md` says where they are looked for.
 #[test]
 fn the_recorded_sequences_are_followed_as_the_readme_says() {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
     let root = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from);
     let tld = root.join("tld");
     if !tld.is_dir() {
-        println!(
+        // Not `println!`, which is not shown for a test that passes.
+        let _ = writeln!(
+            std::io::stderr(),
             "skipped: the_recorded_sequences_are_followed_as_the_readme_says: no {} (set SMR_SEQUENCES)",
             tld.display()
         );

@@ -5,14 +5,14 @@
 
 #![cfg(unix)]
 
-mod program;
-
-use program::PROGRAM;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+/// The program, built by cargo before these tests.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
 /// A folder with something that passes for firmware, and a shell script in QEMU's place.
 struct Bench {
@@ -48,7 +48,7 @@ impl Bench {
     }
 
     fn start(&self, arguments: &[&str]) -> Child {
-        Command::new(&*PROGRAM)
+        Command::new(PROGRAM)
             .args(["target", "synthetic", "--frames", "3", "--elf"])
             .arg(self.path("firmware"))
             .arg("--qemu")

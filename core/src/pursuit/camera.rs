@@ -1,4 +1,4 @@
-//! The camera model: where in the picture a pixel is, and at which angle to the optical axis that is.
+//! The camera model: turns a place in the picture into an angle to the optical axis.
 
 use super::PursuitConfigError;
 use crate::Rect;
@@ -10,9 +10,9 @@ use micromath::F32;
 /// optical axis. micromath's atan is off by at most 0.003 radians and, close to the axis, 6 % too small; both only
 /// change how fast the centre is approached, not where it is.
 ///
-/// The focal length in pixels is that in millimetres over the width of a pixel in millimetres. Or measured: an object
-/// of width w at distance d that covers n pixels means n * d / w. Or from the data sheet's horizontal angle of view:
-/// (width / 2) / tan(angle / 2).
+/// There are three ways to get the focal length in pixels. Divide the one in millimetres by the width of a pixel in
+/// millimetres. Or measure it: if an object of width w at distance d covers n pixels, it is n * d / w. Or compute it from the
+/// horizontal angle of view in the data sheet: (width / 2) / tan(angle / 2).
 ///
 /// ```
 /// use smr_core::pursuit::Camera;
@@ -44,8 +44,8 @@ impl Camera {
 
     /// How far the head has to turn right and up, in radians, until the optical axis meets the middle of `target`.
     ///
-    /// The two axes are taken by themselves. With the camera tilted by t, a turn of the pan servo moves the picture by
-    /// its cosine, so the pan axis closes in more slowly there.
+    /// The two axes are treated separately. With the camera tilted by t, a turn of the pan servo moves the picture by only
+    /// cos(t) of it, so the pan axis approaches the target more slowly there.
     pub(super) fn error_radians(&self, target: Rect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;

@@ -35,11 +35,11 @@ pub struct Axis {
     pub home_radians: f32,
     /// Radians a second for each radian of error; more than 0.
     pub gain_per_second: f32,
-    /// An error up to this is none: the axis holds still.
+    /// Up to this error the axis holds still.
     pub deadband_radians: f32,
     /// The largest speed that is commanded; more than 0. Choose one that the servo can follow under its load.
     pub slew_radians_per_second: f32,
-    /// The speed of the way home; more than 0. If the slew rate is less, that holds.
+    /// The speed of the way home; more than 0. It is never faster than the slew rate.
     pub return_radians_per_second: f32,
 }
 

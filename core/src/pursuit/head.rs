@@ -1,13 +1,13 @@
-//! The pan/tilt head: two servos on PWM pins and a lock indicator, and the duty that an angle means.
+//! The pan/tilt head: two servos on PWM pins and a lock indicator. Turns angles into duties.
 
 use super::{Axis, PursuitConfigError};
 use embedded_hal::pwm::SetDutyCycle;
 
-/// The pulses of a hobby servo: measured once for the servo and its linkage, in microseconds.
+/// The pulses of a hobby servo in microseconds. Measure them once for your servo and its linkage.
 ///
-/// The pulse at the minimum may be the longer one: that is a servo mounted the other way round. What resolution the
-/// timer behind the pin has is asked of the pin; of the 20000 microseconds a 16-bit duty resolves 0.3, an 8-bit one 78,
-/// which is 7 degrees.
+/// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The pin says what resolution its
+/// timer has. With a period of 20000 microseconds, a 16-bit duty resolves 0.3 microseconds; an 8-bit one resolves 78, which
+/// is 7 degrees.
 ///
 /// ```
 /// use smr_core::pursuit::Servo;
@@ -70,7 +70,7 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Tells the servo where to be. If the pin fails, the joint is where it was, so that the next step is not a leap.
+    /// Tells the servo where to be. If the pin fails, the axis keeps its last angle, so that the next step is not a leap.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
         self.pin.set_duty_cycle(duty)?;

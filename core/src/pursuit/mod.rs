@@ -1,7 +1,7 @@
 //! Smooth pursuit: keeps the target centred with a pan/tilt head. Feature `pursuit`.
 //!
-//! Data flows one way here too: a box of the tracker is turned into an angle by the [`Camera`], the angle into a step by
-//! each [`Axis`], the step into the pulse of a [`Servo`]. Floats (f32) are used in this module only.
+//! The [`Camera`] turns the tracker's box into an angle, each [`Axis`] turns the angle into a step, and a [`Servo`] turns the
+//! step into a pulse. This is the only module that uses floats (f32).
 //!
 //! ```
 //! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};
@@ -69,11 +69,11 @@ use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 use head::Joint;
 
-/// Every number of the pursuit in one place, checked once, by [`Pursuit::new`]. See the [module's example](self).
+/// All numbers of the pursuit. [`Pursuit::new`] checks them once. See the [module's example](self).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PursuitConfig {
-    /// What the tracker's boxes mean in angles.
+    /// Turns the tracker's boxes into angles.
     pub camera: Camera,
     /// The axis that turns the head left and right.
     pub pan: Axis,
@@ -134,8 +134,8 @@ pub struct Pursuit<P, T, L> {
 }
 
 impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
-    /// A pursuit at home. No pin is touched before the first [`Pursuit::follow`] or [`Pursuit::wait`]; where the servos
-    /// stood before is not known, so they go to their first angle as fast as they can.
+    /// A pursuit whose head is to be at home. No pin is touched before the first [`Pursuit::follow`] or [`Pursuit::wait`].
+    /// Where the servos stand is not known, so they go to their first angle as fast as they can.
     ///
     /// # Errors
     /// [`PursuitConfigError`], if a number of the configuration cannot be used.
@@ -151,10 +151,10 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         })
     }
 
-    /// Steers after the tracker's answer to a frame, `elapsed_seconds` after the last call.
+    /// Steers by the tracker's answer to a frame, `elapsed_seconds` after the last call.
     ///
-    /// Tracking or leaving, the head turns to bring the middle of the box onto the optical axis, and the indicator is
-    /// on. Lost, it is [`Pursuit::wait`]. A target that is found again is followed again at once.
+    /// While the state is tracking or leaving, the head turns to bring the middle of the box onto the optical axis, and the
+    /// indicator is on. While it is lost, this is [`Pursuit::wait`]. A target that is found again is followed at once.
     ///
     /// # Errors
     /// [`PursuitError`]. If a pin fails, the others are still written; the first error is the one returned. The axis
@@ -225,7 +225,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     }
 }
 
-/// A time that is none must not reach an angle.
+/// A time that is negative or not a number must not get into an angle.
 fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T, L>> {
     if elapsed_seconds.is_finite() && elapsed_seconds >= 0.0 { Ok(()) } else { Err(PursuitError::ElapsedTime) }
 }
@@ -234,7 +234,7 @@ fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T,
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PursuitConfigError {
-    /// A number is infinite or none at all (NaN).
+    /// A number is infinite or not a number (NaN).
     NotFinite,
     /// The focal length is less than a pixel.
     FocalLengthTooShort,

@@ -1,12 +1,12 @@
 //! Instructions of an update on the emulated boards: the firmware in QEMU, with its window of +-16, on the recordings' own
 //! boxes.
 
+use crate::emulator::Recording;
+use crate::emulator::firmware;
+use crate::emulator::protocol::TooBig;
+use crate::emulator::qemu::{Qemu, Setup};
 use crate::sequence::Sequence;
 use crate::spread::Spread;
-use crate::target::Recording;
-use crate::target::firmware;
-use crate::target::protocol::TooBig;
-use crate::target::qemu::{Qemu, Setup};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub struct Board {
 #[derive(Clone, Debug, Serialize)]
 pub struct Figures {
     pub machine: &'static str,
-    /// Of all frames of all recordings.
+    /// Instructions of each update, over all frames of all recordings.
     pub instructions: Spread<u64>,
     pub recordings: Vec<Measured>,
     /// Recordings that the firmware has no room for, and why.
@@ -63,7 +63,7 @@ impl Board {
     /// Runs it on a recording, in whole.
     ///
     /// # Errors
-    /// QEMU's, or the recording's. That a box is too big for the firmware is none.
+    /// QEMU fails, or the recording cannot be read. A box that is too big for the firmware is not an error: it is noted.
     pub fn add(&mut self, sequence: Sequence) -> Result<()> {
         let target = sequence.start()?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
@@ -89,7 +89,7 @@ impl Board {
         Ok(())
     }
 
-    fn run(&self, recording: &Recording, folder: &Path) -> Result<crate::target::Report> {
+    fn run(&self, recording: &Recording, folder: &Path) -> Result<crate::emulator::Report> {
         let mut qemu = Qemu::start(&self.setup, &self.elf, folder, Stdio::null())?;
         recording.compare(&mut qemu, folder)
     }

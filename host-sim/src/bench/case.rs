@@ -17,8 +17,8 @@ pub enum Size {
     Of(u16, u16),
 }
 
-/// Three frames in a row, and where the target is in the first of them. The tracker locks on the first, is updated with
-/// the second, so that template and alpha are such as they are on the way, and the search in the third is timed.
+/// Three frames in a row, and where the target is in the first. The tracker locks on in the first frame and is updated with
+/// the second, so that it has a typical template and alpha. The search in the third frame is timed.
 pub struct Triple {
     frames: [Rc<GrayFrame>; 3],
     /// The target's box in the first, by the ground truth.
@@ -159,7 +159,7 @@ fn place(triple: &Triple, size: Size, radius: Radius) -> Option<Rect> {
     Some(Rect::new(x, y, width, height))
 }
 
-/// So many pixels may the target move in the second frame, where there is room for that, before the window is cut.
+/// How many pixels the target may move in the second frame before the window is cut, where there is room for it.
 const SPARE: i32 = 8;
 
 /// Where a template of `size` begins on an axis.

@@ -1,5 +1,5 @@
-//! What is wanted of smr-core, beside what was measured. A goal is reached or missed in the recordings that it is stated
-//! for; the figures of others only show how they compare with it.
+//! The goals for smr-core's speed, beside the measured figures. Each goal is stated for certain recordings; figures from
+//! other recordings are shown next to it, but do not say whether it is reached.
 
 use super::report::Report;
 use super::sad::Sad;
@@ -12,7 +12,7 @@ use smr_core::similarity::Backend;
 pub const STATED_FOR: &str =
     "templates of 64x64 (on boards: the recordings' own boxes) in the six TLD recordings (../shared/sequences/tld)";
 
-/// One goal: something that is to be at most so much.
+/// One goal: a figure and its upper limit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Goal {
     pub work: String,
@@ -20,7 +20,7 @@ pub struct Goal {
     /// Nothing for ratios.
     pub unit: &'static str,
     pub measured: Option<f64>,
-    /// What was measured, in whatever recordings, is at most that.
+    /// Whether the measured figure is within the limit, whatever the recordings were.
     pub within: Option<bool>,
 }
 

@@ -1,19 +1,17 @@
-//! How fast it is: here, and on the emulated boards; beside OpenCV and a plain SAD search, in the same run.
+//! Measures speed on this machine and on emulated boards, beside OpenCV and a plain SAD search, in the same run.
 //!
 //! - [`case`]: what is timed, searches in frames of recordings.
-//! - [`clock`]: how it is timed.
-//! - [`searches`]: the same searches in every way that there is. [`sad`] and [`opencv`] are the yardsticks.
+//! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`boards`]: instructions of an update in QEMU.
-//! - [`goals`]: what is wanted.
-//! - [`report`]: what was measured, for JSON; [`table`] as text.
+//! - [`goals`]: the goals, and whether they are reached.
+//! - [`report`]: the measurements as JSON; [`table`]: as text.
 //!
-//! Everything here runs on one thread, so that ways do not slow each other down. Instructions on the host are not counted
-//! here, for that takes rights that users mostly do not have: `.ci/instructions` counts them with valgrind.
+//! Everything here runs on one thread, so that the measurements do not disturb each other. Instructions on the host are not
+//! counted here, because most users may not read the processor's counters: `.ci/instructions` counts them with valgrind.
 
 pub mod boards;
 pub mod case;
-pub mod clock;
 pub mod goals;
 pub mod opencv;
 pub mod report;
@@ -22,31 +20,31 @@ pub mod searches;
 pub mod speeds;
 pub mod table;
 
+use crate::clock::Patience;
 use crate::sequence::Sequence;
 use anyhow::{Context, Result};
 use case::Size;
-use clock::Patience;
 use searches::{Searches, Way};
 use smr_core::Radius;
 use speeds::Speeds;
 use std::time::Duration;
 
-/// What is wanted.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct Settings {
     pub template: Size,
     pub windows: Vec<Radius>,
-    /// Every so many frames is one that is timed.
+    /// One frame in this many is timed.
     pub every: usize,
     /// How often one search is timed.
     pub patience: Patience,
-    /// How long one way may take in all, in each window.
+    /// How long one way to search may take in all, in each window.
     pub each: Duration,
-    /// What runs Python.
+    /// The program that runs Python.
     pub python: String,
 }
 
-/// A run: recordings go in one after the other.
+/// A run: recordings are added one after the other.
 pub struct Bench {
     pub settings: Settings,
     pub recordings: Vec<String>,
@@ -56,7 +54,7 @@ pub struct Bench {
     pub opencv: Option<Result<String, String>>,
 }
 
-/// Of the cases, every so many is one for [`Speeds`], which has many combinations to time.
+/// One case in this many is also timed for [`Speeds`], which has many combinations.
 const SPEEDS_EVERY: u32 = 3;
 
 impl Bench {
@@ -74,7 +72,7 @@ impl Bench {
     /// Times the searches in a recording; `progress` is called after each case.
     ///
     /// # Errors
-    /// The recording's. That OpenCV cannot be timed is none.
+    /// The recording cannot be read or tracked. If OpenCV cannot be timed, that is not an error.
     pub fn add(&mut self, sequence: Sequence, progress: impl Fn()) -> Result<()> {
         let name = sequence.name.clone();
         let mut count = 0;

@@ -1,6 +1,6 @@
 //! OpenCV's `matchTemplate` on the same searches, where `python3` has OpenCV.
 
-use super::clock::Patience;
+use crate::clock::Patience;
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
@@ -12,10 +12,10 @@ use std::time::Duration;
 
 const SCRIPT: &str = include_str!("opencv.py");
 
-/// What is called, in tables.
+/// The function that is timed, as tables name it.
 pub const CALL: &str = "matchTemplate(TM_CCOEFF_NORMED), 1 thread";
 
-/// What the script says: either what is missing, or the rest.
+/// What the script prints: what is missing, or the times.
 #[derive(Deserialize)]
 struct Answer {
     missing: Option<String>,

@@ -1,4 +1,4 @@
-//! What was measured, as it is printed with `--json`; the tables are made of it.
+//! The measurements as `--json` prints them; the tables are made from the same data.
 
 use super::boards::Figures;
 use super::goals::{self, Goal};
@@ -12,7 +12,7 @@ use smr_core::Radius;
 use smr_core::similarity::Backend;
 use std::time::Duration;
 
-/// Everything.
+/// All measurements of a run.
 #[derive(Serialize)]
 pub struct Report {
     /// What this machine says its processor is.
@@ -25,7 +25,7 @@ pub struct Report {
     pub windows: Vec<Window>,
     pub speeds: Vec<Speed>,
     pub boards: Vec<Figures>,
-    /// Seconds that `eval` takes of the recordings, on two threads.
+    /// Seconds that `eval` takes for the recordings, on two threads.
     pub eval_seconds: Option<f64>,
     pub goals_stated_for: &'static str,
     pub goals: Vec<Goal>,
@@ -61,9 +61,9 @@ pub struct Row {
     pub way: Way,
     pub cases: usize,
     pub nanoseconds: Spread<u64>,
-    /// For each offset and pixel, whether they were compared or not; the median.
+    /// Time divided by all offsets and pixels, also those that were not compared; the median.
     pub nanoseconds_per_offset_pixel: f64,
-    /// Of the comparisons of an exhaustive search, those that were made; the median.
+    /// The share of an exhaustive search's comparisons that were made; the median.
     pub work_left: Option<f64>,
 }
 

@@ -1,8 +1,8 @@
-//! The yardstick: an exhaustive search of the least sum of absolute differences, as it is written by hand.
+//! A plain search to compare with: it finds the least sum of absolute differences (SAD) by trying every offset.
 //!
-//! [`Sad::Plain`] is the loop that everybody writes, as the compiler makes it for the machine that this program was
-//! compiled for. [`Sad::Psadbw`] is what one writes for speed on x86-64: AVX2's `vpsadbw`, 32 pixels at a time. It shares
-//! nothing with smr-core's kernels, so that it does not move when they do. Neither stops an offset early.
+//! [`Sad::Plain`] is the obvious loop, as the compiler optimises it. [`Sad::Psadbw`] is written for speed on x86-64: AVX2's
+//! `vpsadbw`, 32 pixels at a time. It shares no code with smr-core's kernels, so that its time does not change when they do.
+//! Both compare every pixel of every offset.
 
 use crate::sequence::GrayFrame;
 
@@ -57,7 +57,7 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The same, if that is its width: now the compiler knows it, too.
+    /// The same for templates of a width that is known at compile time.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn of_width(self, width: usize) -> Self {

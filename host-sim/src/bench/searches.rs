@@ -1,9 +1,9 @@
-//! The same searches, run in every way that there is: times side by side, from one run.
+//! Times the same searches with every backend, the plain SAD search and OpenCV, in one run.
 
 use super::case::{Case, Size, Triple};
-use super::clock::{Budget, Patience, shortest, timed};
 use super::sad::Sad;
 use crate::Tracker;
+use crate::clock::{Budget, Patience, shortest, timed};
 use crate::sequence::GrayFrame;
 use anyhow::{Result, ensure};
 use smr_core::similarity::Backend;
@@ -22,7 +22,7 @@ pub enum Way {
     OpenCv,
 }
 
-/// As it stands in tables and in JSON.
+/// Its name in tables and in JSON.
 impl fmt::Display for Way {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -49,7 +49,7 @@ impl Way {
 pub struct Searches {
     pub radius: Radius,
     pub size: Size,
-    /// Offsets times pixels, of each case.
+    /// Offsets times pixels of the template, for each case.
     pub comparisons: Vec<u64>,
     /// Cases that had no room for the window.
     pub skipped: usize,
@@ -60,11 +60,11 @@ pub struct Searches {
     pending: Vec<(GrayFrame, GrayFrame)>,
 }
 
-/// One way: what it took in each case; `None` where it was left out.
+/// One way to search: its time in each case; `None` where it was not timed.
 pub struct Timed {
     pub way: Way,
     pub times: Vec<Option<Duration>>,
-    /// Comparisons that were made.
+    /// Comparisons of pixels that were made.
     pub work: Vec<Option<u64>>,
     budget: Budget,
 }
@@ -81,7 +81,7 @@ impl Searches {
     /// Times the search of `triple` in every way that runs here.
     ///
     /// # Errors
-    /// The tracker's, or a yardstick that does not measure what it should.
+    /// The tracker fails, or a SAD search finds another place.
     pub fn add(&mut self, triple: &Triple, recording: &str, patience: Patience) -> Result<()> {
         let Some(case) = Case::new(triple, self.size, self.radius)? else {
             self.skipped += 1;
@@ -112,7 +112,7 @@ impl Searches {
         &self.pending
     }
 
-    /// OpenCV's times for what was pending; none, if it could not.
+    /// Takes OpenCV's times for the pending searches; empty if OpenCV could not be run.
     pub fn opencv(&mut self, times: &[Duration]) {
         self.pending.clear();
         let opencv = self.ways.iter_mut().filter(|timed| timed.way == Way::OpenCv);
@@ -191,7 +191,7 @@ fn least_sum(case: &Case, sad: Sad, patience: Patience) -> Result<Done> {
     Ok(Done { time, spent: Duration::ZERO, work: Some(case.comparisons()), answer: None, sum })
 }
 
-/// The first answer that is not the first of all; the runner-up may be left out by one way and not by another.
+/// The first answer that differs from the first way's. A runner-up that one of them did not look for is not compared.
 fn difference(answers: &[(Way, Answer)]) -> Option<String> {
     let same = |a: &Answer| (a.bbox, a.state, a.ratio, a.alpha, a.found.peak);
     let (first, rest) = answers.split_first()?;

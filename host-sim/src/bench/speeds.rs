@@ -1,7 +1,7 @@
-//! Frames per second by size of template and of window, with the fastest backend that there is.
+//! Frames per second by size of template and of window, with the fastest backend of this machine.
 
 use super::case::{Case, Size, Triple};
-use super::clock::{Budget, Patience, shortest, timed};
+use crate::clock::{Budget, Patience, shortest, timed};
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::Serialize;

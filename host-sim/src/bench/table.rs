@@ -1,4 +1,4 @@
-//! The report as text.
+//! The measurements as text.
 
 use super::boards::Figures;
 use super::goals::STATED_FOR;

@@ -3,6 +3,7 @@
 use super::recording_options::RecordingOptions;
 use super::tracker_options::Part;
 use super::{Outcome, robustness, say};
+use crate::evaluate::robustness::Starts;
 use crate::evaluate::{MethodKind, Variant};
 use anyhow::Result;
 use clap::ValueEnum;
@@ -28,7 +29,8 @@ pub struct Ablate {
 
 impl Ablate {
     pub fn run(self) -> Result<Outcome> {
-        let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants(), self.starts_every)?;
+        let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
+        let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants(), starts)?;
         let text = match self.json {
             true => serde_json::to_string_pretty(&robustness)? + "\n",
             false => robustness.summary(),

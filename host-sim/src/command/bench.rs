@@ -7,17 +7,17 @@ use super::tracker_options::{Pair, PaperOnly};
 use super::{Outcome, say};
 use crate::bench::boards::{Board, Figures};
 use crate::bench::case::{self, Size};
-use crate::bench::clock::{Patience, timed};
 use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
-use crate::evaluate::{self, MethodKind};
+use crate::clock::{Patience, timed};
+use crate::emulator::qemu::Machine;
+use crate::evaluate::{self, MethodKind, Variant};
+use crate::output::Output;
 use crate::report::{diagram, speeds};
-use crate::target::qemu::Machine;
 use anyhow::{Context, Result, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use smr_core::{Config, Radius};
-use std::fs;
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
@@ -77,8 +77,10 @@ impl Bench {
     pub fn run(self) -> Result<Outcome> {
         self.tracker.check("bench")?;
         let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
+        let plot = self.plot.as_deref().map(Output::create).transpose()?;
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let paths = found?.concat();
+        self.recording.check_for(paths.len())?;
 
         // First what can fail for want of a program.
         let boards = self.boards(&paths)?;
@@ -86,9 +88,9 @@ impl Bench {
         let (evaluated, time) = timed(|| self.evaluate(&paths));
         evaluated?;
         let report = Report::new(&run, boards, Some(time));
-        if let (Some(file), Some(form)) = (&self.plot, form) {
-            let bytes = form.draw(&speeds::marks(&report.speeds))?;
-            fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
+        if let (Some(mut plot), Some(form)) = (plot, form) {
+            plot.write(&form.draw(&speeds::marks(&report.speeds))?)?;
+            plot.finish()?;
         }
         self.print(&report)?;
         for difference in &report.differences {
@@ -153,8 +155,8 @@ impl Bench {
     fn evaluate(&self, paths: &[PathBuf]) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
         let one = |path: &PathBuf| {
-            evaluate::evaluate(self.recording.open(path)?, &[MethodKind::Smr], &Config::paper().into(), &[], || ())
-                .map(|_| ())
+            let variant = Variant::new(MethodKind::Smr, &Config::paper().into());
+            evaluate::evaluate(self.recording.open(path)?, &[variant], &[], || ()).map(|_| ())
         };
         pool.install(|| paths.par_iter().map(one).collect())
     }

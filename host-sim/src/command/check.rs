@@ -55,6 +55,7 @@ impl Report {
 
 impl Check {
     pub fn run(self) -> Result<Outcome> {
+        self.recording.check_for(self.sequences.len())?;
         let mut reports = Vec::new();
         let result = self.sequences.iter().try_for_each(|path| {
             let report = self.check(path)?;

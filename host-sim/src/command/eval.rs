@@ -5,14 +5,14 @@ use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
 use super::robustness::{self, end, progress_bar, say_what_failed};
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::robustness::Robustness;
-use crate::evaluate::{self, Configs, Evaluation, MethodKind, Results, Variant};
+use crate::evaluate::robustness::{Former, Robustness, Starts};
+use crate::evaluate::{self, Evaluation, MethodKind, Results, Variant, published};
+use crate::output::{Output, print};
 use crate::report::calibration;
 use crate::report::diagram::Form;
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Error, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -22,8 +22,11 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
-    /// What is measured; several are separated by commas. With --config robust `smr` is the robust tracker
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "smr")]
+    /// What is measured; several are separated by commas [default: smr]. With --config robust `smr` is the robust tracker
+    ///
+    /// On the recordings of the paper's table, and without an option that says something of start or tracker, the default is
+    /// all there is: both readings of the paper, the baselines, the robust tracker, and other trackers' results (--compare).
+    #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
     ///
@@ -34,11 +37,14 @@ pub struct Eval {
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
     /// The numbers of a changed box are rounded to whole pixels once, and what lies outside the frame is cut off. Of each
-    /// recording: correct frames over visible ones, mean over the starts and from the worst; mean IoU where there is an
-    /// answer and the target is visible; correct answers over all answers; answers while the target is hidden; how
-    /// often it came back, and in how many of these a correct answer came within 50 frames; comparisons (at most) and time of
-    /// an update. Then means over recordings, and over those of each folder. A recording is in memory
-    /// as a whole, and may have 1 GiB of frames.
+    /// recording: correct frames over visible ones, mean over the starts and from the worst; the same where IoU must be above
+    /// 0.5; F, the harmonic mean of correct answers over all answers (those while the target is hidden, too) and of correct
+    /// over visible frames; mean IoU where there is an answer and the target is visible; correct answers over all answers;
+    /// answers while the target is hidden; how often it came back, and in how many of these a correct answer came within 50
+    /// frames; how often `tracking` was said and wrong (target hidden, or IoU at most 0.25), and how often it was not said
+    /// although the box was right; comparisons (at most) and time of an update. Then means over recordings with their
+    /// standard errors, and over those of each folder; of several methods the paired differences to the first. A recording
+    /// is in memory as a whole, and may have 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
     robustness: bool,
     /// With --robustness: in place of the 5, start at every N-th frame in which the target is visible
@@ -46,6 +52,15 @@ pub struct Eval {
     /// From the ground truth's box, cut to the frame, to the end of the recording; not in the last frame.
     #[arg(long, value_name = "N", requires = "robustness", conflicts_with_all = ["init", "inclusive"])]
     starts_every: Option<NonZeroUsize>,
+    /// With --robustness: run from the given box alone, in place of the 5
+    #[arg(long, requires = "robustness", conflicts_with = "starts_every")]
+    single_start: bool,
+    /// With --robustness: print paired differences to what was measured before: a file that the same command wrote with --json
+    ///
+    /// Each tracker is set against that of its name in the file, else against the file's first. Without this option, each is
+    /// set against the first method.
+    #[arg(long, value_name = "FILE", requires = "robustness")]
+    against: Option<PathBuf>,
     /// With --robustness: draw the chance that a frame is correct by the ratio that was reported in it: FILE.svg or FILE.png
     ///
     /// Over all frames of all runs of SMR, with the numbers as one more table. A frame without an answer is not correct, and
@@ -53,7 +68,7 @@ pub struct Eval {
     #[arg(long, value_name = "FILE", requires = "robustness")]
     calibration: Option<PathBuf>,
     /// Print JSON instead of tables: an array of objects, one for each tracker and recording; with --robustness an object
-    /// of three arrays, `recordings`, `means` and `calibration`
+    /// of arrays: `recordings`, `means`, `paired`, `calibration`
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -63,19 +78,23 @@ pub struct Eval {
 }
 
 impl Eval {
-    pub fn run(mut self) -> Result<Outcome> {
-        let configs = self.tracker.configs()?;
-        for kind in &self.method {
+    pub fn run(self) -> Result<Outcome> {
+        let variants = self.variants()?;
+        for variant in &variants {
             // A configuration that cannot be used is no fault of a recording: it is said once, here.
-            kind.build(&configs)?;
+            variant.build()?;
         }
-        drop_repeated(&mut self.method);
         if self.robustness {
-            return self.measure_robustness(&configs);
+            return self.measure_robustness(&variants);
         }
 
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let evaluations = self.evaluate(&found?.concat(), &configs);
+        let found = found?.concat();
+        self.recording.check_for(found.len())?;
+        // The paper's recordings have the paper's table, with all that can stand in it.
+        let table = self.says_nothing() && found.iter().all(|path| is_published(path));
+        let variants = if table { Variant::all() } else { variants };
+        let evaluations = self.evaluate(&found, &variants, self.compare || table);
         let failed = say_what_failed(evaluations.iter().flat_map(errors));
         let mut evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
         evaluations.retain(|evaluation| !evaluation.scores.is_empty());
@@ -84,52 +103,87 @@ impl Eval {
         end(failed)
     }
 
-    fn measure_robustness(&self, configs: &Configs) -> Result<Outcome> {
+    /// What is asked for; SMR if nothing is.
+    fn variants(&self) -> Result<Vec<Variant>> {
+        let mut methods = self.method.clone();
+        if methods.is_empty() {
+            methods.push(MethodKind::Smr);
+        }
+        drop_repeated(&mut methods);
+        self.tracker.check_for(&methods)?;
+        let configs = self.tracker.configs()?;
+        Ok(methods.into_iter().map(|kind| Variant::new(kind, &configs)).collect())
+    }
+
+    /// True if no option tells what is to be measured.
+    fn says_nothing(&self) -> bool {
+        self.method.is_empty() && self.tracker.says_nothing() && self.recording.says_nothing_of_start()
+    }
+
+    fn measure_robustness(&self, variants: &[Variant]) -> Result<Outcome> {
         let form = self.calibration.as_deref().map(Form::of).transpose()?;
-        let smr = self.method.contains(&MethodKind::Smr);
+        let smr = self.method.is_empty() || self.method.contains(&MethodKind::Smr);
+        let former = self.against.as_deref().map(Former::read).transpose()?;
         ensure!(smr || form.is_none(), "--calibration is of the ratio that SMR reports: --method smr is missing");
-        let variants: Vec<Variant> = self.method.iter().map(|&kind| Variant::new(kind, configs)).collect();
-        let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants, self.starts_every)?;
-        if let (Some(file), Some(form)) = (&self.calibration, form) {
-            let bytes = form.draw(&calibration::marks(robustness.calibration()))?;
-            fs::write(file, bytes).with_context(|| format!("cannot write the plot {}", file.display()))?;
+        let plot = self.calibration.as_deref().map(Output::create).transpose()?;
+        let starts = match self.starts_every {
+            Some(every) => Starts::Every(every),
+            None if self.single_start => Starts::Given,
+            None => Starts::Near,
+        };
+        let (mut robustness, failed) = robustness::measure(&self.paths, &self.recording, variants, starts)?;
+        match &former {
+            Some(former) => robustness.compare_with(former)?,
+            None => robustness.compare_with_first(),
+        }
+        if let (Some(mut plot), Some(form)) = (plot, form) {
+            plot.write(&form.draw(&calibration::marks(robustness.calibration()))?)?;
+            plot.finish()?;
         }
         self.print_robustness(&robustness)?;
         end(failed)
     }
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        let text = match (self.json, &self.calibration) {
-            (true, _) => serde_json::to_string_pretty(robustness)? + "\n",
-            (false, None) => robustness.table(),
-            (false, Some(_)) => format!("{}\n{}", robustness.table(), robustness.calibration_table()),
+        let text = if self.json {
+            serde_json::to_string_pretty(robustness)? + "\n"
+        } else {
+            let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table());
+            let parts = [robustness.table(), robustness.paired_table(), calibration];
+            parts.iter().filter(|part| !part.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n")
         };
-        Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+        print(|out| out.write_all(text.as_bytes()))
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
-    fn evaluate(&self, paths: &[PathBuf], configs: &Configs) -> Vec<Result<Evaluation>> {
+    fn evaluate(&self, paths: &[PathBuf], variants: &[Variant], compare: bool) -> Vec<Result<Evaluation>> {
         let bar = progress_bar();
-        let evaluations = paths.par_iter().map(|path| self.evaluate_one(path, configs, &bar)).collect();
+        let one = |path: &PathBuf| self.evaluate_one(path, variants, compare, &bar);
+        let evaluations = paths.par_iter().map(one).collect();
         bar.finish_and_clear();
         evaluations
     }
 
-    fn evaluate_one(&self, path: &Path, configs: &Configs, bar: &ProgressBar) -> Result<Evaluation> {
+    fn evaluate_one(&self, path: &Path, variants: &[Variant], compare: bool, bar: &ProgressBar) -> Result<Evaluation> {
         let sequence = self.recording.open(path)?;
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
-        let files = if self.compare { evaluate::result_files(path)? } else { Vec::new() };
-        evaluate::evaluate(sequence, &self.method, configs, &files, || bar.inc(1))
+        let files = if compare { evaluate::result_files(path)? } else { Vec::new() };
+        evaluate::evaluate(sequence, variants, &files, || bar.inc(1))
     }
 
     fn print(&self, results: &Results) -> Result<()> {
         let text = match self.json {
-            true => serde_json::to_string_pretty(&results.rows().collect::<Vec<_>>())? + "\n",
+            true => serde_json::to_string_pretty(&results.rows())? + "\n",
             false if results.is_empty() => String::new(),
             false => format!("{}\n{}", results.details(), results.correct_frames()),
         };
-        Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+        print(|out| out.write_all(text.as_bytes()))
     }
+}
+
+/// True if the paper's table has the recording at `path`.
+fn is_published(path: &Path) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
 }
 
 /// The first of each stays where it is.

@@ -1,21 +1,29 @@
 //! The command line, one file a command. Each file holds the command's arguments and what it does with them.
 
 mod ablate;
+#[cfg(feature = "bench")]
 mod bench;
 mod check;
 mod eval;
+mod frame;
+#[cfg(any(test, not(feature = "bench")))]
+mod not_built;
+#[cfg(feature = "emulator")]
 mod qemu_options;
 mod recording_options;
 mod recordings;
 mod report;
 mod robustness;
+#[cfg(feature = "emulator")]
 mod run;
 mod synth;
+#[cfg(feature = "emulator")]
 mod target;
 mod track;
 mod tracker_options;
 mod vectors;
 
+use crate::output::print;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::io::{self, ErrorKind, StdoutLock};
@@ -36,6 +44,8 @@ pub struct HostSim {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Write one frame with a grid of coordinates as a picture, to choose or check a box
+    Frame(frame::Frame),
     /// Print the target's box in every frame
     Track(track::Track),
     /// Compare smr-core with the float reference, score by score
@@ -44,16 +54,28 @@ enum Command {
     Eval(eval::Eval),
     /// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
     Ablate(ablate::Ablate),
+    #[cfg(feature = "bench")]
     /// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
     Bench(bench::Bench),
+    #[cfg(not(feature = "bench"))]
+    /// Measure how fast it is (not built in: --features bench)
+    Bench(not_built::NotBuilt),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
     Report(report::Report),
     /// Write the synthetic recording out as files
     Synth(synth::Synth),
+    #[cfg(feature = "emulator")]
     /// Run the firmware in QEMU on a recording, and compare every answer with the host's
     Target(target::Target),
+    #[cfg(not(feature = "emulator"))]
+    /// Run the firmware in QEMU on a recording (not built in: --features emulator)
+    Target(not_built::NotBuilt),
+    #[cfg(feature = "emulator")]
     /// Run any firmware in QEMU, and print its log
     Run(run::Run),
+    #[cfg(not(feature = "emulator"))]
+    /// Run any firmware in QEMU (not built in: --features emulator)
+    Run(not_built::NotBuilt),
     /// Print the conformance vectors, made from the float reference
     Vectors(vectors::Vectors),
 }
@@ -81,15 +103,25 @@ impl HostSim {
 
     fn dispatch(self) -> Result<Outcome> {
         match self.command {
+            Command::Frame(frame) => frame.run(),
             Command::Track(track) => track.run(),
             Command::Check(check) => check.run(),
             Command::Eval(eval) => eval.run(),
             Command::Ablate(ablate) => ablate.run(),
+            #[cfg(feature = "bench")]
             Command::Bench(bench) => bench.run(),
+            #[cfg(not(feature = "bench"))]
+            Command::Bench(bench) => bench.run("bench", "bench"),
             Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),
+            #[cfg(feature = "emulator")]
             Command::Target(target) => target.run(),
+            #[cfg(not(feature = "emulator"))]
+            Command::Target(target) => target.run("target", "emulator"),
+            #[cfg(feature = "emulator")]
             Command::Run(run) => run.run(),
+            #[cfg(not(feature = "emulator"))]
+            Command::Run(run) => run.run("run", "emulator"),
             Command::Vectors(vectors) => vectors.run(),
         }
     }
@@ -97,8 +129,8 @@ impl HostSim {
 
 /// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
 fn say(report: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
-    match report(&mut io::stdout().lock()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+    match print(report) {
+        Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),
     }
 }

@@ -1,6 +1,6 @@
 //! How QEMU is run, the same for every command that starts it.
 
-use crate::target::qemu::{Machine, Setup};
+use crate::emulator::qemu::{Machine, Setup};
 use clap::Args;
 use std::num::NonZeroU16;
 use std::time::Duration;

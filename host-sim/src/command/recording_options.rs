@@ -1,16 +1,18 @@
 //! How recordings are opened, the same for every command that reads them.
 
 use super::tracker_options::Pair;
-use crate::sequence::{self, BoundingBox, OpenOptions, Sequence};
-use anyhow::Result;
+use crate::sequence::{self, BoundingBox, Damage, Frames, GrayFrame, OpenOptions, Sequence};
+use anyhow::{Result, ensure};
 use clap::Args;
+use std::num::NonZeroU16;
 use std::path::Path;
+use std::time::Duration;
 
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Recording")]
 pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
-    #[arg(long, value_name = "X,Y,W,H")]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true)]
     init: Option<BoundingBox>,
     /// The right and lower edges of the box to start from belong to it: one pixel wider and higher
     #[arg(long)]
@@ -18,16 +20,76 @@ pub struct RecordingOptions {
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
+    /// Go on where a recording is damaged, and say how many frames are, on standard error; without it damage is an error
+    #[arg(long)]
+    lenient: bool,
+    /// ffmpeg is ended, and that is an error, if nothing comes of it for so many seconds [default: 60]
+    #[arg(long, value_name = "SECONDS")]
+    ffmpeg_timeout: Option<NonZeroU16>,
 }
 
 impl RecordingOptions {
+    /// Whether the box to start from is given, not found beside the recording.
+    pub fn gives_init(&self) -> bool {
+        self.init.is_some()
+    }
+
     /// Opens the recording at `path`.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
-        let options = OpenOptions { size: self.size.map(|Pair(width, height)| (width, height)), init: self.init };
+        let options = OpenOptions {
+            size: self.size.map(|Pair(width, height)| (width, height)),
+            init: self.init,
+            lenient: self.lenient,
+            ffmpeg_patience: self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into())),
+        };
         let mut sequence = sequence::open(path, &options)?;
         if let Some(init) = sequence.init.as_mut().filter(|_| self.inclusive) {
             (init.width, init.height) = (init.width + 1.0, init.height + 1.0);
         }
-        Ok(sequence)
+        let Sequence { name, frames, damage, .. } = sequence;
+        let frames: Frames = Box::new(Announced { name: name.clone(), frames, damage: damage.clone() });
+        Ok(Sequence { name, frames, damage, ..sequence })
+    }
+
+    /// True if no option changes the box to start from.
+    pub fn says_nothing_of_start(&self) -> bool {
+        self.init.is_none() && !self.inclusive
+    }
+
+    /// To be asked before the work on so many recordings.
+    ///
+    /// # Errors
+    /// One box is given for several of them.
+    pub fn check_for(&self, recordings: usize) -> Result<()> {
+        ensure!(
+            self.init.is_none() || recordings <= 1,
+            "--init is the box of one recording, and there are {recordings}: expected one recording with it"
+        );
+        Ok(())
+    }
+}
+
+/// Frames that tell in the end how many of them were damaged.
+struct Announced {
+    name: String,
+    frames: Frames,
+    damage: Damage,
+}
+
+impl Iterator for Announced {
+    type Item = Result<GrayFrame>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.frames.next()
+    }
+}
+
+impl Drop for Announced {
+    fn drop(&mut self) {
+        match self.damage.frames() {
+            0 => {}
+            1 => eprintln!("note: {}: a frame is damaged", self.name),
+            frames => eprintln!("note: {}: {frames} frames are damaged", self.name),
+        }
     }
 }

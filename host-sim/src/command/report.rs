@@ -3,8 +3,10 @@
 use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::Results;
+use crate::evaluate::{Configs, Results};
+use crate::output::{Output, print};
 use crate::report::{self, Choice, Film};
+use crate::sequence::Sequence;
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fs;
@@ -44,27 +46,28 @@ struct Written {
 
 impl Report {
     pub fn run(self) -> Result<Outcome> {
-        let film = self.watch()?;
-        let mut files = Vec::new();
-        if let Some(out) = &self.out {
-            let file = page_file(out, &film.name)?;
-            files.push(write(file, report::page(&film)?.as_bytes())?);
-        }
-        if let Some(png) = &self.png {
-            files.push(write(png.clone(), &report::picture(&film)?)?);
-        }
-        let text = if self.json { json(&film, &files)? } else { lines(&film, &files) };
-        std::io::stdout().lock().write_all(text.as_bytes())?;
-        Ok(Outcome::Holds)
-    }
-
-    fn watch(&self) -> Result<Film> {
         let mut configs = self.tracker.configs()?;
         // It is drawn; where nothing depends on it, looking for it changes nothing else.
         configs.paper.runner_up = smr_core::RunnerUp::Always;
         let sequence = self.recording.open(&self.sequence)?;
+        let page = self.out.as_ref().map(|out| File::create(page_file(out, &sequence.name)?)).transpose()?;
+        let png = self.png.clone().map(File::create).transpose()?;
+        let film = self.watch(sequence, &configs)?;
+        let mut files = Vec::new();
+        if let Some(file) = page {
+            files.push(file.write(report::page(&film)?.as_bytes())?);
+        }
+        if let Some(file) = png {
+            files.push(file.write(&report::picture(&film)?)?);
+        }
+        let text = if self.json { json(&film, &files)? } else { lines(&film, &files) };
+        print(|out| out.write_all(text.as_bytes()))?;
+        Ok(Outcome::Holds)
+    }
+
+    fn watch(&self, sequence: Sequence, configs: &Configs) -> Result<Film> {
         let progress = progress(sequence.length);
-        let film = report::watch(sequence, &configs, self.choice(), || progress.inc(1));
+        let film = report::watch(sequence, configs, self.choice(), || progress.inc(1));
         progress.finish_and_clear();
         film
     }
@@ -90,9 +93,22 @@ fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     Ok(file)
 }
 
-fn write(file: PathBuf, bytes: &[u8]) -> Result<Written> {
-    fs::write(&file, bytes).with_context(|| format!("cannot write {}", file.display()))?;
-    Ok(Written { file, bytes: bytes.len() })
+/// A file that will be written.
+struct File {
+    name: PathBuf,
+    output: Output,
+}
+
+impl File {
+    fn create(name: PathBuf) -> Result<Self> {
+        Ok(Self { output: Output::create(&name)?, name })
+    }
+
+    fn write(mut self, bytes: &[u8]) -> Result<Written> {
+        self.output.write(bytes)?;
+        self.output.finish()?;
+        Ok(Written { file: self.name, bytes: bytes.len() })
+    }
 }
 
 fn lines(film: &Film, files: &[Written]) -> String {
@@ -112,7 +128,7 @@ fn json(film: &Film, files: &[Written]) -> Result<String> {
         "shown": film.shown(),
         "changes_left_out": film.changes_left_out,
         "files": files,
-        "scores": results.rows().collect::<Vec<_>>(),
+        "scores": results.measured(),
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
@@ -169,7 +185,7 @@ mod tests {
         assert!(run(&[]).unwrap_err().to_string().contains("--out"));
         assert!(run(&["--out", "x.html", "--frames", "0"]).unwrap_err().to_string().contains("--frames"));
         let folder = tempfile::tempdir().unwrap();
-        let error = format!("{:#}", write(folder.path().to_owned(), b"").err().unwrap());
+        let error = format!("{:#}", File::create(folder.path().to_owned()).err().unwrap());
         assert!(error.starts_with(&format!("cannot write {}", folder.path().display())), "{error}");
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();

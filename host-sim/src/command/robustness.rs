@@ -7,7 +7,6 @@ use crate::evaluate::Variant;
 use crate::evaluate::robustness::{self, Progress, Robustness, Settings, Starts};
 use anyhow::{Error, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// Measures `variants` on what is at `paths`, names what fails, and tells how much that is.
@@ -18,13 +17,15 @@ pub fn measure(
     paths: &[PathBuf],
     recording: &RecordingOptions,
     variants: &[Variant],
-    starts_every: Option<NonZeroUsize>,
+    starts: Starts,
 ) -> Result<(Robustness, usize)> {
     let found: Result<Vec<_>> = paths.iter().map(|path| recordings(path)).collect();
-    let settings = Settings { variants, starts: starts_every.map_or(Starts::Near, Starts::Every) };
+    let found = found?.concat();
+    recording.check_for(found.len())?;
+    let settings = Settings { variants, starts };
     let bar = progress_bar();
     let open = |path: &Path| recording.open(path);
-    let mut robustness = robustness::measure(&found?.concat(), open, settings, &|progress| match progress {
+    let mut robustness = robustness::measure(&found, open, settings, &|progress| match progress {
         Progress::Expected(frames) => bar.inc_length(frames),
         Progress::Done => bar.inc(1),
     });

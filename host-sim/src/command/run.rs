@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::qemu_options::QemuOptions;
-use crate::target::qemu::Qemu;
+use crate::emulator::qemu::Qemu;
 use anyhow::{Context, Result, anyhow, bail};
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
@@ -64,7 +64,7 @@ fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Res
         };
         last = Instant::now();
         let Some(decoder) = &mut decoder else {
-            out.write_all(&bytes)?;
+            out.write_all(&bytes).context("cannot write to standard output")?;
             continue;
         };
         decoder.received(&bytes);
@@ -72,7 +72,8 @@ fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Res
             match decoder.decode() {
                 Ok(frame) => {
                     let level = frame.level().map_or("", |level| level.as_str());
-                    writeln!(out, "{level:5} {}", frame.display_message())?;
+                    writeln!(out, "{level:5} {}", frame.display_message())
+                        .context("cannot write to standard output")?;
                 }
                 Err(DecodeError::UnexpectedEof) => break,
                 Err(DecodeError::Malformed) => bail!("the firmware's log is not defmt's"),

@@ -1,11 +1,12 @@
 //! Writes the built-in recording out as files, so that other tools can be fed the same pixels.
 
 use super::Outcome;
+use crate::output::{Folder, print};
 use crate::sequence::{GrayFrame, boxes, synthetic};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use image::{ColorType, ImageFormat};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -33,13 +34,19 @@ impl Synth {
         let hint =
             if self.format == Format::Raw { format!(", read with --size {width}x{height}") } else { String::new() };
         let out = self.out.display();
-        writeln!(io::stdout(), "{out}: {length} frames of {width}x{height}{hint}; init.txt, gt.txt")?;
+        print(|to| writeln!(to, "{out}: {length} frames of {width}x{height}{hint}; init.txt, gt.txt"))?;
         Ok(Outcome::Holds)
     }
 }
 
 fn write(out: &Path, format: Format) -> Result<()> {
-    prepare(out)?;
+    // Files already there would become part of the recording, or be lost.
+    let folder = Folder::create(out)?;
+    write_files(folder.path(), format)?;
+    folder.finish()
+}
+
+fn write_files(out: &Path, format: Format) -> Result<()> {
     match format {
         Format::Png => write_pictures(out, "png", ImageFormat::Png),
         Format::Pgm => write_pictures(out, "pgm", ImageFormat::Pnm),
@@ -47,14 +54,6 @@ fn write(out: &Path, format: Format) -> Result<()> {
         Format::Raw => write_file(&out.join("synthetic.raw"), write_raw),
     }?;
     write_boxes(out)
-}
-
-/// An empty folder. Files already there would become part of the recording, or be lost.
-fn prepare(out: &Path) -> Result<()> {
-    fs::create_dir_all(out).with_context(|| format!("cannot make the folder {}", out.display()))?;
-    let mut entries = fs::read_dir(out).with_context(|| format!("cannot list the folder {}", out.display()))?;
-    ensure!(entries.next().is_none(), "{} is not empty: expected an empty or a new folder", out.display());
-    Ok(())
 }
 
 fn write_pictures(out: &Path, extension: &str, format: ImageFormat) -> Result<()> {
@@ -117,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("new").join("folder");
         write(&out, format).unwrap();
-        let read = sequence::open(&out, &OpenOptions { size, init: None }).unwrap();
+        let read = sequence::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
         let made = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         assert_eq!((read.name.as_str(), read.init, read.truth), ("folder", made.init, made.truth));
         assert!(read.length.is_none_or(|length| length == synthetic::LENGTH));

@@ -4,9 +4,9 @@ use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::PaperOnly;
 use super::{Outcome, say};
-use crate::target::firmware::{self, Sizes};
-use crate::target::qemu::Qemu;
-use crate::target::{Recording, Report};
+use crate::emulator::firmware::{self, Sizes};
+use crate::emulator::qemu::Qemu;
+use crate::emulator::{Recording, Report};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -53,14 +53,14 @@ impl Target {
         self.tracker.check("target")?;
         let sequence = self.recording.open(&self.sequence)?;
         let target = sequence.start()?;
-        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
-        let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
-        let recording = Recording::write(&sequence.name, sequence.frames, target, most, folder.path())?;
         let elf = match &self.elf {
             Some(elf) => elf.clone(),
             None => firmware::build("replay", self.qemu.machine)?,
         };
         let sizes = Sizes::of(&elf)?;
+        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+        let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
+        let recording = Recording::write(&sequence.name, sequence.frames, target, most, folder.path())?;
         let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
         let report = recording.compare(&mut qemu, folder.path())?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));

@@ -4,11 +4,11 @@ use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use crate::evaluate::{MethodKind, Report, Run};
+use crate::output::{Output, print};
 use crate::sequence::{BoundingBox, boxes};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use std::fs::File;
-use std::io::{LineWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -22,7 +22,7 @@ pub struct Track {
     /// Print one JSON object a frame instead of x1,y1,x2,y2
     #[arg(long)]
     json: bool,
-    /// Write to this file instead of standard output
+    /// Write to this file instead of standard output; if something goes wrong on the way it is not written
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -45,23 +45,22 @@ struct JsonLine {
 
 impl Track {
     pub fn run(self) -> Result<Outcome> {
+        self.tracker.check_for(&[self.method])?;
         let method = self.method.build(&self.tracker.configs()?)?;
         let sequence = self.recording.open(&self.sequence)?;
         let mut run = Run::new(method, sequence.start()?);
-        let mut out = self.output()?;
-        // Each line is out before the next frame is read: if that one is bad, nothing is lost.
+        let mut file = self.out.as_deref().map(Output::create).transpose()?;
         for (number, frame) in (1..).zip(sequence.frames) {
             let report = run.step(&frame?).with_context(|| sequence.name.clone())?;
-            writeln!(out, "{}", self.line(number, &report)?)?;
+            let line = self.line(number, &report)? + "\n";
+            match &mut file {
+                Some(file) => file.write(line.as_bytes())?,
+                // Each line is out before the next frame is read: if that one is bad, nothing is lost.
+                None => print(|out| out.write_all(line.as_bytes()))?,
+            }
         }
+        file.map_or(Ok(()), Output::finish)?;
         Ok(Outcome::Holds)
-    }
-
-    fn output(&self) -> Result<Box<dyn Write>> {
-        Ok(match &self.out {
-            Some(path) => Box::new(LineWriter::new(File::create(path).with_context(|| path.display().to_string())?)),
-            None => Box::new(std::io::stdout().lock()),
-        })
     }
 
     fn line(&self, frame: usize, report: &Report) -> Result<String> {

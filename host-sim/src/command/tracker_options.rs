@@ -1,6 +1,6 @@
 //! The numbers of the method on the command line, the same for every command that runs the tracker.
 
-use crate::evaluate::Configs;
+use crate::evaluate::{Configs, MethodKind};
 use crate::reference::Numbers;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -187,6 +187,34 @@ impl TrackerOptions {
         given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
     }
 
+    /// True if no option is given.
+    pub fn says_nothing(&self) -> bool {
+        let of_both = self.backend.is_some() || self.exhaustive;
+        self.config == Preset::Paper && self.without.is_empty() && !of_both && self.of_paper_only().is_none()
+    }
+
+    /// # Errors
+    /// An option that none of `methods` takes: of SMR's numbers the others have --window and --padding alone.
+    pub fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
+        let given = [
+            (self.config != Preset::default(), "--config"),
+            (self.window_limit.is_some(), "--window-limit"),
+            (self.growth.is_some(), "--growth"),
+            (self.k.is_some(), "--k"),
+            (self.scale.is_some(), "--scale"),
+            (self.neighbourhood.is_some(), "--neighbourhood"),
+            (self.backend.is_some(), "--backend"),
+            (self.exhaustive, "--exhaustive"),
+            (self.runner_up_always, "--runner-up-always"),
+        ];
+        match given.into_iter().find(|(given, _)| *given) {
+            Some((_, name)) if !methods.contains(&MethodKind::Smr) => {
+                bail!("{name} is an option of smr, which is not measured: expected it in --method")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The same for the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = Numbers::paper();
@@ -208,6 +236,7 @@ impl TrackerOptions {
     }
 }
 
+#[cfg(feature = "emulator")]
 /// For a command that runs the paper's tracker only: the other one is refused in words, not as an unknown option.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PaperOnly {
@@ -216,6 +245,7 @@ pub struct PaperOnly {
     config: Preset,
 }
 
+#[cfg(feature = "emulator")]
 impl PaperOnly {
     /// # Errors
     /// Another tracker is asked for.

@@ -2,8 +2,9 @@
 
 use super::Outcome;
 use super::tracker_options::Preset;
+use crate::output::{Output, print};
 use crate::vectors;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -19,13 +20,17 @@ pub struct Vectors {
 
 impl Vectors {
     pub fn run(self) -> Result<Outcome> {
+        let file = self.out.as_deref().map(Output::create).transpose()?;
         let text = match self.config {
             Preset::Paper => vectors::text(),
             Preset::Robust => vectors::robust::text(),
         };
-        match &self.out {
-            Some(path) => std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?,
-            None => std::io::stdout().lock().write_all(text.as_bytes())?,
+        match file {
+            Some(mut file) => {
+                file.write(text.as_bytes())?;
+                file.finish()?;
+            }
+            None => print(|out| out.write_all(text.as_bytes()))?,
         }
         Ok(Outcome::Holds)
     }

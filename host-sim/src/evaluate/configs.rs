@@ -2,7 +2,8 @@
 
 use super::method::{Method, MethodKind, State};
 use anyhow::Result;
-use smr_core::{Config, robust};
+use clap::ValueEnum;
+use smr_core::{Config, Fraction, Rect, robust};
 
 /// The configurations of all methods.
 #[derive(Clone, Copy, Debug)]
@@ -34,20 +35,47 @@ pub struct Variant {
     pub name: String,
     kind: MethodKind,
     configs: Configs,
+    inclusive: bool,
 }
 
 impl Variant {
     /// `kind`, under its own name.
     #[must_use]
     pub fn new(kind: MethodKind, configs: &Configs) -> Self {
-        Self { name: kind.name(configs).to_owned(), kind, configs: *configs }
+        Self { name: kind.name(configs).to_owned(), kind, configs: *configs, inclusive: false }
     }
 
     /// The robust tracker with other parts than all, which `name` tells.
     #[must_use]
     pub fn robust(name: String, config: robust::Config) -> Self {
         let configs = Configs { robust: Some(config), ..Config::paper().into() };
-        Self { name, kind: MethodKind::Smr, configs }
+        Self { name, kind: MethodKind::Smr, configs, inclusive: false }
+    }
+
+    /// All that is set beside each other: both readings of the paper, the baselines, and the robust tracker.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let paper = Config::paper();
+        let mut other = paper;
+        other.k = Fraction::new(7, 20);
+        let other = Self {
+            name: "smr, k = 7/20, inclusive".to_owned(),
+            inclusive: true,
+            ..Self::new(MethodKind::Smr, &other.into())
+        };
+        let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());
+        let mut all: Vec<Self> = MethodKind::value_variants().iter().map(of_kind).collect();
+        all.insert(1, other);
+        all.push(Self::robust("robust".to_owned(), robust::Config::robust()));
+        all
+    }
+
+    /// The box that it is locked on where `given` is the one to start from.
+    #[must_use]
+    pub fn start(&self, given: Rect) -> Rect {
+        let more = u16::from(self.inclusive);
+        let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));
+        Rect { width, height, ..given }
     }
 
     /// # Errors

@@ -1,12 +1,12 @@
 //! What every tracker that can be run here has in common: [`Method`]; both of SMR as two of them, and a [`Run`] of any.
 
 use super::Configs;
-use super::baseline::{Baseline, Measure};
+use super::baseline::{Baseline, Flow, Measure};
 use crate::Tracker;
 use crate::sequence::{BoundingBox, GrayFrame};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
-use smr_core::{Answer, Frame, Image, Rect, robust};
+use smr_core::{Answer, Frame, Image, LockError, Rect, robust};
 
 /// A tracker that follows one box.
 pub trait Method {
@@ -136,6 +136,8 @@ pub enum MethodKind {
     Ssd,
     /// Zero-mean normalised cross-correlation
     Ncc,
+    /// Lucas-Kanade: translation, with an image pyramid
+    Lk,
 }
 
 impl MethodKind {
@@ -147,6 +149,7 @@ impl MethodKind {
             Self::Sad => "sad",
             Self::Ssd => "ssd",
             Self::Ncc => "ncc",
+            Self::Lk => "lk",
         }
     }
 
@@ -162,13 +165,21 @@ impl MethodKind {
             (Self::Sad, _) => baseline(Measure::Absolute),
             (Self::Ssd, _) => baseline(Measure::Squared),
             (Self::Ncc, _) => baseline(Measure::Correlation),
+            (Self::Lk, _) => Box::new(Flow::new(&configs.paper)),
         })
     }
 }
 
 impl Method for Tracker {
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        Ok(Self::lock(self, frame, target)?)
+        Self::lock(self, frame, target).map_err(|error| match error {
+            LockError::BoxTooLarge => anyhow!(
+                "{error}: expected at most {}, as a score has 32 bits; --config robust has no such bound",
+                crate::MOST_PIXELS
+            ),
+            LockError::WindowTooLarge => anyhow!("{error}: expected at most {} on an axis", crate::MOST_OFFSETS),
+            error => error.into(),
+        })
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
@@ -218,11 +229,23 @@ impl Run {
     pub fn step(&mut self, frame: &GrayFrame) -> Result<Report> {
         self.frames += 1;
         let report = match self.frames {
-            1 => self.method.lock(&frame.frame(), self.start).map(|()| Report::locked(self.start)),
+            1 => lock(self.method.as_mut(), &frame.frame(), self.start).map(|()| Report::locked(self.start)),
             _ => self.method.update(&frame.frame()),
         };
         report.with_context(|| format!("frame {}", self.frames))
     }
+}
+
+/// Starts `method` on the target in `target`.
+///
+/// # Errors
+/// The method's, with the numbers that it is about.
+pub fn lock(method: &mut dyn Method, frame: &Frame<'_>, target: Rect) -> Result<()> {
+    method.lock(frame, target).with_context(|| {
+        let (Rect { x, y, width, height }, bounds) = (target, frame.bounds());
+        let pixels = u64::from(width) * u64::from(height);
+        format!("the box {x},{y},{width},{height} of {pixels} pixels in a frame of {}x{}", bounds.width, bounds.height)
+    })
 }
 
 #[cfg(test)]
@@ -261,8 +284,7 @@ mod tests {
     #[test]
     fn errors_name_the_frame() {
         let [paper, robust] = all_configs();
-        let of_paper =
-            (smr_core::LockError::BoxOutsideFrame.to_string(), smr_core::UpdateError::FrameSizeChanged.to_string());
+        let of_paper = (LockError::BoxOutsideFrame.to_string(), smr_core::UpdateError::FrameSizeChanged.to_string());
         let of_robust =
             (robust::LockError::BoxOutsideFrame.to_string(), robust::UpdateError::FrameSizeChanged.to_string());
         let papers = all_kinds().map(|&kind| (kind, paper, &of_paper));
@@ -273,7 +295,8 @@ mod tests {
             assert_eq!(format!("{error:#}"), format!("frame 2: {update}"));
             let mut run = Run::new(kind.build(&configs).unwrap(), Rect::new(13, 2, 4, 4));
             let error = run.step(&plain(16, 12)).unwrap_err();
-            assert_eq!(format!("{error:#}"), format!("frame 1: {lock}"));
+            let numbers = "the box 13,2,4,4 of 16 pixels in a frame of 16x12";
+            assert_eq!(format!("{error:#}"), format!("frame 1: {numbers}: {lock}"));
         }
     }
 

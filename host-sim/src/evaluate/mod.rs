@@ -4,6 +4,7 @@ mod baseline;
 mod configs;
 mod method;
 mod protocol;
+pub mod published;
 mod results;
 pub mod robustness;
 mod table;
@@ -23,7 +24,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Contestant {
     /// A method that was run here, by its name.
-    Method(&'static str),
+    Method(String),
     /// The result file of another tracker, by its name.
     File(String),
 }
@@ -51,7 +52,7 @@ pub struct Evaluation {
     pub notes: Vec<String>,
 }
 
-/// Runs `methods` over the sequence, and scores `files`, other trackers' results on it, too.
+/// Runs `variants` over the sequence, and scores `files`, other trackers' results on it, too.
 ///
 /// One thread; each frame is decoded once and dropped when all methods have seen it. `progress` is called after each.
 ///
@@ -60,8 +61,7 @@ pub struct Evaluation {
 /// contestant only is one of [`Evaluation::failures`].
 pub fn evaluate(
     sequence: Sequence,
-    methods: &[MethodKind],
-    configs: &Configs,
+    variants: &[Variant],
     files: &[PathBuf],
     progress: impl Fn(),
 ) -> Result<Evaluation> {
@@ -69,7 +69,8 @@ pub fn evaluate(
     let Sequence { name, frames, truth, .. } = sequence;
     let truth = truth_of(&name, truth)?;
     let start = start?;
-    let runs: Result<Vec<_>> = methods.iter().map(|kind| Ok(Run::new(kind.build(configs)?, start))).collect();
+    let run = |variant: &Variant| Ok(Run::new(variant.build()?, variant.start(start)));
+    let runs: Result<Vec<_>> = variants.iter().map(run).collect();
     let mut count = 0;
     let answers = follow(frames.inspect(|_| count += 1), runs?, progress)?;
     let boxes = truth.len();
@@ -78,10 +79,10 @@ pub fn evaluate(
     let visible = truth.iter().flatten().count();
     let mut evaluation =
         Evaluation { sequence: name.clone(), visible, scores: vec![], failures: vec![], notes: vec![] };
-    for (&kind, answers) in methods.iter().zip(answers) {
+    for (variant, answers) in variants.iter().zip(answers) {
         let score = answers.and_then(|answers| Score::new(&answers, &truth));
-        let method = kind.name(configs);
-        evaluation.add(Contestant::Method(method), score.with_context(|| format!("{name}: {method}")));
+        let score = score.with_context(|| format!("{name}: {}", variant.name));
+        evaluation.add(Contestant::Method(variant.name.clone()), score);
     }
     for path in files {
         let score = evaluation.score_file(path, &truth);
@@ -164,6 +165,7 @@ fn stem(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequence::Damage;
     use anyhow::bail;
     use smr_core::Config;
     use std::cell::Cell;
@@ -188,23 +190,28 @@ mod tests {
             length: Some(4),
             init: Some(at(4.0)),
             truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
+            damage: Damage::default(),
         }
     }
 
+    fn variants() -> [Variant; 2] {
+        METHODS.map(|kind| Variant::new(kind, &Config::paper().into()))
+    }
+
     fn evaluated(sequence: Sequence, files: &[PathBuf]) -> Result<Evaluation> {
-        evaluate(sequence, &METHODS, &Config::paper().into(), files, || ())
+        evaluate(sequence, &variants(), files, || ())
     }
 
     #[test]
     fn all_methods_see_all_frames() {
         let frames = Cell::new(0);
         let progress = || frames.set(frames.get() + 1);
-        let evaluation = evaluate(sequence(), &METHODS, &Config::paper().into(), &[], progress).unwrap();
+        let evaluation = evaluate(sequence(), &variants(), &[], progress).unwrap();
         assert_eq!(frames.get(), 4);
         assert_eq!(evaluation.visible, 4);
         assert!(evaluation.failures.is_empty());
         let correct = |(who, score): &(Contestant, Score)| (who.clone(), score.correct, score.correct_50);
-        let methods = ["sad", "smr"].map(|name| (Contestant::Method(name), 4, 4));
+        let methods = ["sad", "smr"].map(|name| (Contestant::Method(name.to_owned()), 4, 4));
         assert_eq!(evaluation.scores.iter().map(correct).collect::<Vec<_>>(), methods);
     }
 
@@ -254,7 +261,7 @@ mod tests {
         let files = result_files(folder.path()).unwrap();
         assert_eq!(files, [early, late]);
         assert_eq!(result_files(&folder.path().join("frames.y4m")).unwrap(), files);
-        let evaluation = evaluate(sequence(), &[], &Config::paper().into(), &files, || ()).unwrap();
+        let evaluation = evaluate(sequence(), &[], &files, || ()).unwrap();
         let figures = |(who, score): &(Contestant, Score)| (who.name().to_owned(), score.answered, score.correct);
         let expected = [("t2".to_owned(), 2, 2), ("t10".to_owned(), 4, 3)];
         assert_eq!(evaluation.scores.iter().map(figures).collect::<Vec<_>>(), expected);

@@ -1,6 +1,6 @@
 //! What was measured, as one matrix: contestants down, sequences across. Everything that is printed comes from here.
 
-use super::{Contestant, Evaluation, Score};
+use super::{Contestant, Evaluation, Score, published};
 use serde::Serialize;
 
 /// The scores of every contestant on every sequence.
@@ -21,13 +21,28 @@ pub(super) struct Line {
     pub scores: Vec<Option<Score>>,
 }
 
+/// What marks a figure of ours.
+pub(super) const MEASURED: &str = "measured";
+
 /// One score as JSON.
 #[derive(Serialize)]
 pub struct Row<'a> {
     tracker: &'a str,
+    /// `measured` or `printed`
+    source: &'static str,
     sequence: &'a str,
     #[serde(flatten)]
-    score: &'a Score,
+    score: Figures<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Figures<'a> {
+    Measured(&'a Score),
+    /// Of the paper nothing else is known.
+    Printed {
+        correct: u16,
+    },
 }
 
 impl Results {
@@ -51,13 +66,31 @@ impl Results {
         self.lines.is_empty()
     }
 
+    /// All scores, contestant by contestant; then the paper's Table 2, as far as its sequences are here.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row<'_>> {
+        self.measured().into_iter().chain(self.printed()).collect()
+    }
+
     /// All scores, contestant by contestant.
-    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.lines.iter().flat_map(|line| {
+    #[must_use]
+    pub fn measured(&self) -> Vec<Row<'_>> {
+        let rows = self.lines.iter().flat_map(|line| {
             let scores = self.sequences.iter().zip(&line.scores);
             scores.filter_map(|(sequence, score)| {
                 let (tracker, sequence) = (line.contestant.name(), sequence.name.as_str());
-                score.as_ref().map(|score| Row { tracker, sequence, score })
+                let score = Figures::Measured(score.as_ref()?);
+                Some(Row { tracker, source: MEASURED, sequence, score })
+            })
+        });
+        rows.collect()
+    }
+
+    fn printed(&self) -> impl Iterator<Item = Row<'_>> {
+        published::TABLE.iter().flat_map(|row| {
+            self.sequences.iter().filter_map(|Column { name, .. }| {
+                let score = Figures::Printed { correct: row.correct(name)? };
+                Some(Row { tracker: row.tracker, source: published::SOURCE, sequence: name, score })
             })
         })
     }

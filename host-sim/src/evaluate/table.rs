@@ -1,18 +1,9 @@
 //! Results as text: every score in full, and the paper's Table 2.
 
-use super::results::{Line, Results};
-use super::{Contestant, Score};
+use super::Score;
+use super::published;
+use super::results::{Line, MEASURED, Results};
 use std::fmt::Write as _;
-
-/// Correct frames of SMR as the paper's Table 2 prints them: published figures, nothing that was measured here.
-const PUBLISHED: [(&str, u16); 6] = [
-    ("01_david", 761),
-    ("02_jumping", 313),
-    ("03_pedestrian1", 140),
-    ("04_pedestrian2", 236),
-    ("05_pedestrian3", 66),
-    ("06_car", 510),
-];
 
 const NOTHING: &str = "-";
 
@@ -47,30 +38,29 @@ impl Results {
         aligned(&lines, 2)
     }
 
-    /// The paper's Table 2: correct frames, contestants down, sequences across.
+    /// The paper's Table 2 if one of its sequences is here, and correct frames as they were measured: contestants down,
+    /// sequences across.
     #[must_use]
     pub fn correct_frames(&self) -> String {
-        let mut header = vec!["correct frames".to_owned()];
+        let mut header = ["correct frames", "source"].map(str::to_owned).to_vec();
         header.extend(self.sequences.iter().map(|sequence| format!("{} /{}", sequence.name, sequence.visible)));
-        let (files, methods): (Vec<&Line>, Vec<&Line>) =
-            self.lines.iter().partition(|line| matches!(line.contestant, Contestant::File(_)));
         let mut lines = vec![header];
-        lines.extend(methods.into_iter().map(correct_frames));
         lines.extend(self.published());
-        lines.extend(files.into_iter().map(correct_frames));
-        aligned(&lines, 1)
+        lines.extend(self.lines.iter().map(correct_frames));
+        aligned(&lines, 2)
     }
 
-    /// The paper's row, if one of its sequences is here. They are known by the names of their folders.
-    fn published(&self) -> Option<Vec<String>> {
-        let figure = |name: &str| PUBLISHED.iter().find(|(published, _)| *published == name);
-        if !self.sequences.iter().any(|sequence| figure(&sequence.name).is_some()) {
-            return None;
+    /// The rows of the paper, if one of its sequences is here.
+    fn published(&self) -> Vec<Vec<String>> {
+        if !self.sequences.iter().any(|sequence| published::is_known(&sequence.name)) {
+            return Vec::new();
         }
-        let cell = |name: &str| figure(name).map_or(NOTHING.to_owned(), |(_, correct)| correct.to_string());
-        let mut line = vec!["SMR, the paper's table (published)".to_owned()];
-        line.extend(self.sequences.iter().map(|sequence| cell(&sequence.name)));
-        Some(line)
+        let cell = |correct: Option<u16>| correct.map_or(NOTHING.to_owned(), |correct| correct.to_string());
+        let line = |row: &published::Row| {
+            let cells = self.sequences.iter().map(|sequence| cell(row.correct(&sequence.name)));
+            [row.tracker, published::SOURCE].map(str::to_owned).into_iter().chain(cells).collect()
+        };
+        published::TABLE.iter().map(line).collect()
     }
 }
 
@@ -85,7 +75,7 @@ fn details(tracker: &str, sequence: &str, score: &Score) -> Vec<String> {
 }
 
 fn correct_frames(of: &Line) -> Vec<String> {
-    let mut line = vec![of.contestant.name().to_owned()];
+    let mut line = vec![of.contestant.name().to_owned(), MEASURED.to_owned()];
     line.extend(of.scores.iter().map(|score| score.map_or(NOTHING.to_owned(), |score| score.correct.to_string())));
     line
 }
@@ -113,7 +103,7 @@ pub fn aligned(lines: &[Vec<String>], names: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Evaluation;
+    use crate::evaluate::{Contestant, Evaluation};
 
     fn evaluation(sequence: &str, scores: &[(Contestant, usize)]) -> Evaluation {
         let score = |correct: usize| {
@@ -125,8 +115,12 @@ mod tests {
         Evaluation { sequence: sequence.to_owned(), visible: 4, scores, failures: vec![], notes: vec![] }
     }
 
+    fn method(name: &str) -> Contestant {
+        Contestant::Method(name.to_owned())
+    }
+
     fn results() -> Results {
-        let (smr, sad) = (Contestant::Method("smr"), Contestant::Method("sad"));
+        let (smr, sad) = (method("smr"), method("sad"));
         let file = |name: &str| Contestant::File(name.to_owned());
         Results::new(&[
             evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
@@ -154,28 +148,38 @@ t10      mine           4        4         3        3            3      1.000   
     #[test]
     fn the_table_of_the_paper() {
         let expected = "\
-correct frames                      mine /4  06_car /4
-smr                                       4          2
-sad                                       1          0
-SMR, the paper's table (published)        -        510
-smr                                       -          1
-t2                                        -          2
-t10                                       3          -
+correct frames                             source    mine /4  06_car /4
+Lim 2004 (incremental subspace)            printed         -        163
+Collins 2005 (online feature selection)    printed         -          -
+Avidan 2007 (ensemble tracking)            printed         -         10
+Babenko 2009 (MIL)                         printed         -         45
+Kalal 2010 (forward-backward, MedianFlow)  printed         -        510
+SMR, the paper                             printed         -        510
+smr                                        measured        4          2
+sad                                        measured        1          0
+smr                                        measured        -          1
+t2                                         measured        -          2
+t10                                        measured        3          -
 ";
         assert_eq!(results().correct_frames(), expected);
-        let other = Results::new(&[evaluation("mine", &[(Contestant::Method("smr"), 4)])]);
-        assert_eq!(other.correct_frames(), "correct frames  mine /4\nsmr                   4\n");
+        let other = Results::new(&[evaluation("mine", &[(method("smr"), 4)])]);
+        assert_eq!(other.correct_frames(), "correct frames  source    mine /4\nsmr             measured        4\n");
     }
 
     #[test]
-    fn json_has_the_keys_of_the_protocol_and_nothing_published() {
-        let rows = serde_json::to_value(results().rows().collect::<Vec<_>>()).unwrap();
+    fn json_has_what_was_measured_then_what_is_printed() {
+        let rows = serde_json::to_value(results().rows()).unwrap();
         let expected = serde_json::json!({
-            "tracker": "smr", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
+            "tracker": "smr", "source": "measured", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
             "correct_50": 2, "precision": 1.0, "recall": 0.5, "f": 2.0 / 3.0, "mean_iou": 0.5, "first_failure": 3,
         });
         assert_eq!(rows[1], expected);
         assert!(rows[0]["first_failure"].is_null());
-        assert_eq!(rows.as_array().unwrap().len(), 7);
+        // Collins has no figure for the one sequence of the table.
+        assert_eq!(rows.as_array().unwrap().len(), 7 + 5);
+        let lim = serde_json::json!({
+            "tracker": "Lim 2004 (incremental subspace)", "source": "printed", "sequence": "06_car", "correct": 163,
+        });
+        assert_eq!(rows[7], lim);
     }
 }

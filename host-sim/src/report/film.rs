@@ -111,7 +111,7 @@ impl Film {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |name, of| {
             let score = Score::new(&self.trajectory(of), truth).with_context(|| self.name.clone())?;
-            anyhow::Ok((Contestant::Method(name), score))
+            anyhow::Ok((Contestant::Method(String::from(name)), score))
         };
         let scores = vec![score(self.smr_name, Moment::smr)?, score("sad", Moment::sad)?];
         let visible = truth.iter().flatten().count();
@@ -265,11 +265,16 @@ mod tests {
         sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap()
     }
 
+    fn variants(methods: &[MethodKind], configs: &Configs) -> Vec<crate::evaluate::Variant> {
+        methods.iter().map(|&kind| crate::evaluate::Variant::new(kind, configs)).collect()
+    }
+
     #[test]
     fn the_film_is_what_the_methods_answer() {
         let film = watch(open(), &Config::paper().into(), Choice::Spread, || ()).unwrap();
         let methods = [MethodKind::Smr, MethodKind::Sad];
-        let evaluated = crate::evaluate::evaluate(open(), &methods, &Config::paper().into(), &[], || ()).unwrap();
+        let evaluated =
+            crate::evaluate::evaluate(open(), &variants(&methods, &Config::paper().into()), &[], || ()).unwrap();
         assert_eq!(film.evaluation().unwrap().unwrap().scores, evaluated.scores);
         assert_eq!(film.moments.len(), synthetic::LENGTH);
         let states: Vec<State> = film.stills.iter().map(|still| film.moments[still.index].smr.state).collect();
@@ -283,7 +288,7 @@ mod tests {
         let configs = Configs { robust: Some(robust::Config::robust()), ..Config::paper().into() };
         let film = watch(open(), &configs, Choice::Spread, || ()).unwrap();
         let methods = [MethodKind::Smr, MethodKind::Sad];
-        let evaluated = crate::evaluate::evaluate(open(), &methods, &configs, &[], || ()).unwrap();
+        let evaluated = crate::evaluate::evaluate(open(), &variants(&methods, &configs), &[], || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         assert_eq!(scores, evaluated.scores);
         assert_eq!(scores[0].0.name(), "robust");

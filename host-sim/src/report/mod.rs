@@ -2,6 +2,7 @@
 //! its ratio is worth, as diagrams.
 
 pub mod calibration;
+mod coordinates;
 pub mod diagram;
 mod difference;
 mod encode;
@@ -11,9 +12,11 @@ mod page;
 mod picture;
 mod plot;
 mod reel;
+#[cfg(feature = "bench")]
 pub mod speeds;
 mod tile;
 
+pub use coordinates::coordinates;
 pub use film::{Film, watch};
 pub use page::page;
 pub use picture::picture;

@@ -5,7 +5,6 @@ use super::{Color, SAD, SMR, TRUTH, color_of, encode, font};
 use crate::evaluate::State;
 use crate::sequence::BoundingBox;
 use anyhow::Result;
-use std::ops::RangeInclusive;
 
 /// No side of a frame is longer in the picture.
 const TILE: u32 = 320;
@@ -126,16 +125,16 @@ struct Tile {
 
 /// How an outline is drawn.
 struct Pen {
-    /// Pixels by which it is larger than the box; of equal boxes all are seen.
-    grown: RangeInclusive<i64>,
+    /// Pixels to each side of the box's edge. What is drawn first is wider, so that of equal boxes all are seen.
+    half: i64,
     ink: u8,
     /// In the gaps between dashes; the ink itself where there are none.
     gaps: Option<u8>,
 }
 
 impl Pen {
-    const fn solid(grown: RangeInclusive<i64>, ink: u8) -> Self {
-        Self { grown, ink, gaps: Some(ink) }
+    const fn solid(half: i64, ink: u8) -> Self {
+        Self { half, ink, gaps: Some(ink) }
     }
 }
 
@@ -151,15 +150,15 @@ impl Tile {
         if let Some(search) = &still.sight.search {
             // Black and white: to be seen on anything. Only what is in the frame is in the tile.
             let seen = search.window.intersection(smr_core::Rect::new(0, 0, still.frame.width, still.frame.height));
-            self.outline(canvas, &seen.into(), &Pen { grown: 0..=0, ink: WHITE, gaps: Some(BLACK) });
+            self.outline(canvas, &seen.into(), &Pen { half: 0, ink: WHITE, gaps: Some(BLACK) });
         }
         if let Some(sad) = moment.sad.target {
-            self.outline(canvas, &sad, &Pen::solid(2..=4, ink(SAD)));
+            self.outline(canvas, &sad, &Pen::solid(2, ink(SAD)));
         }
         let gaps = moment.smr.target.is_some().then_some(ink(SMR));
-        self.outline(canvas, &still.sight.smr_box, &Pen { grown: -1..=1, ink: ink(SMR), gaps });
+        self.outline(canvas, &still.sight.smr_box, &Pen { half: 1, ink: ink(SMR), gaps });
         if let Some(truth) = film.truth_at(still.index) {
-            self.outline(canvas, &truth, &Pen::solid(-2..=-2, ink(TRUTH)));
+            self.outline(canvas, &truth, &Pen::solid(0, ink(TRUTH)));
         }
     }
 
@@ -180,7 +179,7 @@ impl Tile {
         let at = |place: f64, side: u32| whole(place * self.scale).clamp(-9, i64::from(side) + 9);
         let (left, right) = (at(of.x, self.width), at(of.x + of.width, self.width) - 1);
         let (top, bottom) = (at(of.y, self.height), at(of.y + of.height, self.height) - 1);
-        for grown in pen.grown.clone() {
+        for grown in -pen.half..=pen.half {
             let (left, right, top, bottom) = (left - grown, right + grown, top - grown, bottom + grown);
             for x in left..=right {
                 self.dot(canvas, (x, top), x, pen);
@@ -213,6 +212,7 @@ fn whole(place: f64) -> i64 {
 mod tests {
     use super::*;
     use crate::report::{Choice, watch};
+    use crate::sequence::Damage;
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
     use smr_core::Config;
     use std::path::Path;
@@ -230,6 +230,7 @@ mod tests {
             length: Some(1),
             init: Some("0,0,1,1".parse().unwrap()),
             truth: None,
+            damage: Damage::default(),
         }
     }
 
@@ -240,9 +241,10 @@ mod tests {
         assert_eq!(picture.width(), 1000);
         // Frame 1 is twice as large at (10, 10); the target's box begins at (36, 24).
         let at = |x: u32, y: u32| picture.get_pixel(10 + 2 * 36 + x - 4, 10 + 2 * 24 + y - 4).0;
-        let inwards = [SAD, SAD, SAD, SMR, SMR, SMR, TRUTH];
-        assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|x| at(x, 9)), inwards);
-        assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|y| at(9, y)), inwards);
+        // Each with its edge in the middle of its line, where the target begins.
+        let inwards = [SAD, SMR, TRUTH, SMR, SAD];
+        assert_eq!([2, 3, 4, 5, 6].map(|x| at(x, 12)), inwards);
+        assert_eq!([2, 3, 4, 5, 6].map(|y| at(12, y)), inwards);
     }
 
     #[test]

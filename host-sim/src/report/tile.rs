@@ -17,13 +17,12 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
 
     let window = still.sight.search.as_ref().map(|search| {
         let window = search.window.into();
-        outline("window-under", &window, 0.0) + &outline("window", &window, 0.0)
+        outline("window-under", &window) + &outline("window", &window)
     });
-    // Side by side, a pixel of the screen each: of equal boxes all are seen.
-    let pixel = f64::from(whole) / 280.0;
-    let sad = moment.sad.target.map(|sad| outline("sad", &sad, 3.0 * pixel));
-    let smr = outline(if moment.smr.target.is_some() { "smr" } else { "smr last" }, &still.sight.smr_box, 0.0);
-    let truth = film.truth_at(still.index).map(|truth| outline("truth", &truth, -2.0 * pixel));
+    // Each where it is; the ones below are drawn wider, so that of equal boxes all are seen.
+    let sad = moment.sad.target.map(|sad| outline("sad", &sad));
+    let smr = outline(if moment.smr.target.is_some() { "smr" } else { "smr last" }, &still.sight.smr_box);
+    let truth = film.truth_at(still.index).map(|truth| outline("truth", &truth));
     let boxes = [window, sad, Some(smr), truth].into_iter().flatten().collect::<String>();
 
     let (number, state) = (still.index + 1, moment.smr.state.name());
@@ -39,10 +38,8 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
     ))
 }
 
-/// The box, larger by `grown` on each side.
-fn outline(class: &str, of: &BoundingBox, grown: f64) -> String {
-    let (x, y) = (of.x - grown, of.y - grown);
-    let (width, height) = ((of.width + 2.0 * grown).max(0.0), (of.height + 2.0 * grown).max(0.0));
+/// The box itself: its edges are the middle of the line.
+fn outline(class: &str, &BoundingBox { x, y, width, height }: &BoundingBox) -> String {
     format!("<rect class=\"box {class}\" x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/>")
 }
 

@@ -33,6 +33,22 @@ impl BoundingBox {
         (!rect.is_empty()).then_some(rect)
     }
 
+    /// As [`BoundingBox::to_rect`].
+    ///
+    /// # Errors
+    /// What is wrong with the box: the words that follow after "the box".
+    pub fn pixels(&self) -> Result<Rect> {
+        self.to_rect().with_context(|| {
+            let least = self.width.min(self.height).round();
+            let what = if least < 1.0 {
+                "has no pixels".to_owned()
+            } else {
+                format!("is too large or too far away (at most {} pixels on a side)", u16::MAX)
+            };
+            format!("{what}: {self} (x,y,width,height)")
+        })
+    }
+
     /// Intersection over union, 0 to 1; 0 if neither has an area.
     pub fn iou(&self, other: &Self) -> f64 {
         let shared =
@@ -125,21 +141,26 @@ pub fn read_otb(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
 /// The ground truth in `folder`, if there is any.
 pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
     let (tld, otb) = (folder.join("gt.txt"), folder.join("groundtruth_rect.txt"));
-    if tld.is_file() {
+    if is_named(&tld) {
         return read_tld(&tld).map(Some);
     }
-    if otb.is_file() { read_otb(&otb).map(Some) } else { Ok(None) }
+    if is_named(&otb) { read_otb(&otb).map(Some) } else { Ok(None) }
 }
 
 /// The box of `init.txt` in `folder`, if there is such a file.
 pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     let file = folder.join("init.txt");
-    if !file.is_file() {
+    if !is_named(&file) {
         return Ok(None);
     }
     let first = read_tld(&file)?.into_iter().next().flatten();
     let init = first.filter(BoundingBox::has_area);
     init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
+}
+
+/// True if there is something of this name: a link to nothing is not passed over, but an error when it is read.
+fn is_named(file: &Path) -> bool {
+    fs::symlink_metadata(file).is_ok()
 }
 
 fn read(path: &Path, entry: fn(&str) -> Result<Option<BoundingBox>>) -> Result<Vec<Option<BoundingBox>>> {

@@ -3,13 +3,17 @@
 //! Gray pictures pass unchanged. Of 16-bit pictures the high byte is taken, alpha is ignored, and colour becomes gray
 //! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
 
+use super::damage::{Damaged, Instead};
 use super::{GrayFrame, has_extension};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
-use std::fs::File;
-use std::io::BufReader;
+use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
@@ -33,27 +37,99 @@ pub(super) fn frames(files: Vec<PathBuf>) -> impl Iterator<Item = Result<GrayFra
     })
 }
 
+/// The largest picture that memory is taken for, in pixels: 16384x16384.
+const MOST_PIXELS: u64 = 1 << 28;
+
 fn read(file: &Path) -> Result<GrayFrame> {
-    let reader = ImageReader::open(file)?.with_guessed_format()?;
+    decode(file, &fs::read(file)?)
+}
+
+pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<GrayFrame> {
+    let mut reader = ImageReader::new(Cursor::new(bytes));
+    if let Ok(format) = ImageFormat::from_path(file) {
+        reader.set_format(format);
+    }
+    let reader = reader.with_guessed_format()?;
     match reader.format() {
-        Some(ImageFormat::Png | ImageFormat::Jpeg) => {}
-        Some(ImageFormat::Pnm) => check_largest_value(file)?,
-        _ => bail!(EXPECTED),
+        Some(ImageFormat::Png) => {}
+        Some(ImageFormat::Jpeg) => return jpeg(bytes),
+        Some(ImageFormat::Pnm) => check_header(bytes)?,
+        _ => return Err(damaged(EXPECTED.to_owned())),
     }
     gray(reader.decode().map_err(undecodable)?)
 }
 
-/// Where a PGM says that its white is neither 255 nor 65535, its values would have to be scaled; unscaled they would
-/// give an almost black picture without a word.
-fn check_largest_value(file: &Path) -> Result<()> {
-    let largest = PnmDecoder::new(BufReader::new(File::open(file)?)).map_err(undecodable)?.header().maximal_sample();
+/// What the header of a PNM says is checked before memory is taken for it. Where a PGM says that its white is neither 255
+/// nor 65535, its values would have to be scaled; unscaled they would give an almost black picture without a word.
+fn check_header(bytes: &[u8]) -> Result<()> {
+    let decoder = PnmDecoder::new(bytes).map_err(undecodable)?;
+    let largest = decoder.header().maximal_sample();
     ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
+    check_size(decoder.header().width(), decoder.header().height())
+}
+
+fn check_size(width: u32, height: u32) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
     Ok(())
+}
+
+/// The decoder that `image` has, too, which in its usual state conceals whatever is missing.
+fn jpeg(bytes: &[u8]) -> Result<GrayFrame> {
+    let broken = match jpeg_as(bytes, true) {
+        Ok(frame) if has_end(bytes) => return Ok(frame),
+        Ok(_) => "its end is missing".to_owned(),
+        Err(error) => format!("{error:#}"),
+    };
+    let why = format!("{EXPECTED}: {broken}");
+    match jpeg_as(bytes, false) {
+        Ok(frame) => Err(Damaged { why, instead: Instead::Decoded(frame) }.into()),
+        Err(_) => Err(damaged(why)),
+    }
+}
+
+/// `strict`: what is damaged is an error; else it is gray or some other guess.
+fn jpeg_as(bytes: &[u8], strict: bool) -> Result<GrayFrame> {
+    let side = usize::from(u16::MAX);
+    let options = DecoderOptions::default().set_strict_mode(strict).set_max_width(side).set_max_height(side);
+    let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers()?;
+    let (width, height) = decoder.dimensions().context("its size is missing")?;
+    let (width, height) = (u16::try_from(width)?, u16::try_from(height)?);
+    check_size(width.into(), height.into())?;
+    let colors = match decoder.input_colorspace() {
+        Some(ColorSpace::Luma) => ColorSpace::Luma,
+        _ => ColorSpace::RGB,
+    };
+    decoder.set_options(decoder.options().jpeg_set_out_colorspace(colors));
+    let decoded = decoder.decode()?;
+    let pixels = match colors {
+        ColorSpace::Luma => decoded,
+        _ => decoded.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
+    };
+    let expected = usize::from(width) * usize::from(height);
+    ensure!(pixels.len() == expected, "{} pixels were decoded: expected {expected}", pixels.len());
+    Ok(GrayFrame { width, height, pixels })
+}
+
+/// True if the marker of the end follows the last beginning of pixels, in which it cannot occur.
+fn has_end(bytes: &[u8]) -> bool {
+    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|bytes| bytes == marker);
+    last([0xFF, 0xD9]) > last([0xFF, 0xDA])
 }
 
 /// The errors of `image` already contain their causes: as a chain they would be printed twice.
 fn undecodable(error: ImageError) -> anyhow::Error {
-    anyhow!("{EXPECTED}: {error}")
+    let why = format!("{EXPECTED}: {error}");
+    match error {
+        ImageError::Decoding(_) | ImageError::IoError(_) => damaged(why),
+        _ => anyhow!(why),
+    }
+}
+
+/// Of a picture of which nothing can be decoded.
+fn damaged(why: String) -> anyhow::Error {
+    Damaged { why, instead: Instead::Former }.into()
 }
 
 fn gray(picture: DynamicImage) -> Result<GrayFrame> {

@@ -4,6 +4,7 @@
 //! Frames stream: a recording is never in memory as a whole.
 
 pub mod boxes;
+mod damage;
 mod images;
 mod noise;
 mod periodic;
@@ -13,10 +14,13 @@ mod video;
 mod y4m;
 
 pub use boxes::BoundingBox;
+pub use damage::Damage;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use damage::Reading;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// One 8-bit gray frame, rows without gaps.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,6 +55,8 @@ pub struct Sequence {
     pub init: Option<BoundingBox>,
     /// Ground truth, one entry a frame; `None` where the target is not visible.
     pub truth: Option<Vec<Option<BoundingBox>>>,
+    /// How many of the frames that were read are damaged; it stays 0 unless [`OpenOptions::lenient`] is set.
+    pub damage: Damage,
 }
 
 impl Sequence {
@@ -63,8 +69,7 @@ impl Sequence {
         let init = self.init.with_context(|| {
             format!("{name}: no box to start from: give --init X,Y,W,H or init.txt beside the recording")
         })?;
-        init.to_rect()
-            .with_context(|| format!("{name}: the box to start from has no pixels: {init} (x,y,width,height)"))
+        init.pixels().map_err(|what| anyhow!("{name}: the box to start from {what}"))
     }
 }
 
@@ -75,6 +80,16 @@ pub struct OpenOptions {
     pub size: Option<(u16, u16)>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
+    /// Damaged frames are counted ([`Sequence::damage`]) and are no error.
+    pub lenient: bool,
+    /// How long ffmpeg may be silent; a minute if it is `None`.
+    pub ffmpeg_patience: Option<Duration>,
+}
+
+impl OpenOptions {
+    fn reading(&self) -> Reading {
+        Reading { lenient: self.lenient, damage: Damage::default() }
+    }
 }
 
 /// Where the pictures of a recording in OTB layout are.
@@ -88,6 +103,7 @@ const PICTURES: &str = "img";
 /// `groundtruth_rect.txt` (OTB form). Without `init.txt` the first box of the ground truth is the one to start from.
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     let mut sequence = if let Some(built_in) = built_in(path) {
+        ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
     } else {
         let kind = fs::metadata(path).with_context(|| {
@@ -133,7 +149,7 @@ fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
 
 fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let source = if images::is_picture(file) && options.size.is_none() {
-        Source::pictures(vec![file.to_owned()], file)
+        Source::pictures(vec![file.to_owned()], file, options)
     } else {
         source_of(file, options)?
     };
@@ -145,7 +161,7 @@ fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);
-    Ok(Sequence { name, frames: source.frames, length: source.length, init, truth })
+    Ok(Sequence { name, frames: source.frames, length: source.length, init, truth, damage: source.damage })
 }
 
 /// `.` and `..` have names too.
@@ -159,16 +175,28 @@ fn folder_name(folder: &Path) -> String {
 struct Source {
     frames: Frames,
     length: Option<usize>,
+    damage: Damage,
 }
 
 impl Source {
-    fn new(frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, length: Option<usize>, at: &Path) -> Self {
-        Self { frames: uniform(frames, at.display().to_string()), length }
+    fn new(
+        frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static,
+        length: Option<usize>,
+        at: &Path,
+        reading: Reading,
+    ) -> Self {
+        let damage = reading.damage.clone();
+        Self { frames: damage::frames(frames, at.display().to_string(), reading), length, damage }
     }
 
-    fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
+    /// Frames that are made, not read.
+    fn made(frames: impl Iterator<Item = GrayFrame> + Send + 'static, length: usize, name: &str) -> Self {
+        Self::new(frames.map(Ok), Some(length), Path::new(name), Reading::default())
+    }
+
+    fn pictures(files: Vec<PathBuf>, at: &Path, options: &OpenOptions) -> Self {
         let length = files.len();
-        Self::new(images::frames(files), Some(length), at)
+        Self::new(images::frames(files), Some(length), at, options.reading())
     }
 }
 
@@ -179,10 +207,26 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
     if pictures.is_empty() && inner.is_dir() {
         pictures = images::pictures(&files_in(&inner)?);
     }
-    if !pictures.is_empty() {
-        return Ok(Source::pictures(pictures, folder));
+    if pictures.is_empty() {
+        let recording = only_recording(folder, &files)?;
+        let name = recording.display();
+        ensure!(options.size.is_none() || raw::is_raw(recording), "--size is for raw dumps: {name} is none");
+        return source_of(recording, options);
     }
-    source_of(only_recording(folder, &files)?, options)
+    let (count, at) = (pictures.len(), folder.display());
+    ensure!(options.size.is_none(), "--size is for raw dumps: {at} holds pictures");
+    if let Some(recording) = files.iter().find(|file| is_recording(file)) {
+        let (picture, recording) = (pictures[0].display(), recording.display());
+        bail!(
+            "{at} holds {recording} and {count} pictures, {picture} first: expected one or the other; name the file meant"
+        );
+    }
+    // Left out, it would shift all boxes that follow.
+    let missing = pictures.iter().position(|picture| !picture.exists());
+    if let Some(frame) = missing {
+        bail!("{} (frame {}) is a link to a file that is not there", pictures[frame].display(), frame + 1);
+    }
+    Ok(Source::pictures(pictures, folder, options))
 }
 
 /// The one file of a folder without pictures that can be a recording.
@@ -211,24 +255,26 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
             format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
         })?;
         let (frames, length) = raw::open(file, size)?;
-        return Ok(Source::new(frames, length, file));
+        return Ok(Source::new(frames, length, file, options.reading()));
     }
     if y4m::is_y4m(file) {
-        return Ok(Source::new(y4m::open(file)?, None, file));
+        return Ok(Source::new(y4m::open(file)?, None, file, options.reading()));
     }
     // ffmpeg would: it draws text as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
-    Ok(Source::new(video::open(file)?, None, file))
+    let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
+    Ok(Source::new(video::open(file, patience)?, None, file, options.reading()))
 }
 
-/// The files in a folder. Hidden ones are not meant: systems leave thumbnails and such there.
+/// The files in a folder, and links to files that are not there. Hidden ones are not meant: systems leave thumbnails and
+/// such there.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let cannot_list = || format!("cannot list the folder {}", folder.display());
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).with_context(cannot_list)? {
         let path = entry.with_context(cannot_list)?.path();
         let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if !hidden && path.is_file() {
+        if !hidden && (path.is_file() || path.is_symlink() && !path.exists()) {
             files.push(path);
         }
     }
@@ -241,33 +287,7 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
     extension.is_some_and(|extension| extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
 }
 
-/// What holds for every source: at least one frame, all of one size, nothing after an error.
-fn uniform(mut frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, at: String) -> Frames {
-    let mut first = None;
-    let mut number = 0_u64;
-    let mut over = false;
-    Box::new(std::iter::from_fn(move || {
-        if over {
-            return None;
-        }
-        number += 1;
-        let next = match frames.next() {
-            Some(Ok(frame)) => Some(same_size(&mut first, frame).with_context(|| format!("{at}, frame {number}"))),
-            Some(error) => Some(error),
-            None if number == 1 => Some(Err(anyhow!("{at} holds no frame: expected at least one"))),
-            None => None,
-        };
-        over = !matches!(next, Some(Ok(_)));
-        next
-    }))
-}
-
-fn same_size(first: &mut Option<(u16, u16)>, frame: GrayFrame) -> Result<GrayFrame> {
-    let (width, height) = *first.get_or_insert((frame.width, frame.height));
-    let same = (frame.width, frame.height) == (width, height);
-    ensure!(same, "it is {}x{}: expected {width}x{height}, the size of the first", frame.width, frame.height);
-    Ok(frame)
-}
-
+#[cfg(test)]
+mod fuzz;
 #[cfg(test)]
 mod tests;

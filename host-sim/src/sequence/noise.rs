@@ -5,7 +5,6 @@
 
 use super::synthetic::Random;
 use super::{BoundingBox, GrayFrame, Sequence, Source};
-use std::path::Path;
 
 /// What it is called, on the command line and in tables.
 pub const NAME: &str = "noise";
@@ -27,12 +26,19 @@ fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let source = Source::new(frames().map(Ok), Some(LENGTH), Path::new(NAME));
+    let source = Source::made(frames(), LENGTH, NAME);
     let side = f64::from(SIDE);
     let target =
         BoundingBox { x: f64::from((WIDTH - SIDE) / 2), y: f64::from((HEIGHT - SIDE) / 2), width: side, height: side };
     let truth = Some(vec![Some(target); LENGTH]);
-    Sequence { name: NAME.to_owned(), frames: source.frames, length: source.length, init: Some(target), truth }
+    Sequence {
+        name: NAME.to_owned(),
+        frames: source.frames,
+        length: source.length,
+        init: Some(target),
+        truth,
+        damage: source.damage,
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@
 //! tells where exactly the neighbourhood of the peak ends.
 
 use super::{BoundingBox, GrayFrame, Sequence, Source};
-use std::path::Path;
 
 /// What it is called, on the command line and in tables.
 pub const NAME: &str = "periodic";
@@ -73,7 +72,14 @@ impl Pattern {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let source = Source::new(frames().map(Ok), Some(SCRIPT.len()), Path::new(NAME));
+    let source = Source::made(frames(), SCRIPT.len(), NAME);
     let init = BoundingBox { x: 26.0, y: 18.0, width: 12.0, height: 12.0 };
-    Sequence { name: NAME.to_owned(), frames: source.frames, length: source.length, init: Some(init), truth: None }
+    Sequence {
+        name: NAME.to_owned(),
+        frames: source.frames,
+        length: source.length,
+        init: Some(init),
+        truth: None,
+        damage: source.damage,
+    }
 }

@@ -1,5 +1,6 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
+use super::damage::{Damaged, Instead};
 use super::{GrayFrame, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
@@ -37,10 +38,12 @@ impl Frames {
         // Grows with what is there: a size typed wrongly must not take all memory.
         let mut pixels = Vec::new();
         let found = self.dump.by_ref().take(u64::from(width) * u64::from(height)).read_to_end(&mut pixels)?;
-        ensure!(
-            found == 0 || found == expected,
-            "it is cut short, or its frames are not {width}x{height}: expected {expected} bytes, found {found}"
-        );
+        if found != 0 && found != expected {
+            let why = format!(
+                "it is cut short, or its frames are not {width}x{height}: expected {expected} bytes, found {found}"
+            );
+            return Err(Damaged { why, instead: Instead::End(1) }.into());
+        }
         Ok((found > 0).then_some(GrayFrame { width, height, pixels }))
     }
 }

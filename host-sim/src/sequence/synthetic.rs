@@ -16,7 +16,6 @@
 //! | 204 to 239 | it moves on to the middle, while the light falls |
 
 use super::{BoundingBox, GrayFrame, Sequence, Source};
-use std::path::Path;
 use std::sync::LazyLock;
 
 /// What it is called, on the command line and in tables.
@@ -79,10 +78,17 @@ pub fn truth(index: usize) -> Option<BoundingBox> {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let source = Source::new(frames().map(Ok), Some(LENGTH), Path::new(NAME));
+    let source = Source::made(frames(), LENGTH, NAME);
     let truth = (0..LENGTH).map(truth).collect();
     let init = self::truth(0);
-    Sequence { name: NAME.to_owned(), frames: source.frames, length: source.length, init, truth: Some(truth) }
+    Sequence {
+        name: NAME.to_owned(),
+        frames: source.frames,
+        length: source.length,
+        init,
+        truth: Some(truth),
+        damage: source.damage,
+    }
 }
 
 /// Where everything is in one frame.

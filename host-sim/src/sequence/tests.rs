@@ -11,7 +11,15 @@ fn open_plain(path: &Path) -> Result<Sequence> {
 }
 
 fn open_sized(path: &Path, width: u16, height: u16) -> Result<Sequence> {
-    open(path, &OpenOptions { size: Some((width, height)), init: None })
+    open(path, &OpenOptions { size: Some((width, height)), ..OpenOptions::default() })
+}
+
+/// As [`read`] where damage is no error, and how many frames are damaged.
+fn read_lenient(path: &Path, options: OpenOptions) -> (Vec<GrayFrame>, Option<String>, u64) {
+    let sequence = open(path, &OpenOptions { lenient: true, ..options }).unwrap();
+    let damage = sequence.damage.clone();
+    let (frames, error) = read(Ok(sequence));
+    (frames, error, damage.frames())
 }
 
 fn message<T>(result: Result<T>) -> String {
@@ -91,7 +99,7 @@ mod folders {
         write(&folder, "init.txt", b"0,0,2,2");
         assert_eq!(open_plain(folder.path()).unwrap().init, Some("0,0,2,2".parse().unwrap()));
         let asked: BoundingBox = "1,1,2,2".parse().unwrap();
-        let options = OpenOptions { size: None, init: Some(asked) };
+        let options = OpenOptions { init: Some(asked), ..OpenOptions::default() };
         assert_eq!(open(folder.path(), &options).unwrap().init, Some(asked));
         assert_eq!(open(Path::new("synthetic"), &options).unwrap().init, Some(asked));
     }
@@ -105,6 +113,70 @@ mod folders {
         let (frames, error) = read(open_plain(folder.path()));
         let expected = format!("{}, frame 2: it is 4x4: expected 4x3, the size of the first", folder.path().display());
         assert_eq!((frames.len(), error), (1, Some(expected)));
+    }
+
+    #[test]
+    fn pictures_beside_a_recording_are_not_guessed_about() {
+        let folder = folder();
+        save_gray(&folder.path().join("thumbnail.png"), 4, 3, 0);
+        let video = write(&folder, "a.mp4", b"");
+        let expected = format!(
+            "{at} holds {video} and 1 pictures, {at}/thumbnail.png first: expected one or the other; name the file meant",
+            at = folder.path().display(),
+            video = video.display()
+        );
+        assert_eq!(message(open_plain(folder.path())), expected);
+    }
+
+    #[test]
+    fn a_size_is_for_raw_dumps_only() {
+        let folder = folder();
+        save_gray(&folder.path().join("1.png"), 4, 3, 0);
+        assert_eq!(
+            message(open_sized(folder.path(), 4, 3)),
+            format!("--size is for raw dumps: {} holds pictures", folder.path().display())
+        );
+        assert!(message(open_sized(Path::new("synthetic"), 4, 3)).starts_with("--size is for raw dumps: synthetic"));
+        let other = tempfile::tempdir().unwrap();
+        write(&other, "a.y4m", b"YUV4MPEG2 W3 H2 Cmono\nFRAME\n123456");
+        assert!(message(open_sized(other.path(), 3, 2)).ends_with("a.y4m is none"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_is_no_gap() {
+        let folder = folder();
+        save_gray(&folder.path().join("1.png"), 4, 3, 1);
+        save_gray(&folder.path().join("3.png"), 4, 3, 3);
+        std::os::unix::fs::symlink("nowhere", folder.path().join("2.png")).unwrap();
+        let at = folder.path().display();
+        let expected = format!("{at}/2.png (frame 2) is a link to a file that is not there");
+        assert_eq!(message(open_plain(folder.path())), expected);
+        fs::remove_file(folder.path().join("2.png")).unwrap();
+        assert_eq!(first_pixels(&read(open_plain(folder.path())).0), [1, 3]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn ground_truth_behind_a_link_to_nothing_is_missed() {
+        for name in ["gt.txt", "groundtruth_rect.txt", "init.txt"] {
+            let folder = folder();
+            save_gray(&folder.path().join("1.png"), 4, 3, 1);
+            std::os::unix::fs::symlink("nowhere", folder.path().join(name)).unwrap();
+            assert!(message(open_plain(folder.path())).starts_with("cannot read "), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_start_is_said() {
+        let start = |init: &str| {
+            let init = Some(init.parse().unwrap());
+            message(open(Path::new("synthetic"), &OpenOptions { init, ..OpenOptions::default() }).unwrap().start())
+        };
+        let large = "synthetic: the box to start from is too large or too far away (at most 65535 pixels on a side): 0,0,70000,5 (x,y,width,height)";
+        assert_eq!(start("0,0,70000,5"), large);
+        assert!(start("1e300,0,7,5").contains("too far away"));
+        assert!(start("1,1,0.3,5").contains("the box to start from has no pixels: 1,1,0.3,5"));
     }
 
     #[test]
@@ -201,6 +273,71 @@ mod pictures {
         let bytes = fs::read(&file).unwrap();
         fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
         assert!(read(open_plain(&file)).1.unwrap().starts_with("cannot read "));
+        let (frames, error, _) = read_lenient(&file, OpenOptions::default());
+        assert_eq!(frames.len(), 0);
+        assert!(error.unwrap().ends_with("(--lenient takes the frame before it once more); there is none"));
+
+        save_gray(&folder.path().join("0.png"), 64, 64, 7);
+        save_gray(&folder.path().join("2.png"), 64, 64, 8);
+        let (frames, error, damaged) = read_lenient(folder.path(), OpenOptions::default());
+        assert_eq!((first_pixels(&frames), error, damaged), (vec![7, 7, 8], None, 1));
+    }
+
+    /// A JPEG with detail everywhere, so that most bytes are pixels.
+    fn jpeg() -> Vec<u8> {
+        let pixels: Vec<u8> = (0..96 * 96_u32).map(|at| at.wrapping_mul(2_654_435_761).to_be_bytes()[0]).collect();
+        let mut bytes = Vec::new();
+        image::codecs::jpeg::JpegEncoder::new(&mut bytes)
+            .encode(&pixels, 96, 96, image::ExtendedColorType::L8)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_jpeg_that_is_cut_anywhere_is_an_error_unless_asked_for() {
+        let (folder, whole) = (folder(), jpeg());
+        let file = write(&folder, "1.jpg", &whole);
+        let (expected, error) = read(open_plain(&file));
+        assert_eq!((expected.len(), error), (1, None));
+        // What follows the end is no damage.
+        write(&folder, "1.jpg", &[&whole[..], b"a trailer"].concat());
+        assert_eq!(read(open_plain(&file)), (expected.clone(), None));
+        for length in [700, whole.len() / 2, whole.len() - 40, whole.len() - 2, whole.len() - 1] {
+            write(&folder, "1.jpg", &whole[..length]);
+            let (frames, error) = read(open_plain(&file));
+            assert_eq!(frames.len(), 0, "{length}");
+            let error = error.unwrap();
+            assert!(
+                error.starts_with("cannot read ") && error.ends_with("(--lenient takes what can be decoded)"),
+                "{error}"
+            );
+            let (frames, error, damaged) = read_lenient(&file, OpenOptions::default());
+            assert_eq!((frames.len(), error, damaged), (1, None, 1), "{length}");
+            assert_eq!(frames[0].pixels[..40], expected[0].pixels[..40], "it begins alike");
+        }
+    }
+
+    #[test]
+    fn a_jpeg_is_what_image_decodes() {
+        let folder = folder();
+        let color = |x: u32, y: u32| Rgb([x * 5, y * 7, x * y].map(|level| level.to_le_bytes()[0]));
+        RgbImage::from_fn(40, 30, color).save(folder.path().join("1.jpg")).unwrap();
+        let decoded = image::open(folder.path().join("1.jpg")).unwrap().into_rgb8();
+        decoded.save(folder.path().join("2.png")).unwrap();
+        let (frames, error) = read(open_plain(folder.path()));
+        assert_eq!((frames.len(), error), (2, None));
+        assert_eq!(frames[0], frames[1]);
+    }
+
+    #[test]
+    fn a_picture_without_pixels_is_refused() {
+        for header in ["P5\n0 0\n255\n", "P5\n0 5\n255\n", "P5\n5 0\n255\n", "P6\n0 0\n255\n", "P6 0 5 255\n"] {
+            let folder = folder();
+            let file = write(&folder, "1.pgm", header.as_bytes());
+            let (frames, error) = read(open_plain(&file));
+            assert_eq!(frames.len(), 0);
+            assert!(error.unwrap().contains("1.pgm"), "{header:?}");
+        }
     }
 
     #[test]
@@ -246,10 +383,13 @@ mod raw_dumps {
         let file = write(&folder, "dump.gray", &[5; 16]);
         let (frames, error) = read(open_sized(&file, 3, 2));
         let expected = format!(
-            "{}, frame 3: it is cut short, or its frames are not 3x2: expected 6 bytes, found 4",
+            "{}, frame 3: it is cut short, or its frames are not 3x2: expected 6 bytes, found 4 (--lenient takes the frames that were decoded)",
             file.display()
         );
         assert_eq!((frames.len(), error), (2, Some(expected)));
+        let (frames, error, damaged) =
+            read_lenient(&file, OpenOptions { size: Some((3, 2)), ..OpenOptions::default() });
+        assert_eq!((frames.len(), error, damaged), (2, None, 1));
         assert_eq!(read(open_sized(&file, 65535, 65535)).0.len(), 0);
     }
 }
@@ -280,8 +420,12 @@ mod y4m_files {
             let file = write(&folder, "a.y4m", &whole[..whole.len() - cut]);
             let (frames, error) = read(open_plain(&file));
             let at = file.display();
-            let expected = format!("{at}, frame 2: it is cut short: expected 12 bytes with its header, found {found}");
+            let expected = format!(
+                "{at}, frame 2: it is cut short: expected 12 bytes with its header, found {found} (--lenient takes the frames that were decoded)"
+            );
             assert_eq!((frames.len(), error), (1, Some(expected)));
+            let (frames, error, damaged) = read_lenient(&file, OpenOptions::default());
+            assert_eq!((frames.len(), error, damaged), (1, None, 1));
         }
     }
 
@@ -289,6 +433,10 @@ mod y4m_files {
     fn headers_that_are_refused() {
         let folder = folder();
         let refused = [
+            (
+                "YUV4MPEG2 W3 H2\r\n",
+                "its header ends with CR LF: expected LF alone; it was changed as if it were text, and its pixels too",
+            ),
             ("RIFF\n", "expected a line that begins with YUV4MPEG2"),
             ("YUV4MPEG2 W3 H2 F25:1 C420p10\n", "its pixels have 10 bits (C420p10): expected 8"),
             ("YUV4MPEG2 W3 H2 F25:1 Cmono16\n", "its pixels have 16 bits (Cmono16): expected 8"),
@@ -339,7 +487,8 @@ mod videos {
     fn ffmpeg_for(test: &str) -> bool {
         let there = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
         if !there {
-            println!("skipped: {test}: no ffmpeg on the PATH");
+            // Not `println!`, which is not shown for a test that passes.
+            let _ = writeln!(std::io::stderr(), "skipped: {test}: no ffmpeg on the PATH");
         }
         there
     }
@@ -381,6 +530,9 @@ mod videos {
         let (frames, error) = read(open_plain(&video));
         assert!((5..20).contains(&frames.len()), "{}", frames.len());
         assert!(error.unwrap().starts_with(&format!("{} is damaged, says ffmpeg: ", video.display())));
+        let (lenient, error, damaged) = read_lenient(&video, OpenOptions::default());
+        assert_eq!((lenient == frames, error), (true, None));
+        assert!(damaged > 0);
     }
 
     #[test]
@@ -393,6 +545,38 @@ mod videos {
         let error = message(open_plain(&file));
         assert!(error.starts_with(&format!("ffmpeg cannot decode {}: ", file.display())), "{error}");
         assert!(error.ends_with("Invalid data found when processing input") && !error.contains('\n'), "{error}");
+    }
+
+    #[test]
+    fn frames_of_another_size_are_not_scaled() {
+        if !ffmpeg_for("frames_of_another_size_are_not_scaled") {
+            return;
+        }
+        let folder = folder();
+        let parts = ["160x120", "96x64"].map(|size| {
+            let part = folder.path().join(size).with_extension("part");
+            let source = format!("testsrc=size={size}:duration=1:rate=25");
+            let mut ffmpeg = Command::new("ffmpeg");
+            ffmpeg.args([
+                "-nostdin",
+                "-v",
+                "error",
+                "-f",
+                "lavfi",
+                "-i",
+                &source,
+                "-c:v",
+                "mpeg1video",
+                "-f",
+                "mpegts",
+            ]);
+            assert!(ffmpeg.arg(&part).status().unwrap().success());
+            fs::read(part).unwrap()
+        });
+        let file = write(&folder, "a.ts", &parts.concat());
+        let error = read(open_plain(&file)).1.unwrap();
+        let expected = "the size of its frames or the format of their pixels changes on the way: expected one";
+        assert_eq!(error, format!("{}: {expected}", file.display()));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! What ffmpeg decodes comes through here as well, see [`super::video`].
 
+use super::damage::{Damaged, Instead};
 use super::{GrayFrame, has_extension};
 use ::y4m::{Decoder, Error, Limits};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -68,7 +69,10 @@ impl<R: Read> Frames<R> {
             Err(Error::EOF) => {
                 let found = self.count.load(Ordering::Relaxed) - before;
                 let expected = "FRAME\n".len() as u64 + self.frame_bytes;
-                ensure!(found == 0, "it is cut short: expected {expected} bytes with its header, found {found}");
+                if found > 0 {
+                    let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
+                    return Err(Damaged { why, instead: Instead::End(1) }.into());
+                }
                 Ok(None)
             }
             Err(Error::IoError(error)) => Err(error.into()),
@@ -97,6 +101,10 @@ struct Header {
 
 impl Header {
     fn parse(line: &[u8]) -> Result<Self> {
+        ensure!(
+            !(line.starts_with(b"YUV4MPEG2 ") && line.ends_with(b"\r\n")),
+            "its header ends with CR LF: expected LF alone; it was changed as if it were text, and its pixels too"
+        );
         let fields = line.strip_prefix(b"YUV4MPEG2 ").and_then(|rest| rest.strip_suffix(b"\n"));
         let fields =
             String::from_utf8_lossy(fields.context("expected a line that begins with YUV4MPEG2")?).into_owned();

@@ -4,8 +4,9 @@ use super::guard::{Guarded, Side};
 use super::{Backend, Scorer};
 use crate::image::Image;
 use crate::similarity::{Table, scalar};
+use std::boxed::Box;
+use std::io::Write;
 use std::vec::Vec;
-use std::{boxed::Box, println};
 
 /// The largest edge of which all sizes are tried. Miri is thousands of times slower, so there it is what takes a register
 /// and a bit of the narrowest backend.
@@ -188,7 +189,8 @@ macro_rules! stamp {
             if Backend::$backend.is_available() {
                 super::$test(Backend::$backend);
             } else {
-                println!("skipped: {}: this machine has no {:?}", stringify!($test), Backend::$backend);
+                // Not `println!`, which is not shown for a test that passes.
+                let _ = writeln!(std::io::stderr(), "skipped: {}: this machine has no {:?}", stringify!($test), Backend::$backend);
             }
         }
     )*};

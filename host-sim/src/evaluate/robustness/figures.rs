@@ -1,7 +1,7 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
 use super::calibration::Calibration;
-use crate::evaluate::{CORRECT, Score, Trajectory, overlaps};
+use crate::evaluate::{CORRECT, Score, State, Trajectory, overlaps};
 use anyhow::Result;
 use serde::Serialize;
 use std::time::Duration;
@@ -15,6 +15,7 @@ pub(super) struct RunFigures {
     /// Times that the target came back after it was hidden, and of these the ones after which it was soon followed.
     returns: usize,
     found_again: usize,
+    tracking: Tracking,
     /// What the updates took, all together.
     pub spent: Spent,
     pub calibration: Calibration,
@@ -30,13 +31,56 @@ pub(super) struct Spent {
 }
 
 impl RunFigures {
-    /// `answers`, the ratios that came with them, and `truth` begin with the frame that was locked on.
-    pub fn new(answers: &Trajectory, ratios: &[Option<f64>], truth: &Trajectory, spent: Spent) -> Result<Self> {
+    /// All begin with the frame that was locked on, of which there is neither state nor ratio.
+    pub fn new(
+        answers: &Trajectory,
+        states: &[Option<State>],
+        ratios: &[Option<f64>],
+        truth: &Trajectory,
+        spent: Spent,
+    ) -> Result<Self> {
         let score = Score::new(answers, truth)?;
         let answered_visible = answers.iter().zip(truth).filter(|(answer, truth)| answer.is_some() && truth.is_some());
         let calibration = Calibration::new(ratios, answers, truth)?;
-        let (returns, found_again) = returns(&overlaps(answers, truth)?);
-        Ok(Self { score, answered_visible: answered_visible.count(), returns, found_again, spent, calibration })
+        let overlaps = overlaps(answers, truth)?;
+        let (returns, found_again) = returns(&overlaps);
+        let tracking = Tracking::new(states, &overlaps);
+        Ok(Self {
+            score,
+            answered_visible: answered_visible.count(),
+            returns,
+            found_again,
+            tracking,
+            spent,
+            calibration,
+        })
+    }
+}
+
+/// What was said of frames, set against what holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Tracking {
+    /// Frames in which it was *tracking*, and of these the ones in which the target is hidden or the box is wrong.
+    said: usize,
+    said_wrongly: usize,
+    /// Frames in which the box is right, and of these the ones in which it was anything but *tracking*.
+    right: usize,
+    right_unsaid: usize,
+}
+
+impl Tracking {
+    fn new(states: &[Option<State>], overlaps: &[Option<f64>]) -> Self {
+        let mut counts = Self::default();
+        for (state, overlap) in states.iter().zip(overlaps) {
+            let Some(state) = state else { continue };
+            let said = *state == State::Tracking;
+            let right = overlap.is_some_and(|overlap| overlap > CORRECT);
+            counts.said += usize::from(said);
+            counts.said_wrongly += usize::from(said && !right);
+            counts.right += usize::from(right);
+            counts.right_unsaid += usize::from(right && !said);
+        }
+        counts
     }
 }
 
@@ -58,6 +102,11 @@ pub struct Figures {
     pub mean_correct: f64,
     /// The same from the start from which it is least.
     pub worst_correct: f64,
+    /// As `mean_correct`, were more than 0.5 of intersection over union needed.
+    pub mean_correct_50: f64,
+    /// The harmonic mean of the correct answers over all answers (those while the target is hidden, too) and of the correct
+    /// frames over those in which the target is visible: mean over the starts.
+    pub f: f64,
     /// Intersection over union, mean over the frames in which there is an answer and the target is visible; 0 if there is
     /// none.
     pub mean_iou: f64,
@@ -71,6 +120,14 @@ pub struct Figures {
     pub returns: usize,
     /// Of these, the ones with a correct answer in the first 50 frames.
     pub found_again: usize,
+    /// Frames in which *tracking* was said, without those that were locked on.
+    pub tracking: usize,
+    /// Of these, the ones in which the target is hidden or the box is wrong.
+    pub tracking_wrong: usize,
+    /// Frames in which the box is right, without those that were locked on.
+    pub right: usize,
+    /// Of these, the ones in which *tracking* was not said.
+    pub right_unsaid: usize,
     /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
     pub comparisons_per_frame: Option<f64>,
     /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
@@ -81,6 +138,7 @@ impl Figures {
     /// Over the starts of one recording. Fractions of frames are means over the starts; IoU, precision, comparisons and time
     /// are of all frames of all starts together.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
+        let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let recalls = || runs.iter().map(|run| run.score.recall);
         let iou_sum: f64 = runs.iter().map(|run| run.score.mean_iou * run.score.visible as f64).sum();
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>();
@@ -92,12 +150,18 @@ impl Figures {
         Self {
             mean_correct: ratio(recalls().sum(), runs.len() as f64),
             worst_correct: recalls().reduce(f64::min).unwrap_or(0.0),
+            mean_correct_50: mean(|score| ratio(score.correct_50 as f64, score.visible as f64)),
+            f: mean(|score| score.f),
             mean_iou: ratio(iou_sum, answered_visible as f64),
             precision: ratio(sum(|run| run.score.correct) as f64, answered as f64),
             hidden: sum(|run| run.score.frames - run.score.visible),
             answered_hidden: answered - answered_visible,
             returns: sum(|run| run.returns),
             found_again: sum(|run| run.found_again),
+            tracking: sum(|run| run.tracking.said),
+            tracking_wrong: sum(|run| run.tracking.said_wrongly),
+            right: sum(|run| run.tracking.right),
+            right_unsaid: sum(|run| run.tracking.right_unsaid),
             comparisons_per_frame: comparisons.map(|comparisons| ratio(comparisons as f64, updates)),
             microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
         }
@@ -110,12 +174,18 @@ impl Figures {
         Self {
             mean_correct: mean(|part| part.mean_correct),
             worst_correct: mean(|part| part.worst_correct),
+            mean_correct_50: mean(|part| part.mean_correct_50),
+            f: mean(|part| part.f),
             mean_iou: mean(|part| part.mean_iou),
             precision: mean(|part| part.precision),
             hidden: parts.iter().map(|part| part.hidden).sum(),
             answered_hidden: parts.iter().map(|part| part.answered_hidden).sum(),
             returns: parts.iter().map(|part| part.returns).sum(),
             found_again: parts.iter().map(|part| part.found_again).sum(),
+            tracking: parts.iter().map(|part| part.tracking).sum(),
+            tracking_wrong: parts.iter().map(|part| part.tracking_wrong).sum(),
+            right: parts.iter().map(|part| part.right).sum(),
+            right_unsaid: parts.iter().map(|part| part.right_unsaid).sum(),
             comparisons_per_frame: comparisons.map(|sum| ratio(sum, parts.len() as f64)),
             microseconds_per_frame: mean(|part| part.microseconds_per_frame),
         }
@@ -146,9 +216,13 @@ mod tests {
         let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
         // IoU 1 and 1; two answers while hidden.
         let second = [at(0.0), at(0.0), None, None, at(0.0), at(3.0)];
+        let states = |of: &[State]| std::iter::once(None).chain(of.iter().copied().map(Some)).collect::<Vec<_>>();
+        // Right but uncertain; wrong; no answer; hidden; no answer.
+        let of_first = states(&[State::Uncertain, State::Tracking, State::Lost, State::Tracking, State::Lost]);
+        let of_second = states(&[State::Lost, State::Lost, State::Uncertain, State::Tracking]);
         [
-            RunFigures::new(&first, &[], &truth, spent(5, Some(1000), 30)).unwrap(),
-            RunFigures::new(&second[1..], &[], &truth[1..], spent(4, comparisons, 60)).unwrap(),
+            RunFigures::new(&first, &of_first, &[], &truth, spent(5, Some(1000), 30)).unwrap(),
+            RunFigures::new(&second[1..], &of_second, &[], &truth[1..], spent(4, comparisons, 60)).unwrap(),
         ]
     }
 
@@ -158,12 +232,20 @@ mod tests {
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
             worst_correct: 1.0 / 3.0,
+            // Above 0.5 only the frames of the starts.
+            mean_correct_50: (1.0 / 4.0 + 1.0 / 3.0) / 2.0,
+            // 2 of 4 answers and 2 of 4 visible frames; 1 of 3 and 1 of 3.
+            f: (1.0 / 2.0 + 1.0 / 3.0) / 2.0,
             mean_iou: (1.0 + 1.0 / 3.0 + 0.0 + 1.0) / 4.0,
             precision: 3.0 / 7.0,
             hidden: 4,
             answered_hidden: 3,
             returns: 0,
             found_again: 0,
+            tracking: 3,
+            tracking_wrong: 3,
+            right: 1,
+            right_unsaid: 1,
             comparisons_per_frame: Some(200.0),
             microseconds_per_frame: 10.0,
         };
@@ -186,16 +268,32 @@ mod tests {
         let part = |correct: f64, hidden: usize| Figures {
             mean_correct: correct,
             worst_correct: correct / 2.0,
+            mean_correct_50: correct,
+            f: correct,
             mean_iou: correct,
             precision: correct,
             hidden,
             answered_hidden: hidden / 2,
             returns: hidden,
             found_again: 1,
+            tracking: 5,
+            tracking_wrong: hidden,
+            right: 3,
+            right_unsaid: 1,
             comparisons_per_frame: Some(correct * 100.0),
             microseconds_per_frame: correct * 10.0,
         };
-        let expected = Figures { hidden: 12, answered_hidden: 6, returns: 12, found_again: 2, ..part(0.5, 0) };
+        let expected = Figures {
+            hidden: 12,
+            answered_hidden: 6,
+            returns: 12,
+            found_again: 2,
+            tracking: 10,
+            tracking_wrong: 12,
+            right: 6,
+            right_unsaid: 2,
+            ..part(0.5, 0)
+        };
         assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), expected);
     }
 
@@ -212,7 +310,7 @@ mod tests {
     #[test]
     fn nothing_divides_by_zero() {
         let silent =
-            RunFigures::new(&[None], &[], &[at(0.0)], Spent { comparisons: Some(0), ..Spent::default() }).unwrap();
+            RunFigures::new(&[None], &[], &[], &[at(0.0)], Spent { comparisons: Some(0), ..Spent::default() }).unwrap();
         let figures = Figures::over_starts(&[silent]);
         assert_eq!(figures, Figures { comparisons_per_frame: Some(0.0), ..Figures::default() });
     }

@@ -3,6 +3,8 @@
 //! - `starts`: where runs start.
 //! - `recording`: a recording in memory.
 //! - `figures`: what runs come to.
+//! - `standard_error`: how sure means are.
+//! - `paired`: what one method is better by than another.
 //! - `calibration`: what a reported ratio says of the chance to be right.
 //! - `table`: the results as text.
 //! - `summary`: only the means, one row a tracker.
@@ -12,24 +14,30 @@
 
 mod calibration;
 mod figures;
+mod paired;
 mod recording;
+mod standard_error;
 mod starts;
 mod summary;
 mod table;
 
 pub use calibration::Bin;
 pub use figures::Figures;
+pub use paired::Former;
 pub use starts::Starts;
 
 use super::Variant;
-use crate::bench::clock::timed;
+use super::method::lock;
+use crate::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
 use calibration::Calibration;
 use figures::{RunFigures, Spent};
+use paired::Paired;
 use rayon::prelude::*;
 use recording::Recording;
 use serde::Serialize;
+use standard_error::Headline;
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -58,6 +66,8 @@ pub struct Robustness {
     recordings: Vec<Row>,
     /// Of each method: over all recordings, then, if they lie in several folders, by folder.
     means: Vec<Mean>,
+    /// What each method is better by than another one, if that was asked for.
+    paired: Vec<Paired>,
     /// Of each method that reports a ratio.
     calibration: Vec<Bin>,
     /// Why some are missing.
@@ -79,13 +89,22 @@ struct Row {
     tracker: String,
     sequence: String,
     /// The folder that the recording lies in, among others.
-    #[serde(skip)]
+    #[serde(serialize_with = "as_name")]
     folder: PathBuf,
     #[serde(flatten)]
     figures: Figures,
     #[serde(skip)]
     calibration: Calibration,
     starts: Vec<StartRow>,
+}
+
+/// A folder is called by its last name: paths differ from machine to machine.
+fn as_name<S: serde::Serializer>(folder: &Path, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(&name_of(folder))
+}
+
+fn name_of(folder: &Path) -> String {
+    folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// A method on a recording from one start.
@@ -108,6 +127,8 @@ struct Mean {
     recordings: usize,
     #[serde(flatten)]
     figures: Figures,
+    /// Of the means over recordings; `None` of a single one.
+    standard_error: Option<Headline>,
 }
 
 /// When recordings in memory have so many bytes, no more are read before these are measured.
@@ -148,7 +169,7 @@ pub fn measure(
     let place = |row: &Row| settings.variants.iter().position(|variant| variant.name == row.tracker);
     rows.sort_by_key(place);
     let (means, calibration) = (means(&rows, settings.variants), calibration(&rows, settings.variants));
-    Robustness { recordings: rows, means, calibration, failures }
+    Robustness { recordings: rows, means, paired: Vec::new(), calibration, failures }
 }
 
 /// A recording and the starts in it.
@@ -209,11 +230,11 @@ fn run_all(cases: &[Case], settings: Settings<'_>, progress: &(impl Fn(Progress)
 fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl Fn()) -> Result<RunFigures> {
     let mut method = variant.build()?;
     let mut answers = vec![Some(BoundingBox::from(start.target))];
-    let mut ratios = vec![None];
+    let (mut states, mut ratios) = (vec![None], vec![None]);
     let mut spent = Spent { comparisons: Some(0), ..Spent::default() };
     let mut frames = (1..).zip(&recording.frames).skip(start.frame);
     if let Some((number, first)) = frames.next() {
-        method.lock(&first.frame(), start.target).with_context(|| format!("frame {number}"))?;
+        lock(method.as_mut(), &first.frame(), start.target).with_context(|| format!("frame {number}"))?;
         progress();
     }
     for (number, frame) in frames {
@@ -224,10 +245,11 @@ fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl F
         spent.time += time;
         spent.comparisons = spent.comparisons.zip(report.comparisons).map(|(sum, more)| sum + more);
         answers.push(report.target);
+        states.push(Some(report.state));
         ratios.push(report.evidence.map(|evidence| evidence.ratio));
         progress();
     }
-    RunFigures::new(&answers, &ratios, &recording.truth[start.frame..], spent)
+    RunFigures::new(&answers, &states, &ratios, &recording.truth[start.frame..], spent)
 }
 
 /// Where the recordings lie that belong together with the one at `path`.
@@ -257,6 +279,7 @@ fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
             folder: folder.map(|folder| label(folder, &folders)),
             recordings: parts.len(),
             figures: Figures::over_recordings(&parts),
+            standard_error: Headline::standard_error(&parts.iter().map(Headline::of).collect::<Vec<_>>()),
         })
     };
     variants.iter().flat_map(|variant| groups().filter_map(move |folder| mean(variant, folder))).collect()
@@ -284,6 +307,7 @@ fn label(folder: &Path, all: &[&Path]) -> String {
 mod tests {
     use super::*;
     use crate::evaluate::MethodKind;
+    use crate::sequence::Damage;
     use crate::sequence::GrayFrame;
     use smr_core::Config;
     use std::num::NonZeroUsize;
@@ -305,6 +329,7 @@ mod tests {
             length: Some(4),
             init: at(4.0),
             truth: Some(vec![at(4.0), at(6.0), None, at(10.0)]),
+            damage: Damage::default(),
         }
     }
 
@@ -377,8 +402,9 @@ mod tests {
         };
         let result = measured(&["a/bare", "a/moving", "a/outside"], open, Starts::Near);
         let failures: Vec<String> = result.failures.iter().map(|error| format!("{error:#}")).collect();
+        let numbers = "the box 21,6,5,4 of 20 pixels in a frame of 24x20";
         let reason = smr_core::LockError::BoxOutsideFrame;
-        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
+        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {numbers}: {reason}"));
         assert_eq!(failures.len(), 3);
         assert!(failures.iter().any(|failure| failure.starts_with("bare: no ground truth")));
         assert!(expected.iter().all(|line| failures.contains(line)), "{failures:?}");

@@ -70,6 +70,7 @@ const MIB: u64 = 1 << 20;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequence::Damage;
 
     fn sequence() -> Sequence {
         let frame = GrayFrame { width: 1024, height: 512, pixels: vec![0; 1 << 19] };
@@ -80,6 +81,7 @@ mod tests {
             length: Some(3),
             init: Some(at),
             truth: Some(vec![Some(at), None, Some(at)]),
+            damage: Damage::default(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::recording::Recording;
 use crate::sequence::BoundingBox;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::Rect;
 use std::num::NonZeroUsize;
 
@@ -14,6 +14,8 @@ pub enum Starts {
     /// The first frame in which the target is visible, and of those that follow every so many-th; the box is the ground
     /// truth's. The recording's last frame is none: nothing follows it.
     Every(NonZeroUsize),
+    /// The given box in the first frame alone.
+    Given,
 }
 
 /// One start.
@@ -31,8 +33,9 @@ impl Starts {
     pub(super) fn of(self, recording: &Recording) -> Result<Vec<Start>> {
         let name = &recording.name;
         let starts = match self {
-            Self::Near => near(recording),
+            Self::Near => near(recording, usize::MAX),
             Self::Every(every) => along(recording, every),
+            Self::Given => near(recording, 1),
         };
         let starts = starts.with_context(|| name.clone())?;
         ensure!(!starts.is_empty(), "{name}: no frame to start from: the target is visible in none but the last");
@@ -41,11 +44,11 @@ impl Starts {
 }
 
 /// The box to start from as it is given; 2 pixels to the right; 2 pixels down; 0.95 and 1.05 times as wide and as high
-/// about its centre.
+/// about its centre; no more than `most` of them.
 ///
 /// The four numbers of a box are rounded to the nearest integer once, after the change: a small box may be the same when
 /// scaled. What then lies outside the frame is cut off; the given box is left as it is.
-fn near(recording: &Recording) -> Result<Vec<Start>> {
+fn near(recording: &Recording, most: usize) -> Result<Vec<Start>> {
     let given = recording.init;
     let changed = [
         ("given", given),
@@ -62,7 +65,7 @@ fn near(recording: &Recording) -> Result<Vec<Start>> {
         let target = target.with_context(|| format!("start {name}"))?;
         Ok(Start { name: name.to_owned(), frame: 0, target })
     };
-    changed.into_iter().map(start).collect()
+    changed.into_iter().take(most).map(start).collect()
 }
 
 /// Ground truth may reach out of the picture: what lies outside is cut off.
@@ -84,7 +87,7 @@ fn scaled(given: BoundingBox, factor: f64) -> BoundingBox {
 }
 
 fn whole(target: &BoundingBox) -> Result<Rect> {
-    target.to_rect().with_context(|| format!("the box has no pixels: {target} (x,y,width,height)"))
+    target.pixels().map_err(|what| anyhow!("the box {what}"))
 }
 
 fn inside(target: &BoundingBox, bounds: Rect) -> Result<Rect> {
@@ -124,6 +127,11 @@ mod tests {
             Rect::new(10, 4, 21, 25), // 9.5, 4.4, 21, 25.2
         ];
         assert_eq!(targets(Starts::Near, "10,5,20,24"), expected);
+    }
+
+    #[test]
+    fn the_given_box_alone() {
+        assert_eq!(targets(Starts::Given, "10,5,20,24"), [Rect::new(10, 5, 20, 24)]);
     }
 
     #[test]

@@ -17,7 +17,7 @@ impl Robustness {
                 folders.push(folder);
             }
         }
-        let mut header = vec!["tracker".to_owned(), "correct".to_owned()];
+        let mut header = ["tracker", "correct", "standard error"].map(str::to_owned).to_vec();
         header.extend(folders.iter().map(|folder| format!("in {folder}")));
         header.extend(["worst"].into_iter().chain(Figures::LAST_COLUMNS).map(str::to_owned));
         let over_all = self.means.iter().filter(|mean| mean.folder.is_none());
@@ -30,7 +30,8 @@ impl Robustness {
         let in_folder = |folder: &&str| of_tracker().find(|mean| mean.folder.as_deref() == Some(*folder));
         let correct =
             |mean: Option<&Mean>| mean.map_or("-".to_owned(), |mean| format!("{:.3}", mean.figures.mean_correct));
-        let mut line = vec![over_all.tracker.clone(), correct(Some(over_all))];
+        let error = over_all.standard_error.map_or("-".to_owned(), |error| format!("{:.3}", error.mean_correct));
+        let mut line = vec![over_all.tracker.clone(), correct(Some(over_all)), error];
         line.extend(folders.iter().map(|folder| correct(in_folder(folder))));
         line.push(format!("{:.3}", over_all.figures.worst_correct));
         line.extend(over_all.figures.last_cells());
@@ -58,6 +59,7 @@ mod tests {
                 microseconds_per_frame: 55.5,
                 ..Figures::default()
             },
+            standard_error: None,
         };
         let means = vec![
             mean("smr", None, 0.5),
@@ -69,9 +71,9 @@ mod tests {
         let row = super::super::table::tests::row("smr", "01_david", means[0].figures);
         let results = Robustness { means, recordings: vec![row], ..Robustness::default() };
         let expected = "\
-tracker        correct  in tld  in more  worst  precision  answered/hidden  found/returns  comparisons/frame  us/frame
-smr              0.500   0.625    0.375  0.125      0.750              3/9              -               1234        56
-without cells    1.000       -    1.000  0.125      0.750              3/9              -               1234        56
+tracker        correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  unsaid/right  comparisons/frame  us/frame
+smr              0.500               -   0.625    0.375  0.125      0.750              3/9              -               -             -               1234        56
+without cells    1.000               -       -    1.000  0.125      0.750              3/9              -               -             -               1234        56
 ";
         assert_eq!(results.summary(), expected);
         assert_eq!(Robustness::default().summary(), "");

@@ -1,5 +1,6 @@
 //! The results as text: recordings first, then the means.
 
+use super::standard_error::Headline;
 use super::{Figures, Robustness};
 use crate::evaluate::aligned;
 
@@ -12,18 +13,19 @@ impl Robustness {
         if self.is_empty() {
             return String::new();
         }
-        let header = ["tracker", "sequence", "starts", "correct", "worst", "mean IoU"];
+        let header = ["tracker", "sequence", "starts", "correct", "worst", "correct@0.5", "F", "mean IoU"];
         let header = header.into_iter().chain(Figures::LAST_COLUMNS);
         let mut lines = vec![header.map(String::from).collect::<Vec<_>>()];
         for (index, row) in self.recordings.iter().enumerate() {
             lines.push(line(&row.tracker, &row.sequence, &row.starts.len().to_string(), &row.figures));
             let last = self.recordings.get(index + 1).is_none_or(|next| next.tracker != row.tracker);
             let means = self.means.iter().filter(|mean| last && mean.tracker == row.tracker);
-            lines.extend(means.filter(|mean| mean.recordings > 1 || mean.folder.is_some()).map(|mean| {
+            for mean in means.filter(|mean| mean.recordings > 1 || mean.folder.is_some()) {
                 let folder = mean.folder.as_ref().map_or(String::new(), |folder| format!(" in {folder}"));
                 let what = format!("mean of {}{folder}", mean.recordings);
-                line(&mean.tracker, &what, "", &mean.figures)
-            }));
+                lines.push(line(&mean.tracker, &what, "", &mean.figures));
+                lines.extend(mean.standard_error.map(|error| standard_error(&mean.tracker, error)));
+            }
         }
         aligned(&lines, 2)
     }
@@ -31,18 +33,32 @@ impl Robustness {
 
 fn line(tracker: &str, what: &str, starts: &str, figures: &Figures) -> Vec<String> {
     let mut line = [tracker, what, starts].map(str::to_owned).to_vec();
-    let fractions = [figures.mean_correct, figures.worst_correct, figures.mean_iou];
+    let fractions = [figures.mean_correct, figures.worst_correct, figures.mean_correct_50, figures.f, figures.mean_iou];
     line.extend(fractions.map(|fraction| format!("{fraction:.3}")));
     line.extend(figures.last_cells());
     line
 }
 
+/// Below the means that it is of.
+fn standard_error(tracker: &str, error: Headline) -> Vec<String> {
+    let [correct, correct_50, f] = error.values().map(|error| format!("{error:.3}"));
+    let empty = String::new;
+    vec![tracker.to_owned(), "  standard error".to_owned(), empty(), correct, empty(), correct_50, f]
+}
+
 impl Figures {
     /// What tables of figures end with.
-    pub(super) const LAST_COLUMNS: [&str; 5] =
-        ["precision", "answered/hidden", "found/returns", "comparisons/frame", "us/frame"];
+    pub(super) const LAST_COLUMNS: [&str; 7] = [
+        "precision",
+        "answered/hidden",
+        "found/returns",
+        "wrong/tracking",
+        "unsaid/right",
+        "comparisons/frame",
+        "us/frame",
+    ];
 
-    pub(super) fn last_cells(&self) -> [String; 5] {
+    pub(super) fn last_cells(&self) -> [String; 7] {
         let of = |part: usize, all: usize| if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") };
         let (of_hidden, of_returns) = (of(self.answered_hidden, self.hidden), of(self.found_again, self.returns));
         let comparisons =
@@ -51,6 +67,8 @@ impl Figures {
             format!("{:.3}", self.precision),
             of_hidden,
             of_returns,
+            of(self.tracking_wrong, self.tracking),
+            of(self.right_unsaid, self.right),
             comparisons,
             format!("{:.0}", self.microseconds_per_frame),
         ]
@@ -68,12 +86,18 @@ pub(super) mod tests {
         Figures {
             mean_correct: correct,
             worst_correct: 0.25,
+            mean_correct_50: 0.25,
+            f: 0.5,
             mean_iou: 0.5,
             precision: 1.0,
             hidden,
             answered_hidden: hidden / 2,
             returns: hidden / 5,
             found_again: hidden / 10,
+            tracking: hidden * 2,
+            tracking_wrong: hidden / 5,
+            right: hidden,
+            right_unsaid: hidden / 10,
             comparisons_per_frame: comparisons,
             microseconds_per_frame: 12.4,
         }
@@ -101,6 +125,7 @@ pub(super) mod tests {
             folder: folder.map(str::to_owned),
             recordings,
             figures,
+            standard_error: (recordings > 1).then_some(Headline { mean_correct: 0.1, mean_correct_50: 0.2, f: 0.3 }),
         };
         Robustness {
             recordings: vec![
@@ -121,13 +146,14 @@ pub(super) mod tests {
     #[test]
     fn recordings_then_means() {
         let expected = "\
-tracker  sequence           starts  correct  worst  mean IoU  precision  answered/hidden  found/returns  comparisons/frame  us/frame
-smr      01_david                5    0.750  0.250     0.500      1.000             5/10            1/2             123456        12
-smr      Man                     5    0.750  0.250     0.500      1.000             5/10            1/2             123456        12
-smr      mean of 2                    0.750  0.250     0.500      1.000             5/10            1/2             123456        12
-smr      mean of 1 in tld             0.750  0.250     0.500      1.000             5/10            1/2             123456        12
-smr      mean of 1 in more            0.750  0.250     0.500      1.000             5/10            1/2             123456        12
-sad      01_david                5    0.667  0.250     0.500      1.000                -              -                  -        12
+tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  unsaid/right  comparisons/frame  us/frame
+smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
+smr      Man                     5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
+smr      mean of 2                    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
+smr        standard error             0.100               0.200  0.300
+smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
+smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
+sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -             -                  -        12
 ";
         assert_eq!(results().table(), expected);
         assert_eq!(Robustness::default().table(), "");

@@ -1,9 +1,19 @@
 //! The trackers of the paper's comparison: SMR's window, padding, tie rule and template update, another cost.
 //!
+//! - here: the search that they share, SAD and SSD.
+//! - `correlation`: NCC.
+//! - `flow`: Lucas-Kanade, which follows gradients in place of a search.
+//!
 //! They always answer: they have no gate, so they are never lost and their window never grows.
+
+mod correlation;
+mod flow;
+
+pub(super) use flow::Flow;
 
 use super::method::{Method, Report, State};
 use anyhow::Result;
+use correlation::Correlation;
 use smr_core::search::Window;
 use smr_core::{Config, Frame, Image, LockError, Radius, Rect, UpdateError};
 use std::ops::Range;
@@ -19,8 +29,8 @@ pub(super) enum Measure {
     Correlation,
 }
 
-/// The most pixels of a box, as SMR's tracker has it here: sums of squares of so many bytes fit a `u32`.
-const MAX_PIXELS: u32 = 65536;
+/// The most pixels of a box, 1024x1024: all sums are exact.
+const MAX_PIXELS: u32 = 1 << 20;
 
 pub(super) struct Baseline {
     measure: Measure,
@@ -58,17 +68,7 @@ impl Baseline {
 
 impl Method for Baseline {
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        if target.is_empty() {
-            return Err(LockError::BoxEmpty.into());
-        }
-        if !frame.bounds().contains(target) {
-            return Err(LockError::BoxOutsideFrame.into());
-        }
-        if target.area() > MAX_PIXELS {
-            return Err(LockError::BoxTooLarge.into());
-        }
-        let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
-        self.template = patch.rows().flatten().copied().collect();
+        self.template = first_template(frame, target)?;
         (self.target, self.bounds) = (target, frame.bounds());
         Ok(())
     }
@@ -104,6 +104,22 @@ impl Method for Baseline {
     fn template(&self) -> Option<Image<'_>> {
         Image::new(&self.template, self.target.width, self.target.height).ok()
     }
+}
+
+/// The pixels of the box that is locked on.
+fn first_template(frame: &Frame<'_>, target: Rect) -> Result<Vec<u8>> {
+    if target.is_empty() {
+        return Err(LockError::BoxEmpty.into());
+    }
+    if !frame.bounds().contains(target) {
+        return Err(LockError::BoxOutsideFrame.into());
+    }
+    if target.area() > MAX_PIXELS {
+        let error = anyhow::Error::from(LockError::BoxTooLarge);
+        return Err(error.context(format!("expected at most {MAX_PIXELS} pixels")));
+    }
+    let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
+    Ok(patch.rows().flatten().copied().collect())
 }
 
 /// The position of least cost, of equal ones the closest to `last`, then the upper, then the left one.
@@ -198,78 +214,6 @@ fn index(value: i32) -> usize {
     usize::try_from(value).expect("the canvas begins where the window does")
 }
 
-/// The correlation coefficient at every position of a canvas: exact sums, divided in f64.
-struct Correlation<'a> {
-    canvas: &'a Canvas,
-    template: Patch<'a>,
-    /// Over all pixels above and to the left: how many times is the sum of a box read, once is it computed.
-    sums: Vec<[u64; 2]>,
-    template_sum: i64,
-    template_spread: i64,
-}
-
-impl<'a> Correlation<'a> {
-    fn new(canvas: &'a Canvas, template: Patch<'a>) -> Self {
-        let sum = template.pixels.iter().map(|&g| u64::from(g)).sum();
-        let squares = template.pixels.iter().map(|&g| u64::from(g).pow(2)).sum();
-        let pixels = template.pixels.len() as u64;
-        let (template_sum, template_spread) = (signed(sum), spread(pixels, sum, squares));
-        Self { canvas, template, sums: Self::sums(canvas), template_sum, template_spread }
-    }
-
-    /// The sums of pixels and of their squares, one row and one column more than the canvas has.
-    fn sums(canvas: &Canvas) -> Vec<[u64; 2]> {
-        let mut sums = vec![[0; 2]; canvas.stride + 1];
-        for row in canvas.pixels.chunks_exact(canvas.stride) {
-            let above = sums.len() - canvas.stride;
-            let mut so_far = [0; 2];
-            sums.push(so_far);
-            for (column, &f) in row.iter().enumerate() {
-                so_far = [so_far[0] + u64::from(f), so_far[1] + u64::from(f).pow(2)];
-                let [sum, squares] = sums[above + column];
-                sums.push([sum + so_far[0], squares + so_far[1]]);
-            }
-        }
-        sums
-    }
-
-    fn at(&self, x: i32, y: i32) -> f64 {
-        let [sum, squares] = self.patch_sums(x, y);
-        let products: u32 = (self.canvas.rows_at(x, y).zip(self.template.pixels.chunks_exact(self.template.width)))
-            .map(|(f, g)| dot(f, g))
-            .sum();
-        // All below 65536 * 65536 * 255 * 255 < 2^48: exact as i64, and as f64 too.
-        let pixels = self.template.pixels.len() as u64;
-        let common = signed(pixels * u64::from(products)) - signed(sum) * self.template_sum;
-        let spreads = (spread(pixels, sum, squares) as f64) * (self.template_spread as f64);
-        if spreads == 0.0 { 0.0 } else { common as f64 / spreads.sqrt() }
-    }
-
-    fn patch_sums(&self, x: i32, y: i32) -> [u64; 2] {
-        let (column, row) = self.canvas.locate(x, y);
-        let (width, height) = (self.template.width, self.template.pixels.len() / self.template.width);
-        let stride = self.canvas.stride + 1;
-        let at = |column: usize, row: usize| self.sums[row * stride + column];
-        let (a, b) = (at(column, row), at(column + width, row));
-        let (c, d) = (at(column, row + height), at(column + width, row + height));
-        [0, 1].map(|i| (d[i] + a[i]) - (b[i] + c[i]))
-    }
-}
-
-/// The sum of the products of all pairs; of rows of two lengths the common part.
-fn dot(f: &[u8], g: &[u8]) -> u32 {
-    f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum()
-}
-
-/// `pixels`^2 times the variance.
-fn spread(pixels: u64, sum: u64, squares: u64) -> i64 {
-    signed(pixels * squares - sum * sum)
-}
-
-fn signed(value: u64) -> i64 {
-    i64::try_from(value).expect("sums over at most 65536 pixels are far below 2^63")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -349,22 +293,22 @@ mod tests {
         let mut refused = |target| baseline.lock(&frame.frame(), target).unwrap_err().downcast::<LockError>().unwrap();
         assert_eq!(refused(Rect::default()), LockError::BoxEmpty);
         assert_eq!(refused(Rect::new(36, 0, 6, 5)), LockError::BoxOutsideFrame);
-        let large = GrayFrame { width: 300, height: 300, pixels: vec![0; 90_000] };
-        let too_large = baseline.lock(&large.frame(), Rect::new(0, 0, 257, 256)).unwrap_err();
+        let large = GrayFrame { width: 1025, height: 1024, pixels: vec![0; 1025 * 1024] };
+        let too_large = baseline.lock(&large.frame(), Rect::new(0, 0, 1025, 1024)).unwrap_err();
         assert_eq!(too_large.downcast_ref(), Some(&LockError::BoxTooLarge));
-        baseline.lock(&large.frame(), Rect::new(0, 0, 256, 256)).unwrap();
+        baseline.lock(&large.frame(), Rect::new(0, 0, 1024, 1024)).unwrap();
         assert_eq!(baseline.update(&frame.frame()).unwrap_err().downcast_ref(), Some(&UpdateError::FrameSizeChanged));
     }
 
     #[test]
     fn the_largest_sums_are_exact() {
-        let frame = |pixel: u8| GrayFrame { width: 256, height: 256, pixels: vec![pixel; 65536] };
-        let target = Rect::new(0, 0, 256, 256);
-        let canvas = Canvas::new(&frame(255).frame(), 0..256, 0..256).unwrap();
+        let frame = |pixel: u8| GrayFrame { width: 1024, height: 1024, pixels: vec![pixel; 1 << 20] };
+        let target = Rect::new(0, 0, 1024, 1024);
+        let canvas = Canvas::new(&frame(255).frame(), 0..1024, 0..1024).unwrap();
         let black = frame(0);
-        let template = Patch { pixels: &black.pixels, width: 256 };
+        let template = Patch { pixels: &black.pixels, width: 1024 };
         let squares = difference(canvas.rows_at(0, 0), template, f64::INFINITY, |f, g| u32::from(f.abs_diff(g)).pow(2));
-        assert_eq!(squares, 65536.0 * 255.0 * 255.0);
+        assert_eq!(squares, 1_048_576.0 * 255.0 * 255.0);
         for measure in ALL {
             let mut baseline = locked(measure, &config(0, 0), &frame(255), target);
             assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target.into()));

@@ -1,0 +1,43 @@
+//! The paper's Table 2 as it is printed: published figures, nothing that was measured here.
+
+/// What marks a figure that is not ours.
+pub(super) const SOURCE: &str = "printed";
+
+/// The recordings of the table, known by the names of their folders.
+const SEQUENCES: [&str; 6] = ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
+
+/// A tracker's correct frames; `None` where the paper has no figure.
+pub(super) struct Row {
+    pub tracker: &'static str,
+    correct: [Option<u16>; 6],
+}
+
+/// All rows, from the top.
+pub(super) const TABLE: [Row; 6] = [
+    row("Lim 2004 (incremental subspace)", [17, 75, 11, 33, 50, 163]),
+    Row {
+        tracker: "Collins 2005 (online feature selection)",
+        correct: [None, Some(313), Some(6), Some(8), Some(5), None],
+    },
+    row("Avidan 2007 (ensemble tracking)", [94, 44, 22, 118, 53, 10]),
+    row("Babenko 2009 (MIL)", [135, 313, 101, 37, 49, 45]),
+    row("Kalal 2010 (forward-backward, MedianFlow)", [761, 170, 140, 97, 52, 510]),
+    row("SMR, the paper", [761, 313, 140, 236, 66, 510]),
+];
+
+const fn row(tracker: &'static str, [a, b, c, d, e, f]: [u16; 6]) -> Row {
+    Row { tracker, correct: [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] }
+}
+
+impl Row {
+    /// The figure for the recording called `sequence`.
+    pub fn correct(&self, sequence: &str) -> Option<u16> {
+        SEQUENCES.iter().zip(self.correct).find(|(known, _)| **known == sequence)?.1
+    }
+}
+
+/// True if the paper has figures for the recording called `sequence`.
+#[must_use]
+pub fn is_known(sequence: &str) -> bool {
+    SEQUENCES.contains(&sequence)
+}

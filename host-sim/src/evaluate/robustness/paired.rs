@@ -1,0 +1,276 @@
+//! What one method is better by than another, recording by recording: the recordings differ by far more than methods do, and a
+//! paired difference does not contain that.
+
+use super::standard_error::Headline;
+use super::{Robustness, Row, name_of};
+use crate::evaluate::aligned;
+use anyhow::{Context, Result, bail, ensure};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::Path;
+
+/// The mean over recordings of the difference between two methods.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Paired {
+    tracker: String,
+    /// What it is set against.
+    against: String,
+    /// Those that both were measured on.
+    recordings: usize,
+    difference: Headline,
+    /// Of the difference; `None` of a single recording.
+    standard_error: Option<Headline>,
+}
+
+/// What was measured before, as far as it is compared.
+#[derive(Debug, Deserialize)]
+pub struct Former {
+    #[serde(skip)]
+    name: String,
+    recordings: Vec<FormerRow>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct FormerRow {
+    tracker: String,
+    sequence: String,
+    folder: String,
+    mean_correct: f64,
+    mean_correct_50: f64,
+    f: f64,
+    starts: Vec<FormerStart>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+struct FormerStart {
+    start: String,
+    frame: usize,
+}
+
+impl Former {
+    /// Reads a file that `eval --robustness --json` wrote.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn read(file: &Path) -> Result<Self> {
+        let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+        let read = serde_json::from_str(&text);
+        let mut former: Self = read.with_context(|| {
+            format!("{}: expected what eval --robustness --json writes in this version", file.display())
+        })?;
+        former.name = file.display().to_string();
+        ensure!(!former.recordings.is_empty(), "{}: there is no recording in it", former.name);
+        Ok(former)
+    }
+
+    /// The tracker of that name, else the first.
+    fn counterpart<'a>(&'a self, tracker: &'a str) -> &'a str {
+        let same = self.recordings.iter().any(|row| row.tracker == tracker);
+        self.recordings.first().filter(|_| !same).map_or(tracker, |row| &row.tracker)
+    }
+}
+
+impl From<&Row> for FormerRow {
+    fn from(row: &Row) -> Self {
+        let Headline { mean_correct, mean_correct_50, f } = Headline::of(&row.figures);
+        let start = |start: &super::StartRow| FormerStart { start: start.start.clone(), frame: start.frame };
+        Self {
+            tracker: row.tracker.clone(),
+            sequence: row.sequence.clone(),
+            folder: name_of(&row.folder),
+            mean_correct,
+            mean_correct_50,
+            f,
+            starts: row.starts.iter().map(start).collect(),
+        }
+    }
+}
+
+impl FormerRow {
+    fn is_of(&self, row: &Self) -> bool {
+        self.sequence == row.sequence && self.folder == row.folder
+    }
+
+    fn headline(&self) -> Headline {
+        Headline { mean_correct: self.mean_correct, mean_correct_50: self.mean_correct_50, f: self.f }
+    }
+}
+
+impl Robustness {
+    /// Sets every method against the first one.
+    pub fn compare_with_first(&mut self) {
+        let rows: Vec<FormerRow> = self.recordings.iter().map(FormerRow::from).collect();
+        let Some(first) = rows.first().map(|row| row.tracker.clone()) else { return };
+        let others = trackers(&rows).into_iter().filter(|tracker| *tracker != first);
+        let of_first: Vec<&FormerRow> = rows.iter().filter(|row| row.tracker == first).collect();
+        self.paired = others.filter_map(|tracker| paired(&rows, tracker, &of_first, &first)).collect();
+    }
+
+    /// Sets every method against what was measured before.
+    ///
+    /// # Errors
+    /// That was from other starts, or on no recording that is here.
+    pub fn compare_with(&mut self, former: &Former) -> Result<()> {
+        let rows: Vec<FormerRow> = self.recordings.iter().map(FormerRow::from).collect();
+        let mut compared = Vec::new();
+        for tracker in trackers(&rows) {
+            let counterpart = former.counterpart(tracker);
+            let theirs: Vec<&FormerRow> = former.recordings.iter().filter(|row| row.tracker == counterpart).collect();
+            for row in rows.iter().filter(|row| row.tracker == tracker) {
+                let same_starts =
+                    theirs.iter().filter(|their| their.is_of(row)).all(|their| their.starts == row.starts);
+                ensure!(same_starts, "{}: {} was measured from other starts", former.name, row.sequence);
+            }
+            let name = format!("{counterpart} in {}", former.name);
+            compared.extend(paired(&rows, tracker, &theirs, &name));
+        }
+        if compared.is_empty() && !rows.is_empty() {
+            bail!("{}: there is none of these recordings in it", former.name);
+        }
+        self.paired = compared;
+        Ok(())
+    }
+
+    /// The differences as text; nothing if there is none.
+    #[must_use]
+    pub fn paired_table(&self) -> String {
+        if self.paired.is_empty() {
+            return String::new();
+        }
+        let header = ["paired difference", "recordings"].into_iter().chain(Headline::COLUMNS);
+        let mut lines = vec![header.map(str::to_owned).collect::<Vec<_>>()];
+        for Paired { tracker, against, recordings, difference, standard_error } in &self.paired {
+            let line = |name: String, count: String, cells: [String; 3]| [vec![name, count], cells.to_vec()].concat();
+            let cells = difference.values().map(|value| format!("{value:+.3}"));
+            lines.push(line(format!("{tracker} - {against}"), recordings.to_string(), cells));
+            if let Some(error) = standard_error {
+                let cells = error.values().map(|value| format!("{value:.3}"));
+                lines.push(line("  standard error".to_owned(), String::new(), cells));
+            }
+        }
+        aligned(&lines, 1)
+    }
+}
+
+/// Each once, in their order.
+fn trackers(rows: &[FormerRow]) -> Vec<&str> {
+    let mut all: Vec<&str> = Vec::new();
+    for row in rows {
+        if !all.contains(&row.tracker.as_str()) {
+            all.push(&row.tracker);
+        }
+    }
+    all
+}
+
+/// `tracker` against `theirs`, on the recordings that both have.
+fn paired(rows: &[FormerRow], tracker: &str, theirs: &[&FormerRow], against: &str) -> Option<Paired> {
+    let own = rows.iter().filter(|row| row.tracker == tracker);
+    let pair = |row: &FormerRow| {
+        let their = theirs.iter().find(|their| their.is_of(row))?;
+        Some(row.headline().minus(their.headline()))
+    };
+    let differences: Vec<Headline> = own.filter_map(pair).collect();
+    (!differences.is_empty()).then(|| Paired {
+        tracker: tracker.to_owned(),
+        against: against.to_owned(),
+        recordings: differences.len(),
+        difference: Headline::mean(&differences),
+        standard_error: Headline::standard_error(&differences),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::tests::row;
+    use super::*;
+    use crate::evaluate::robustness::Figures;
+
+    fn figures(correct: f64) -> Figures {
+        Figures { mean_correct: correct, mean_correct_50: correct / 2.0, f: correct, ..Figures::default() }
+    }
+
+    /// Two methods on three recordings, the second better by 0.1, 0.3 and -0.1: mean 0.1, squares 0 + 0.04 + 0.04, and
+    /// 0.08 / 2 / 3 = 0.013333 is the square of the standard error.
+    fn measured() -> Robustness {
+        let of = |tracker: &str, correct: [f64; 3]| {
+            ["a", "b", "c"]
+                .into_iter()
+                .zip(correct)
+                .map(|(name, correct)| row(tracker, name, figures(correct)))
+                .collect()
+        };
+        let recordings: [Vec<Row>; 2] = [of("smr", [0.2, 0.5, 0.8]), of("robust", [0.3, 0.8, 0.7])];
+        Robustness { recordings: recordings.concat(), ..Robustness::default() }
+    }
+
+    const EXPECTED: &str = "\
+paired difference  recordings  correct  correct@0.5       F
+robust - smr                3   +0.100       +0.050  +0.100
+  standard error                 0.115        0.058   0.115
+";
+
+    #[test]
+    fn differences_by_hand() {
+        let mut measured = measured();
+        measured.compare_with_first();
+        assert_eq!(measured.paired_table(), EXPECTED);
+        assert_eq!(Robustness::default().paired_table(), "");
+        let json = serde_json::to_value(&measured).unwrap();
+        let paired = &json["paired"][0];
+        assert_eq!(
+            (&paired["tracker"], &paired["against"], &paired["recordings"]),
+            (&"robust".into(), &"smr".into(), &3.into())
+        );
+        assert!((paired["standard_error"]["mean_correct"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
+    }
+
+    /// `of` as it was written by the command.
+    fn written(of: &Robustness) -> Former {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("former.json");
+        fs::write(&file, serde_json::to_string(of).unwrap()).unwrap();
+        Former { name: "FILE".to_owned(), ..Former::read(&file).unwrap() }
+    }
+
+    #[test]
+    fn a_file_is_compared_with_by_name_else_with_its_first() {
+        let mut now = measured();
+        now.recordings.retain(|row| row.tracker == "robust");
+        let mut former = measured();
+        former.recordings.retain(|row| row.tracker == "smr");
+        now.compare_with(&written(&former)).unwrap();
+        assert_eq!(
+            now.paired_table(),
+            EXPECTED
+                .replace("robust - smr     ", "robust - smr in FILE")
+                .replace("paired difference  ", "paired difference     ")
+                .replace("  standard error  ", "  standard error     ")
+        );
+        // Its own name is there, and nothing has changed.
+        now.compare_with(&written(&measured())).unwrap();
+        assert_eq!((now.paired[0].against.as_str(), now.paired[0].difference), ("robust in FILE", Headline::default()));
+        assert_eq!(now.paired[0].recordings, 3);
+    }
+
+    #[test]
+    fn what_cannot_be_paired_is_named() {
+        let error = |former: &Robustness| format!("{:#}", measured().compare_with(&written(former)).unwrap_err());
+        let mut other = measured();
+        other.recordings[1].starts.pop();
+        assert_eq!(error(&other), "FILE: b was measured from other starts");
+        let mut other = measured();
+        other.recordings.iter_mut().for_each(|row| row.sequence.push('x'));
+        assert_eq!(error(&other), "FILE: there is none of these recordings in it");
+
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("former.json");
+        for text in ["", "[]", "{\"recordings\": [{}]}"] {
+            fs::write(&file, text).unwrap();
+            let error = format!("{:#}", Former::read(&file).unwrap_err());
+            assert!(error.contains("former.json: expected what eval --robustness --json writes"), "{error}");
+        }
+        fs::write(&file, "{\"recordings\": []}").unwrap();
+        assert!(Former::read(&file).unwrap_err().to_string().ends_with("there is no recording in it"));
+    }
+}

@@ -1,0 +1,255 @@
+//! What this program writes: a file is written whole or not at all, and an error names it.
+
+use anyhow::{Context, Result};
+use std::fs;
+use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write};
+use std::path::{Path, PathBuf};
+use tempfile::{NamedTempFile, TempDir};
+
+/// A file under way. Until [`Output::finish`] nothing has its name: dropped before, it leaves what was there as it was.
+pub struct Output {
+    /// As it was asked for.
+    name: PathBuf,
+    way: Way,
+}
+
+enum Way {
+    /// Beside the file, and renamed in the end.
+    Whole { file: BufWriter<NamedTempFile>, target: PathBuf },
+    /// A device or a pipe, which cannot be replaced.
+    Direct(BufWriter<fs::File>),
+}
+
+impl Output {
+    /// Begins the file `name`. To be called before the work of which it will hold the result.
+    ///
+    /// # Errors
+    /// There is no such folder, it cannot be written to, or `name` is a folder.
+    pub fn create(name: &Path) -> Result<Self> {
+        let way = way(name).with_context(|| cannot_write(name))?;
+        Ok(Self { name: name.to_owned(), way })
+    }
+
+    /// # Errors
+    /// The disk's, for example that it is full.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        let written = match &mut self.way {
+            Way::Whole { file, .. } => file.write_all(bytes),
+            Way::Direct(file) => file.write_all(bytes),
+        };
+        written.with_context(|| cannot_write(&self.name))
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn finish(self) -> Result<()> {
+        let Self { name, way } = self;
+        let finish = || match way {
+            Way::Whole { file, target } => {
+                file.into_inner()
+                    .map_err(io::IntoInnerError::into_error)?
+                    .persist(target)
+                    .map_err(|error| error.error)?;
+                Ok(())
+            }
+            Way::Direct(mut file) => file.flush(),
+        };
+        finish().with_context(|| cannot_write(&name))
+    }
+}
+
+fn way(name: &Path) -> io::Result<Way> {
+    let there = fs::metadata(name);
+    match &there {
+        Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+        Ok(data) if !data.is_file() => {
+            return Ok(Way::Direct(BufWriter::new(fs::OpenOptions::new().write(true).open(name)?)));
+        }
+        _ => {}
+    }
+    // A link stays one: what it names is replaced.
+    let target = fs::canonicalize(name).unwrap_or_else(|_| name.to_owned());
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".smr-").suffix(".part");
+    // Not for the eyes of the user alone, as temporary files are, but as any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let file = builder.tempfile_in(folder)?;
+    if let Ok(data) = there {
+        fs::set_permissions(file.path(), data.permissions())?;
+    }
+    Ok(Way::Whole { file: BufWriter::new(file), target })
+}
+
+/// Writes the file `name`.
+///
+/// # Errors
+/// As [`Output`]'s.
+pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
+    let mut output = Output::create(name)?;
+    output.write(bytes)?;
+    output.finish()
+}
+
+/// A new folder under way. Until [`Folder::finish`] nothing has its name.
+pub struct Folder {
+    name: PathBuf,
+    made: TempDir,
+}
+
+impl Folder {
+    /// Begins the folder `name`, with all folders above it.
+    ///
+    /// # Errors
+    /// There is something in it, or it cannot be made.
+    pub fn create(name: &Path) -> Result<Self> {
+        let cannot_make = || format!("cannot make the folder {}", name.display());
+        if fs::symlink_metadata(name).is_ok() {
+            let mut entries = fs::read_dir(name).with_context(cannot_make)?;
+            let empty = entries.next().is_none();
+            anyhow::ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
+        }
+        let above = name.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        fs::create_dir_all(above).with_context(cannot_make)?;
+        let made = tempfile::Builder::new().prefix(".smr-").tempdir_in(above).with_context(cannot_make)?;
+        Ok(Self { name: name.to_owned(), made })
+    }
+
+    /// Where its files are written until it has its name.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.made.path()
+    }
+
+    /// Gives the folder its name.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn finish(self) -> Result<()> {
+        let name = self.name.clone();
+        let cannot_make = || format!("cannot make the folder {}", name.display());
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // As a new folder: the temporary one is closed to others.
+            let like = tempfile::Builder::new().permissions(fs::Permissions::from_mode(0o777)).tempdir_in(self.path());
+            let like = like.and_then(|like| fs::metadata(like.path())).with_context(cannot_make)?;
+            fs::set_permissions(self.path(), like.permissions()).with_context(cannot_make)?;
+        }
+        if self.name.is_dir() {
+            // It is empty; where it is a mount or a link it stays, and its files are moved into it.
+            for entry in fs::read_dir(self.path()).with_context(cannot_make)? {
+                let entry = entry.with_context(cannot_make)?;
+                fs::rename(entry.path(), self.name.join(entry.file_name())).with_context(cannot_make)?;
+            }
+            return Ok(());
+        }
+        fs::rename(self.path(), &name).with_context(cannot_make)?;
+        // There is nothing to remove under the former name.
+        let _ = self.made.keep();
+        Ok(())
+    }
+}
+
+/// Writes to standard output.
+///
+/// # Errors
+/// Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
+pub fn print(text: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
+    let mut out = io::stdout().lock();
+    text(&mut out).and_then(|()| out.flush()).context("cannot write to standard output")
+}
+
+fn cannot_write(name: &Path) -> String {
+    format!("cannot write {}", name.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_file_is_there_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("boxes.txt");
+        let mut output = Output::create(&file).unwrap();
+        output.write(b"1,2").unwrap();
+        assert!(!file.exists());
+        drop(output);
+        assert_eq!(names(folder.path()), [""; 0]);
+
+        write(&file, b"former").unwrap();
+        let mut output = Output::create(&file).unwrap();
+        output.write(b"new").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"former");
+        output.finish().unwrap();
+        assert_eq!((fs::read(&file).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 1));
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_said_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [folder.path().to_owned(), folder.path().join("no").join("such")] {
+            let error = format!("{:#}", Output::create(&name).err().unwrap());
+            assert!(error.starts_with(&format!("cannot write {}: ", name.display())), "{error}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_devices_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link, plain) = (folder.path().join("file"), folder.path().join("link"), folder.path().join("plain"));
+        fs::write(&file, "former").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&file) & 0o777, 0o640);
+        fs::write(&plain, "").unwrap();
+        write(&folder.path().join("fresh"), b"").unwrap();
+        assert_eq!(mode(&folder.path().join("fresh")), mode(&plain));
+        write(Path::new("/dev/null"), b"gone").unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_named() {
+        let mut output = Output::create(Path::new("/dev/full")).unwrap();
+        output.write(b"1").unwrap();
+        let error = format!("{:#}", output.finish().unwrap_err());
+        assert!(error.starts_with("cannot write /dev/full: No space left"), "{error}");
+    }
+
+    #[test]
+    fn a_folder_is_there_whole_or_not_at_all() {
+        let above = tempfile::tempdir().unwrap();
+        let name = above.path().join("new").join("folder");
+        let folder = Folder::create(&name).unwrap();
+        fs::write(folder.path().join("1"), "").unwrap();
+        assert!(!name.exists());
+        folder.finish().unwrap();
+        assert_eq!((names(&name), names(&above.path().join("new"))), (vec!["1".to_owned()], vec!["folder".to_owned()]));
+        let error = format!("{:#}", Folder::create(&name).err().unwrap());
+        assert_eq!(error, format!("{} is not empty: expected an empty or a new folder", name.display()));
+
+        let empty = above.path().join("empty");
+        fs::create_dir(&empty).unwrap();
+        drop(Folder::create(&empty).unwrap());
+        let folder = Folder::create(&empty).unwrap();
+        fs::write(folder.path().join("1"), "").unwrap();
+        folder.finish().unwrap();
+        assert_eq!(names(&empty), ["1"]);
+    }
+}
