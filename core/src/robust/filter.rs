@@ -208,7 +208,7 @@ mod tests {
     fn what_is_learned_is_answered() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
         let cells: std::vec::Vec<i8> =
-            (0..30 * 30 * CHANNELS as u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 25) as i8).collect();
+            (0..30 * 30 * CHANNELS as u32).map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8).collect();
         let (mut filter, mut desk, products) =
             (Filter::new(), Desk::new(), Products::new(crate::similarity::Backend::Scalar));
         filter.start(&grid);
