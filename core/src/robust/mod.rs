@@ -28,6 +28,8 @@ mod light;
 mod responses;
 mod samples;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod track;
 mod tracker;
 mod trust;

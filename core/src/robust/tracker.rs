@@ -256,8 +256,8 @@ impl Tracker {
         })
     }
 
-    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock. While the target is
-    /// uncertain or lost the sweep's window is in it, too.
+    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock. It has room for the two scales that
+    /// the size is looked for at; while the target is uncertain or lost the sweep's window is in it, too.
     #[must_use]
     pub fn window(&self) -> Option<Rect> {
         self.track.as_ref().map(|track| self.pixels_of(track))
@@ -326,10 +326,17 @@ impl Tracker {
         Products::new(self.backend())
     }
 
-    /// What may be read: the window, and the sweep's next one.
+    /// What may be read: the window, what the size is looked for in wherever in it the target is, and the sweep's next window.
     fn pixels_of(&self, track: &Track) -> Rect {
-        let Config { velocity, verification, sweep, .. } = self.config;
-        let near = track.expected(velocity).window(&track.grid, REACH).pixels(track.bounds);
+        let Config { velocity, size, verification, sweep, .. } = self.config;
+        let centre = track.expected(velocity);
+        let mut near = centre.window(&track.grid, REACH).pixels(track.bounds);
+        if size {
+            for scale in other_scales(centre.scale) {
+                let window = Place { scale, ..centre }.window(&track.grid, REACH + 2 * SIZE_REACH);
+                near = union(near, window.pixels(track.bounds));
+            }
+        }
         // Whether this is the frame in which it is lost is known only after it was looked at.
         if !sweep || !verification || !track.trust.may_be_lost_next() {
             return near;
@@ -383,10 +390,8 @@ impl Tracker {
     /// The scale of what was looked at: a little smaller, a little larger, or as it was.
     #[inline(never)] // its stack is not that of a look
     fn size(&mut self, frame: &Frame<'_>, track: &Track, look: &Look, shift: u32) -> u32 {
-        let scale = u64::from(look.place.scale);
         let (mut response, mut best) = (look.peak.response, look.place.scale);
-        for scale in [(scale << 16) / SIZE_STEP, (scale * SIZE_STEP) >> 16] {
-            let scale = u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE);
+        for scale in other_scales(look.place.scale) {
             self.see(frame, &track.grid, Place { scale, ..look.place }, SIZE_REACH);
             let peak = self.responses(&track.grid, shift, SIZE_REACH).peak();
             let counts = i32::try_from((i64::from(peak.response) * SIZE_PART) >> 8).unwrap_or(0);
@@ -396,6 +401,13 @@ impl Tracker {
         }
         best
     }
+}
+
+/// A little smaller, and a little larger.
+fn other_scales(scale: u32) -> [u32; 2] {
+    let scale = u64::from(scale);
+    [(scale << 16) / SIZE_STEP, (scale * SIZE_STEP) >> 16]
+        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 
 /// The template in the middle of a view.

@@ -136,18 +136,23 @@ impl Reference {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
 
-    /// The frame pixels that the next update may read: left, top, right, bottom. The sweep's window is one of them if a frame
-    /// without evidence would make the target lost.
+    /// The frame pixels that the next update may read: left, top, right, bottom. The other scales are looked at anywhere in the
+    /// window; the sweep's window is in it if a frame without evidence would make the target lost.
     pub fn region(&self) -> [i64; 4] {
-        let Numbers { parts, reach, .. } = self.numbers;
-        let around = |place: Place| place.window(&self.numbers, &self.shape, reach).region(self.frame_size);
-        let near = around(self.expected());
-        let lost_next = belief(&self.numbers, after(&self.numbers, self.trust, 0.0)) == Belief::Lost;
-        if !parts.verification || !parts.sweep || !lost_next {
-            return near;
+        let Numbers { parts, reach, size_reach, .. } = self.numbers;
+        let around = |place: Place, reach| place.window(&self.numbers, &self.shape, reach).region(self.frame_size);
+        let centre = self.expected();
+        let mut all = vec![around(centre, reach)];
+        if parts.size {
+            let larger = |scale| around(Place { scale, ..centre }, reach + 2 * size_reach);
+            all.extend(self.other_scales(centre.scale).map(larger));
         }
-        let far = around(self.sweep());
-        [near[0].min(far[0]), near[1].min(far[1]), near[2].max(far[2]), near[3].max(far[3])]
+        let lost_next = belief(&self.numbers, after(&self.numbers, self.trust, 0.0)) == Belief::Lost;
+        if parts.verification && parts.sweep && lost_next {
+            all.push(around(self.sweep(), reach));
+        }
+        let both = |a: [i64; 4], b: [i64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
+        all.into_iter().reduce(both).expect("there is a window")
     }
 
     /// One frame.
@@ -229,12 +234,18 @@ impl Reference {
         Look { cells, responses, place, response, view, agreement }
     }
 
+    /// The next smaller scale and the next larger one.
+    fn other_scales(&self, scale: f64) -> [f64; 2] {
+        let Numbers { size_step, most_scale, .. } = self.numbers;
+        let within = |scale: f64| down(scale, SCALE).clamp(down(1.0 / most_scale, SCALE), most_scale);
+        [within(scale / size_step), within(scale * size_step)]
+    }
+
     /// The scale whose response is largest: the last one, the next smaller one, or the next larger one.
     fn size(&self, frame: &Picture<'_>, coded: &Coded, look: &Look) -> f64 {
-        let Numbers { size_step, size_part, size_reach, most_scale, .. } = self.numbers;
-        let (mut response, mut best, scale) = (look.response, look.place.scale, look.place.scale);
-        for other in [down(scale / size_step, SCALE), down(scale * size_step, SCALE)] {
-            let scale = other.clamp(down(1.0 / most_scale, SCALE), most_scale);
+        let Numbers { size_part, size_reach, .. } = self.numbers;
+        let (mut response, mut best) = (look.response, look.place.scale);
+        for scale in self.other_scales(look.place.scale) {
             let window = Place { scale, ..look.place }.window(&self.numbers, &self.shape, size_reach);
             let cells = features(&self.numbers, &window.sample(frame));
             let peak = peak(&responses(&self.shape, coded, &cells, size_reach), size_reach);
