@@ -1,7 +1,7 @@
 //! The filter: a weight for each byte of the cells on the target and around it, so that their sum is 1 where the target is and 0
 //! elsewhere.
 //!
-//! It learns what the target is not, too: by steepest descent it lessens the sum, over all offsets of all samples, of
+//! It learns what the target is not, too: by steepest descent it lessens the sum, over all offsets of a window, of
 //! (response - label)^2, and the sum of its squared weights. Each step is as long as is best in its direction, which takes one
 //! division.
 //!
@@ -207,8 +207,9 @@ mod tests {
     #[test]
     fn what_is_learned_is_answered() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
-        let cells: std::vec::Vec<i8> =
-            (0..30 * 30 * CHANNELS as u32).map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8).collect();
+        let cells: std::vec::Vec<i8> = (0..30 * 30 * CHANNELS as u32)
+            .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
+            .collect();
         let (mut filter, mut desk, products) =
             (Filter::new(), Desk::new(), Products::new(crate::similarity::Backend::Scalar));
         filter.start(&grid);

@@ -27,6 +27,8 @@ mod label;
 mod light;
 mod responses;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod track;
 mod tracker;
 mod trust;

@@ -256,8 +256,8 @@ impl Tracker {
         })
     }
 
-    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock. While the target is
-    /// uncertain or lost the sweep's window is in it, too.
+    /// The pixels of the frame that the next [`Tracker::update`] may read; `None` before the first lock. It has room for the two scales that
+    /// the size is looked for at; while the target is uncertain or lost the sweep's window is in it, too.
     #[must_use]
     pub fn window(&self) -> Option<Rect> {
         self.track.as_ref().map(|track| self.pixels_of(track))
@@ -294,6 +294,19 @@ impl Tracker {
         Ok(&self.cells)
     }
 
+    /// The filter's responses to those cells, in units of 1/16384, row by row: up to [`REACH`] cells from the middle to each side, near
+    /// and far ones alike. Nothing but scratch memory changes.
+    ///
+    /// # Errors
+    /// Those of [`Tracker::update`].
+    pub fn response_map(&mut self, frame: &Frame<'_>) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
+        self.features(frame)?;
+        let shift = self.filter.code(&mut self.desk);
+        let grid = self.grid().ok_or(UpdateError::NotLocked)?;
+        self.respond(&grid, shift);
+        Ok(self.responses.rows)
+    }
+
     /// The grid; `None` before the first lock.
     #[must_use]
     pub fn grid(&self) -> Option<Grid> {
@@ -314,10 +327,17 @@ impl Tracker {
         Products::new(self.backend())
     }
 
-    /// What may be read: the window, and the sweep's next one.
+    /// What may be read: the window, what the size is looked for in wherever in it the target is, and the sweep's next window.
     fn pixels_of(&self, track: &Track) -> Rect {
-        let Config { velocity, verification, sweep, .. } = self.config;
-        let near = track.expected(velocity).window(&track.grid, REACH).pixels(track.bounds);
+        let Config { velocity, size, verification, sweep, .. } = self.config;
+        let centre = track.expected(velocity);
+        let mut near = centre.window(&track.grid, REACH).pixels(track.bounds);
+        if size {
+            for scale in other_scales(centre.scale) {
+                let window = Place { scale, ..centre }.window(&track.grid, REACH + 2 * SIZE_REACH);
+                near = union(near, window.pixels(track.bounds));
+            }
+        }
         // Whether this is the frame in which it is lost is known only after it was looked at.
         if !sweep || !verification || !track.trust.may_be_lost_next() {
             return near;
@@ -370,10 +390,8 @@ impl Tracker {
     #[inline(never)] // its stack is not that of a look
     fn size(&mut self, frame: &Frame<'_>, track: &Track, look: &Look, shift: u32) -> u32 {
         let products = self.products();
-        let scale = u64::from(look.place.scale);
         let (mut response, mut best) = (look.peak.response, look.place.scale);
-        for scale in [(scale << 16) / SIZE_STEP, (scale * SIZE_STEP) >> 16] {
-            let scale = u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE);
+        for scale in other_scales(look.place.scale) {
             let lattice = Place { scale, ..look.place }.window(&track.grid, SIZE_REACH);
             let Self { strip, aside, desk, .. } = self;
             strip.features(frame, &lattice, aside);
@@ -389,6 +407,13 @@ impl Tracker {
         }
         best
     }
+}
+
+/// A little smaller, and a little larger.
+fn other_scales(scale: u32) -> [u32; 2] {
+    let scale = u64::from(scale);
+    [(scale << 16) / SIZE_STEP, (scale * SIZE_STEP) >> 16]
+        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 
 /// The template in the middle of a view.
