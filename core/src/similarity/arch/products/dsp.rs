@@ -119,7 +119,7 @@ impl Block {
     /// Five sums, or what is left of them where there are fewer than five; says how many.
     ///
     /// # Safety
-    /// As [`Block::slide`] for as many.
+    /// As [`Block::slide5`] for as many.
     #[inline(always)]
     unsafe fn of_at_most<const PAIRS: usize, const F: usize, const U: usize, const S: usize>(
         self,
@@ -129,59 +129,81 @@ impl Block {
         unsafe {
             match left {
                 0 => 0,
-                1 => self.slide::<1, PAIRS, F, U, S>(),
-                2 => self.slide::<2, PAIRS, F, U, S>(),
-                3 => self.slide::<3, PAIRS, F, U, S>(),
-                4 | 7 | 8 => self.slide::<4, PAIRS, F, U, S>(),
-                _ => self.slide::<5, PAIRS, F, U, S>(),
+                1 => self.slide1::<PAIRS, F, U, S>(),
+                2 => self.slide2::<PAIRS, F, U, S>(),
+                3 => self.slide3::<PAIRS, F, U, S>(),
+                4 | 7 | 8 => self.slide4::<PAIRS, F, U, S>(),
+                _ => self.slide5::<PAIRS, F, U, S>(),
             }
         }
     }
+}
 
-    /// Adds to `N` sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes on,
-    /// that of the next sum lies. Pairs of the filter are `F` bytes apart, and `PAIRS` such filters follow each other. Returns `N`.
-    ///
-    /// # Safety
-    /// `filter` can be read so often, `under` for N - 1 more, and `sums` can be written to; only `sums` must be aligned.
-    #[inline(never)]
-    unsafe fn slide<const N: usize, const PAIRS: usize, const F: usize, const U: usize, const S: usize>(self) -> usize {
-        let Self { filter, under, sums, count } = self;
-        let mut sum = [0; N];
-        for (at, sum) in sum.iter_mut().enumerate() {
-            // SAFETY: there are N sums, so far apart.
-            *sum = unsafe { sums.wrapping_add(at * S).read() };
-        }
-        for pair in 0..PAIRS {
-            let (mut filter, mut under) = (filter.wrapping_add(4 * pair), under.wrapping_add(4 * pair));
-            let mut window = [0; N];
-            for slot in window.iter_mut().take(N - 1) {
-                // SAFETY: N - 1 more than `count` can be read.
-                *slot = unsafe { load::<U>(&mut under) };
-            }
-            let mut left = count;
-            'all: loop {
-                // Each round leaves the window as it was, turned once around.
-                for turn in 0..N {
-                    if left == 0 {
-                        break 'all;
-                    }
-                    left -= 1;
-                    // SAFETY: this is done `count` times.
-                    let weight = unsafe { load::<F>(&mut filter) };
-                    // SAFETY: as above.
-                    window[(turn + N - 1) % N] = unsafe { load::<U>(&mut under) };
-                    for (at, sum) in sum.iter_mut().enumerate() {
-                        *sum = smlad(window[(turn + at) % N], weight, *sum);
+/// One place of the filter: the sums' registers, what lies under it for them, and the last one of it, which is new there.
+macro_rules! turn {
+    ([$($sum:ident)*] [$($under:ident)*] $new:ident, $filter:ident $cells:ident) => {
+        // SAFETY: this is done as often as the filter has places.
+        let weight = unsafe { load::<F>(&mut $filter) };
+        // SAFETY: as above.
+        $new = unsafe { load::<U>(&mut $cells) };
+        $($sum = smlad($under, weight, $sum);)*
+    };
+}
+
+/// A function for so many sums. Each turn of the window of what lies under the filter is written out: no number is moved.
+macro_rules! slide {
+    ($name:ident, $n:literal, [$($sum:ident)*], [$($first:ident)*] $last:ident, $sums:tt: $($turn:tt $new:ident;)*) => {
+        impl Block {
+            /// Adds to its sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes
+            /// on, that of the next sum lies. Pairs of the filter are `F` bytes apart, and `PAIRS` such filters follow each
+            /// other. Returns how many sums there are, here called n.
+            ///
+            /// # Safety
+            /// `filter` can be read so often, `under` for n - 1 more, and `sums` can be written to; only `sums` must be aligned.
+            #[inline(never)]
+            unsafe fn $name<const PAIRS: usize, const F: usize, const U: usize, const S: usize>(&self) -> usize {
+                let mut sums = self.sums;
+                // SAFETY: there are n sums, so far apart.
+                $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
+                for pair in 0..PAIRS {
+                    let (mut filter, mut cells) = (self.filter.wrapping_add(4 * pair), self.under.wrapping_add(4 * pair));
+                    let end = filter.wrapping_add(self.count * F);
+                    // SAFETY: n - 1 more than `count` can be read.
+                    $(let mut $first = unsafe { load::<U>(&mut cells) };)*
+                    #[allow(unused_assignments)] // the first turn makes it
+                    let mut $last = 0;
+                    loop {
+                        $(
+                            turn!($sums $turn $new, filter cells);
+                            if filter == end {
+                                break;
+                            }
+                        )*
                     }
                 }
+                let mut sums = self.sums;
+                // SAFETY: as above.
+                $(unsafe { next::<S>(&mut sums).write($sum) };)*
+                $n
             }
         }
-        for (at, sum) in sum.into_iter().enumerate() {
-            // SAFETY: as above.
-            unsafe { sums.wrapping_add(at * S).write(sum) };
-        }
-        N
-    }
+    };
+}
+
+slide!(slide1, 1, [a], [] last, [a]: [last] last;);
+slide!(slide2, 2, [a b], [f] last, [a b]: [f last] last; [last f] f;);
+slide!(slide3, 3, [a b c], [f g] last, [a b c]: [f g last] last; [g last f] f; [last f g] g;);
+slide!(slide4, 4, [a b c d], [f g h] last, [a b c d]:
+    [f g h last] last; [g h last f] f; [h last f g] g; [last f g h] h;);
+slide!(slide5, 5, [a b c d e], [f g h i] last, [a b c d e]:
+    [f g h i last] last; [g h i last f] f; [h i last f g] g; [i last f g h] h; [last f g h i] i;);
+
+/// The number there, and on by so many.
+#[inline(always)]
+fn next<const STEP: usize>(at: &mut *mut i32) -> *mut i32 {
+    let this = *at;
+    *at = at.wrapping_add(STEP);
+    this
 }
 
 /// A pair, and on by so many bytes.
