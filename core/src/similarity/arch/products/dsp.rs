@@ -139,20 +139,21 @@ impl Block {
     }
 }
 
-/// One place of the filter: the sums' registers, what lies under it for them, and the last one of it, which is new there.
+/// One place of the filter: its weight, the last number under it, which is new there, and the products for all sums.
 macro_rules! turn {
-    ([$($sum:ident)*] [$($under:ident)*] $new:ident, $filter:ident $cells:ident) => {
-        // SAFETY: this is done as often as the filter has places.
-        let weight = unsafe { load::<F>(&mut $filter) };
-        // SAFETY: as above.
-        $new = unsafe { load::<U>(&mut $cells) };
-        $($sum = smlad($under, weight, $sum);)*
+    ([$($sum:literal)*] [$($under:literal)*] $new:literal) => {
+        concat!(
+            "ldr r6, [r12], #{f}\n",
+            "ldr ", $new, ", [lr], #{u}\n",
+            $("smlad ", $sum, ", ", $under, ", r6, ", $sum, "\n",)*
+        )
     };
 }
 
 /// A function for so many sums. Each turn of the window of what lies under the filter is written out: no number is moved.
 macro_rules! slide {
-    ($name:ident, $n:literal, [$($sum:ident)*], [$($first:ident)*] $last:ident, $sums:tt: $($turn:tt $new:ident;)*) => {
+    ($name:ident, $n:literal, [$($sum:ident $sum_in:tt)*], [$($first:ident $first_in:tt)*]:
+        $($sums:tt $window:tt $new:tt;)*) => {
         impl Block {
             /// Adds to its sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes
             /// on, that of the next sum lies. Pairs of the filter are `F` bytes apart, and `PAIRS` such filters follow each
@@ -166,19 +167,38 @@ macro_rules! slide {
                 // SAFETY: there are n sums, so far apart.
                 $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
                 for pair in 0..PAIRS {
-                    let (mut filter, mut cells) = (self.filter.wrapping_add(4 * pair), self.under.wrapping_add(4 * pair));
-                    let end = filter.wrapping_add(self.count * F);
+                    #[allow(unused_mut)] // of one sum, there is nothing before
+                    let mut cells = self.under.wrapping_add(4 * pair);
                     // SAFETY: n - 1 more than `count` can be read.
-                    $(let mut $first = unsafe { load::<U>(&mut cells) };)*
-                    #[allow(unused_assignments)] // the first turn makes it
-                    let mut $last = 0;
-                    loop {
-                        $(
-                            turn!($sums $turn $new, filter cells);
-                            if filter == end {
-                                break;
-                            }
-                        )*
+                    $(let $first = unsafe { load::<U>(&mut cells) };)*
+                    // SAFETY: of the filter `count` pairs are read, of what lies under it as many more. r6 and r7, which may not
+                    // be named, are kept on the stack. r11 brings `count`.
+                    unsafe {
+                        asm!(
+                            "push {{r6, r7}}",
+                            concat!("subs r7, r11, #", $n),
+                            "bmi 3f",
+                            "2:",
+                            $(turn!($sums $window $new),)*
+                            concat!("subs r7, #", $n),
+                            "bpl 2b",
+                            "3:",
+                            concat!("adds r7, #", $n),
+                            $(
+                                "beq 4f",
+                                turn!($sums $window $new),
+                                "subs r7, #1",
+                            )*
+                            "4:",
+                            "pop {{r6, r7}}",
+                            $(inout($sum_in) $sum,)*
+                            $(inout($first_in) $first => _,)*
+                            inout("r11") self.count => _,
+                            inout("r12") self.filter.wrapping_add(4 * pair) => _,
+                            inout("lr") cells => _,
+                            f = const F,
+                            u = const U,
+                        );
                     }
                 }
                 let mut sums = self.sums;
@@ -190,13 +210,26 @@ macro_rules! slide {
     };
 }
 
-slide!(slide1, 1, [a], [] last, [a]: [last] last;);
-slide!(slide2, 2, [a b], [f] last, [a b]: [f last] last; [last f] f;);
-slide!(slide3, 3, [a b c], [f g] last, [a b c]: [f g last] last; [g last f] f; [last f g] g;);
-slide!(slide4, 4, [a b c d], [f g h] last, [a b c d]:
-    [f g h last] last; [g h last f] f; [h last f g] g; [last f g h] h;);
-slide!(slide5, 5, [a b c d e], [f g h i] last, [a b c d e]:
-    [f g h i last] last; [g h i last f] f; [h i last f g] g; [i last f g h] h; [last f g h i] i;);
+slide!(slide1, 1, [a "r0"], []:
+    ["r0"] ["r11"] "r11";);
+slide!(slide2, 2, [a "r0" b "r1"], [f "r5"]:
+    ["r0" "r1"] ["r5" "r11"] "r11";
+    ["r0" "r1"] ["r11" "r5"] "r5";);
+slide!(slide3, 3, [a "r0" b "r1" c "r2"], [f "r5" g "r8"]:
+    ["r0" "r1" "r2"] ["r5" "r8" "r11"] "r11";
+    ["r0" "r1" "r2"] ["r8" "r11" "r5"] "r5";
+    ["r0" "r1" "r2"] ["r11" "r5" "r8"] "r8";);
+slide!(slide4, 4, [a "r0" b "r1" c "r2" d "r3"], [f "r5" g "r8" h "r9"]:
+    ["r0" "r1" "r2" "r3"] ["r5" "r8" "r9" "r11"] "r11";
+    ["r0" "r1" "r2" "r3"] ["r8" "r9" "r11" "r5"] "r5";
+    ["r0" "r1" "r2" "r3"] ["r9" "r11" "r5" "r8"] "r8";
+    ["r0" "r1" "r2" "r3"] ["r11" "r5" "r8" "r9"] "r9";);
+slide!(slide5, 5, [a "r0" b "r1" c "r2" d "r3" e "r4"], [f "r5" g "r8" h "r9" i "r10"]:
+    ["r0" "r1" "r2" "r3" "r4"] ["r5" "r8" "r9" "r10" "r11"] "r11";
+    ["r0" "r1" "r2" "r3" "r4"] ["r8" "r9" "r10" "r11" "r5"] "r5";
+    ["r0" "r1" "r2" "r3" "r4"] ["r9" "r10" "r11" "r5" "r8"] "r8";
+    ["r0" "r1" "r2" "r3" "r4"] ["r10" "r11" "r5" "r8" "r9"] "r9";
+    ["r0" "r1" "r2" "r3" "r4"] ["r11" "r5" "r8" "r9" "r10"] "r10";);
 
 /// The number there, and on by so many.
 #[inline(always)]
@@ -216,16 +249,4 @@ unsafe fn load<const STEP: usize>(at: &mut *const u8) -> u32 {
     let pair = unsafe { ptr::read_unaligned(at.cast::<u32>()) };
     *at = at.wrapping_add(STEP);
     pair
-}
-
-/// `sum` and the products of both halves.
-#[inline(always)]
-fn smlad(a: u32, b: u32, sum: i32) -> i32 {
-    let result;
-    // SAFETY: it only computes; the flag of overflow is not said to be kept.
-    unsafe {
-        asm!("smlad {sum}, {a}, {b}, {sum}", a = in(reg) a, b = in(reg) b, sum = inout(reg) sum => result,
-            options(pure, nomem, nostack));
-    }
-    result
 }
