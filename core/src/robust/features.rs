@@ -30,9 +30,6 @@ struct Sector {
     bins: [u8; 2],
 }
 
-/// The number of the last sector: no direction from 20 to 80 degrees lies beyond a gradient there.
-const BEYOND_NONE: u32 = 4;
-
 const fn sector(from: (i32, i32), to: (i32, i32), bins: [u8; 2]) -> Sector {
     Sector { from, to, bins }
 }
@@ -62,18 +59,25 @@ const GAIN: u32 = 635;
 struct Sums([u16; CHANNELS]);
 
 impl Sums {
-    /// Adds a pixel and the gradient there.
-    #[inline]
-    fn add(&mut self, x: i32, y: i32, pixel: u8) {
+    /// Adds a pixel, by its four neighbours.
+    #[inline(never)] // four copies are no faster: they do not fit the registers
+    fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2], pixel: u8) {
+        let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
         // Light to dark and dark to light alike: upwards, or to the right.
         let (x, y) = if (y, x) < (0, 0) { (-x, -y) } else { (x, y) };
         // The directions beyond 90 degrees mirror the others.
         let (right, mirrored) = (x.abs(), x < 0);
-        let beyond = |&(cos, sin): &(i32, i32)| (cos * y - sin * right).cast_unsigned() >> 31;
+        let beyond = |&(cos, sin): &(i32, i32)| cos * y < sin * right;
         let [_, one, two, three, four, _] = &DIRECTIONS;
-        let sector = BEYOND_NONE - (beyond(one) + beyond(two) + beyond(three) + beyond(four));
-        let sectors = if mirrored { &MIRRORED } else { &SECTORS };
-        let Some(&Sector { from, to, bins: [bin, next] }) = sectors.get(sector as usize) else { return };
+        let [low, first, second, third, high] = if mirrored { &MIRRORED } else { &SECTORS };
+        let sector = match beyond(two) {
+            true if beyond(one) => low,
+            true => first,
+            false if beyond(three) => second,
+            false if beyond(four) => third,
+            false => high,
+        };
+        let &Sector { from, to, bins: [bin, next] } = sector;
         let before = |(cos, sin): (i32, i32)| cos * y - sin * right;
         // Both are at most 361 * 256 / sin 20 degrees; in units of 1/4.
         let part = |value: i32| u16::try_from(value.max(0) >> 6).unwrap_or(0);
@@ -162,9 +166,13 @@ impl Strip {
         let above = first.get(1..).unwrap_or_default().array_windows::<4>().step_by(CELL.into());
         let below = third.get(1..).unwrap_or_default().array_windows::<4>().step_by(CELL.into());
         for (((sums, middle), above), below) in sums.iter_mut().zip(middle).zip(above).zip(below) {
-            for ((&[left, pixel, right], &above), &below) in middle.array_windows().zip(above).zip(below) {
-                sums.add(i32::from(right) - i32::from(left), i32::from(below) - i32::from(above), pixel);
-            }
+            let &[left, a, b, c, d, right] = middle;
+            let &[above_a, above_b, above_c, above_d] = above;
+            let &[below_a, below_b, below_c, below_d] = below;
+            sums.add([left, b], [above_a, below_a], a);
+            sums.add([a, c], [above_b, below_b], b);
+            sums.add([b, d], [above_c, below_c], c);
+            sums.add([c, right], [above_d, below_d], d);
         }
     }
 
