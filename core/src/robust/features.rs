@@ -60,7 +60,7 @@ struct Sums([u16; CHANNELS]);
 
 impl Sums {
     /// Adds a pixel, by its four neighbours.
-    #[inline(never)] // four copies are no faster: they do not fit the registers
+    #[inline(never)] // four copies take more instructions on a Cortex-M4: they do not fit the registers
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2], pixel: u8) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
         // Light to dark and dark to light alike: upwards, or to the right.
@@ -236,8 +236,13 @@ mod tests {
 
     fn features(pixels: &[u8], step: i64, cells: (u16, u16)) -> std::vec::Vec<i8> {
         let frame = Frame::whole(Image::new(pixels, 120, 90).unwrap());
-        let lattice =
-            Lattice { x: 57 * PIXEL, y: 40 * PIXEL + 1234, step, columns: cells.0 * CELL + 2, rows: cells.1 * CELL + 2 };
+        let lattice = Lattice {
+            x: 57 * PIXEL,
+            y: 40 * PIXEL + 1234,
+            step,
+            columns: cells.0 * CELL + 2,
+            rows: cells.1 * CELL + 2,
+        };
         let mut out = Vec::<i8, 20_000>::new();
         assert!(Strip::new().features(&frame, &lattice, &mut out));
         assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);

@@ -39,9 +39,9 @@ mod filter;
 mod helium;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 mod neon;
+mod products;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
-mod products;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 

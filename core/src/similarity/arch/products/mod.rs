@@ -28,13 +28,7 @@ impl Products {
 
     /// See [`responses`].
     #[inline(never)] // one copy in flash for each span
-    pub(crate) fn responses<const N: usize>(
-        self,
-        cells: &[i8],
-        layout: Layout,
-        weights: &[i16],
-        out: &mut [[i32; N]],
-    ) {
+    pub(crate) fn responses<const N: usize>(self, cells: &[i8], layout: Layout, weights: &[i16], out: &mut [[i32; N]]) {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
@@ -56,13 +50,7 @@ impl Products {
 
     /// See [`gather`].
     #[inline(never)] // one copy in flash
-    pub(crate) fn gather<const N: usize>(
-        self,
-        cells: &[i8],
-        layout: Layout,
-        errors: &[[i16; N]],
-        sums: &mut [i32],
-    ) {
+    pub(crate) fn gather<const N: usize>(self, cells: &[i8], layout: Layout, errors: &[[i16; N]], sums: &mut [i32]) {
         #[cfg(feature = "verify")]
         let mut expected: heapless::Vec<i32, 4096> = sums.iter().copied().collect();
         match self.0 {

@@ -69,7 +69,8 @@ fn all_shapes(backend: Backend) {
 /// What does not fit together is as the plain loops have it, and nothing else is read.
 fn odd_shapes(backend: Backend) {
     let mut memory = Guarded::with_room(1 << 14);
-    for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)] {
+    for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]
+    {
         let layout = Layout { row, stride, step, span: 5 };
         let cells = guarded(&mut memory, (stride * 9).saturating_sub(cut), Side::After, 3);
         same::<13>(backend, cells, layout, 5);
