@@ -18,7 +18,7 @@ use super::features::CHANNELS;
 use super::grid::Grid;
 use super::label::Bell;
 use super::responses::{Responses, SPAN};
-use crate::similarity::Products;
+use crate::similarity::{Layout, Products};
 use heapless::Vec;
 
 /// Weights of the largest filter.
@@ -41,35 +41,32 @@ pub(super) struct Filter {
 pub(super) struct Desk {
     coded: Vec<i16, WEIGHTS>,
     gradient: Vec<i32, WEIGHTS>,
-}
-
-/// How weights lie on cells.
-#[derive(Clone, Copy)]
-pub(super) struct Shape {
-    /// Bytes of a row of the filter.
-    row: usize,
-    /// Bytes of a row of the cells.
-    pub(super) stride: usize,
-}
-
-impl Shape {
-    /// The filter on a window of cells that reaches so much further on each side.
-    pub(super) fn new(grid: &Grid, reach: u16) -> Self {
-        let bytes = |cells: u16| usize::from(cells) * CHANNELS;
-        Self { row: bytes(grid.across), stride: bytes(grid.across + 2 * reach) }
-    }
+    sums: [[i32; SPAN]; SPAN],
 }
 
 impl Desk {
     pub(super) const fn new() -> Self {
-        Self { coded: Vec::new(), gradient: Vec::new() }
+        Self { coded: Vec::new(), gradient: Vec::new(), sums: [[0; SPAN]; SPAN] }
     }
 
-    /// Responses at offsets side by side, to the weights that were coded last by `shift`.
-    pub(super) fn responses(&self, products: Products, shift: u32, cells: &[i8], shape: Shape, out: &mut [i32]) {
-        products.responses(cells, shape.stride, CHANNELS, &self.coded, shape.row, out);
-        out.iter_mut().for_each(|out| *out = response(*out, shift));
+    /// Responses at all offsets, to the weights that were coded last by `shift`.
+    pub(super) fn responses<const N: usize>(
+        &self,
+        products: Products,
+        shift: u32,
+        cells: &[i8],
+        layout: Layout,
+        out: &mut [[i32; N]],
+    ) {
+        products.responses(cells, layout, &self.coded, out);
+        out.as_flattened_mut().iter_mut().for_each(|out| *out = response(*out, shift));
     }
+}
+
+/// How the filter lies on cells that reach `span / 2` farther to each side.
+pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
+    let row = usize::from(grid.across) * CHANNELS;
+    Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
 }
 
 /// A window in which the target was seen.
@@ -83,14 +80,18 @@ pub(super) struct Sample<'a> {
 }
 
 impl Sample<'_> {
-    /// Response less label in row `y` of the offsets.
-    fn errors(&self, y: usize, [across, down]: &[[i32; SPAN]; 2]) -> [i32; SPAN] {
-        let down = down.get(y).copied().unwrap_or(0);
-        let mut errors = self.responses.rows.get(y).copied().unwrap_or([0; SPAN]);
-        for (error, across) in errors.iter_mut().zip(across) {
-            *error = (*error - ((across * down + (1 << 13)) >> 14)).clamp(-MOST_ERROR, MOST_ERROR);
+    /// Response less label at all offsets; says how large the largest is.
+    fn errors(&self, grid: &Grid, errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
+        let [across, down] = Bell::of(grid).around(self.target);
+        let mut largest = 0;
+        for ((errors, responses), down) in errors.iter_mut().zip(&self.responses.rows).zip(down) {
+            for ((error, response), across) in errors.iter_mut().zip(responses).zip(across) {
+                let label = (across * down + (1 << 13)) >> 14;
+                *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);
+                largest = largest.max(error.unsigned_abs());
+            }
         }
-        errors
+        largest
     }
 }
 
@@ -123,20 +124,14 @@ impl Filter {
     /// One step of learning. Cost: two products for each weight and each of 289 offsets.
     #[inline(never)] // one copy in flash
     pub(super) fn learn(&mut self, grid: &Grid, sample: &Sample<'_>, desk: &mut Desk, products: Products) {
-        let bells = Bell::of(grid).around(sample.target);
-        let shape = Shape::new(grid, super::REACH);
-        let Desk { coded, gradient } = desk;
+        let layout = layout(grid, SPAN);
+        let Desk { coded, gradient, sums } = desk;
         // Where to.
-        let errors = || (0..SPAN).map(|y| (y, sample.errors(y, &bells)));
-        let largest = errors().flat_map(|(_, errors)| errors).map(i32::unsigned_abs).max().unwrap_or(0);
-        let shift = shift_to(largest.into(), GATHERED);
+        let shift = shift_to(sample.errors(grid, sums).into(), GATHERED);
+        let errors = sums.map(|errors| errors.map(|error| code(error.into(), shift)));
         gradient.clear();
         let _ = gradient.resize_default(self.weights.len());
-        for (y, errors) in errors() {
-            let cells = sample.cells.get(y * shape.stride..).unwrap_or_default();
-            let errors = errors.map(|error| code(error.into(), shift));
-            products.gather(cells, shape.stride, CHANNELS, &errors, shape.row, gradient);
-        }
+        products.gather(sample.cells, layout, &errors, gradient);
         // Both terms are below 2^48.
         let slope = |(&weight, &sum): (&i32, &i32)| PULL * i64::from(weight) + (i64::from(sum) << (shift + 16));
         let slopes = || self.weights.iter().zip(gradient.iter()).map(slope);
@@ -144,7 +139,7 @@ impl Filter {
         let scale = shift_to(steepest, CODED);
         coded.iter_mut().zip(slopes()).for_each(|(coded, slope)| *coded = code(slope, scale));
         // How far. Lengths have 44 binary places; a product is below 2^46.
-        let length = length(sample.cells, coded, shape, products);
+        let length = length(sample.cells, coded, layout, products, sums);
         let back = 44u32.saturating_sub(scale);
         for (weight, &slope) in self.weights.iter_mut().zip(coded.iter()) {
             let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
@@ -155,17 +150,13 @@ impl Filter {
 
 /// How long the step along the coded slopes is, with 44 binary places, below 2^33: 5/8 of the best length, which is the slopes squared
 /// over what the step bends: their pull, and the responses to them, squared. The whole length would follow each frame too closely.
-fn length(cells: &[i8], slopes: &[i16], shape: Shape, products: Products) -> i64 {
+fn length(cells: &[i8], slopes: &[i16], layout: Layout, products: Products, sums: &mut [[i32; SPAN]; SPAN]) -> i64 {
     // At most 2000 * 8191^2 < 2^37.
     let squared: i64 = slopes.iter().map(|&slope| i64::from(slope).pow(2)).sum();
-    let mut bend = (PULL * squared) >> 18;
-    for y in 0..SPAN {
-        let mut sums = [0; SPAN];
-        let cells = cells.get(y * shape.stride..).unwrap_or_default();
-        products.responses(cells, shape.stride, CHANNELS, slopes, shape.row, &mut sums);
-        // A sum is below 2^31, of which 9 places are taken away; 289 squares of that are below 2^53.
-        bend += sums.iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum::<i64>();
-    }
+    products.responses(cells, layout, slopes, sums);
+    // A sum is below 2^31, of which 9 places are taken away; 289 squares of that are below 2^53.
+    let bends = sums.as_flattened().iter().map(|&sum| i64::from(sum >> 9).pow(2));
+    let bend = ((PULL * squared) >> 18) + bends.sum::<i64>();
     (5 * ((squared << 26) / bend.max(1))) >> 3
 }
 
@@ -221,10 +212,8 @@ mod tests {
                 &mut desk,
                 products,
             );
-            let (shift, shape) = (filter.code(&mut desk), Shape::new(&grid, super::super::REACH));
-            for (y, row) in responses.rows.iter_mut().enumerate() {
-                desk.responses(products, shift, &cells[y * shape.stride..], shape, row);
-            }
+            let shift = filter.code(&mut desk);
+            desk.responses(products, shift, &cells, layout(&grid, SPAN), &mut responses.rows);
         }
         let peak = responses.peak(false);
         assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");

@@ -1,8 +1,6 @@
 //! The filter's responses around a place, and their peak.
 
 use super::REACH;
-use super::filter::Shape;
-use super::grid::Grid;
 
 /// Offsets on an axis, at most.
 pub(super) const SPAN: usize = 2 * REACH as usize + 1;
@@ -25,16 +23,6 @@ pub(super) struct Peak {
 }
 
 impl Responses {
-    /// Makes them row by row, of cells that reach so much further on each side than the filter.
-    pub(super) fn make(&mut self, grid: &Grid, reach: u16, cells: &[i8], row: impl Fn(&[i8], Shape, &mut [i32])) {
-        let shape = Shape::new(grid, reach);
-        self.span = 2 * usize::from(reach) + 1;
-        for (y, out) in self.rows.iter_mut().take(self.span).enumerate() {
-            let cells = cells.get(y * shape.stride..).unwrap_or_default();
-            row(cells, shape, out.get_mut(..self.span).unwrap_or_default());
-        }
-    }
-
     /// The first of the largest, with the top of a parabola through its neighbours on each axis. If `near` is to be preferred,
     /// positive responses of a whole search far from the middle count less.
     pub(super) fn peak(&self, near: bool) -> Peak {

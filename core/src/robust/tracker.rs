@@ -4,7 +4,7 @@ use super::agreement::{self, Scene};
 use super::config::Config;
 use super::early::Early;
 use super::features::{CELL, CHANNELS, Strip};
-use super::filter::{Desk, Filter, Sample};
+use super::filter::{Desk, Filter, Sample, layout};
 use super::grid::{Grid, MOST_SIDE, SCALE};
 use super::responses::{Peak, Responses, SPAN};
 use super::track::{FineRect, Place, Track};
@@ -354,7 +354,7 @@ impl Tracker {
     fn respond(&mut self, grid: &Grid, shift: u32) {
         let products = self.products();
         let Self { desk, cells, responses, .. } = self;
-        responses.make(grid, REACH, cells, |cells, shape, row| desk.responses(products, shift, cells, shape, row));
+        desk.responses(products, shift, cells, layout(grid, SPAN), &mut responses.rows);
     }
 
     /// Learns from both that the target is at `target`.
@@ -395,10 +395,9 @@ impl Tracker {
             let lattice = Place { scale, ..look.place }.window(&track.grid, SIZE_REACH);
             let Self { strip, aside, desk, .. } = self;
             strip.features(frame, &lattice, aside);
-            let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: 0 };
-            responses.make(&track.grid, SIZE_REACH, aside, |cells, shape, row| {
-                desk.responses(products, shift, cells, shape, row);
-            });
+            let span = 2 * usize::from(SIZE_REACH) + 1;
+            let mut responses = Responses { rows: [[0; SPAN]; SPAN], span };
+            desk.responses(products, shift, aside, layout(&track.grid, span), &mut responses.rows);
             let peak = responses.peak(false);
             let counts = i32::try_from((i64::from(peak.response) * SIZE_PART) >> 8).unwrap_or(0);
             if counts > response {

@@ -1,0 +1,252 @@
+//! Sums of products by the DSP extension: `smlad` adds two products of 16 bits.
+//!
+//! A row of the filter that slides along a row of numbers is all there is to it: offsets side by side share each weight, and
+//! what lies under it slides from one offset's register to the next one's, so that each number is loaded once for all of them.
+//!
+//! - Responses: bytes become numbers of 16 bits, row by row; a pair is two channels of a cell.
+//! - Gathering: errors are the filter, and a pair is a byte and the one below it, of two rows that were put together.
+
+use crate::similarity::products::{self, Layout};
+use core::arch::asm;
+use core::ptr;
+
+/// Bytes from an offset to the next one: those of a cell.
+const STEP: usize = 10;
+/// The most bytes in a row of cells that are slid along here: 48 cells.
+const ROW: usize = 48 * STEP;
+/// The most offsets on an axis for which errors are gathered here.
+const SPAN: usize = 13;
+
+/// See [`products::responses`].
+pub(super) fn responses<const N: usize>(cells: &[i8], layout: Layout, weights: &[i16], out: &mut [[i32; N]]) {
+    let Layout { row, stride, step, span } = layout;
+    let used = row + span.saturating_sub(1) * step;
+    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.len().is_multiple_of(row);
+    let down = weights.len().checked_div(row).unwrap_or(0);
+    let rows = down + span.saturating_sub(1);
+    let needed = rows.saturating_sub(1) * stride + used;
+    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > ROW || cells.len() < needed {
+        return products::responses(cells, layout, weights, out);
+    }
+    out.iter_mut().take(span).for_each(|out| out.fill(0));
+    let mut wide = [0i16; ROW];
+    for number in 0..rows {
+        let from = cells.get(number * stride..).unwrap_or_default();
+        wide.iter_mut().zip(from).take(used).for_each(|(wide, &cell)| *wide = cell.into());
+        // The rows of weights that lie on this row of cells at some offset.
+        for (y, weights) in weights.chunks_exact(row).enumerate() {
+            let Some(out) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| out.get_mut(y)) else { continue };
+            let (mut at, cells) = (0, row / STEP);
+            while at < span {
+                let block = Block {
+                    filter: weights.as_ptr().cast(),
+                    under: wide.as_ptr().cast::<u8>().wrapping_add(at * 2 * STEP),
+                    sums: out.as_mut_ptr().wrapping_add(at),
+                    count: cells,
+                };
+                // SAFETY: the filter has `cells` cells of weights; `under` is followed by as many and the block's offsets less
+                // one; of `out`, `at` and the block's offsets are at most `span`.
+                at += unsafe { block.of_at_most::<5, { 2 * STEP }, { 2 * STEP }, 1>(span - at) };
+            }
+        }
+    }
+}
+
+/// See [`products::gather`].
+pub(super) fn gather<const N: usize>(cells: &[i8], layout: Layout, errors: &[[i16; N]], sums: &mut [i32]) {
+    let Layout { row, stride, step, span } = layout;
+    let used = row + span.saturating_sub(1) * step;
+    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && sums.len().is_multiple_of(row);
+    let down = sums.len().checked_div(row).unwrap_or(0);
+    let rows = down + span.saturating_sub(1);
+    let needed = rows.saturating_sub(1) * stride + used;
+    let room = span > 0 && span <= N.min(SPAN) && errors.len() >= span && used <= ROW;
+    if !whole || !room || down == 0 || cells.len() < needed {
+        return products::gather(cells, layout, errors, sums);
+    }
+    let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
+    let mut both = [0u32; ROW];
+    for number in (0..rows).step_by(2) {
+        let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
+        // What lies below the last row meets no error.
+        let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
+        for ((both, &upper), &lower) in both.iter_mut().zip(upper).zip(lower) {
+            *both = pair(i16::from(upper).cast_unsigned(), i16::from(lower).cast_unsigned());
+        }
+        for (y, sums) in sums.chunks_exact_mut(row).enumerate() {
+            // The errors at the offsets where this row of sums lies on the two rows of cells.
+            let of = |number: usize| number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y));
+            let (first, second) = (of(number), of(number + 1));
+            if first.is_none() && second.is_none() {
+                continue;
+            }
+            let mut filter = [0u32; SPAN];
+            let error = |errors: Option<&[i16; N]>, x: usize| {
+                errors.and_then(|errors| errors.get(x)).map_or(0, |error| error.cast_unsigned())
+            };
+            for (x, filter) in filter.iter_mut().enumerate().take(span) {
+                *filter = pair(error(first, x), error(second, x));
+            }
+            let across = row / STEP;
+            for channel in 0..STEP {
+                let mut at = 0;
+                while at < across {
+                    let block = Block {
+                        filter: filter.as_ptr().cast(),
+                        under: both.as_ptr().wrapping_add(at * STEP + channel).cast(),
+                        sums: sums.as_mut_ptr().wrapping_add(at * STEP + channel),
+                        count: span,
+                    };
+                    // SAFETY: the filter has `span` errors; `under` is followed by as many cells and the block's less one; of
+                    // the row of sums, `at` and the block's cells are at most all.
+                    at += unsafe { block.of_at_most::<1, 4, { 4 * STEP }, STEP>(across - at) };
+                }
+            }
+        }
+    }
+}
+
+/// Sums side by side, and what is added to them: a filter of `count` pairs, and what lies under it at the first of them.
+#[derive(Clone, Copy)]
+struct Block {
+    filter: *const u8,
+    under: *const u8,
+    sums: *mut i32,
+    count: usize,
+}
+
+impl Block {
+    /// Five sums, or what is left of them where there are fewer than five; says how many.
+    ///
+    /// # Safety
+    /// As [`Block::slide5`] for as many.
+    #[inline(always)]
+    unsafe fn of_at_most<const PAIRS: usize, const F: usize, const U: usize, const S: usize>(
+        self,
+        left: usize,
+    ) -> usize {
+        // SAFETY: the caller has seen to it.
+        unsafe {
+            match left {
+                0 => 0,
+                1 => self.slide1::<PAIRS, F, U, S>(),
+                2 => self.slide2::<PAIRS, F, U, S>(),
+                3 => self.slide3::<PAIRS, F, U, S>(),
+                4 | 7 | 8 => self.slide4::<PAIRS, F, U, S>(),
+                _ => self.slide5::<PAIRS, F, U, S>(),
+            }
+        }
+    }
+}
+
+/// One place of the filter: its weight, the last number under it, which is new there, and the products for all sums.
+macro_rules! turn {
+    ([$($sum:literal)*] [$($under:literal)*] $new:literal) => {
+        concat!(
+            "ldr r6, [r12], #{f}\n",
+            "ldr ", $new, ", [lr], #{u}\n",
+            $("smlad ", $sum, ", ", $under, ", r6, ", $sum, "\n",)*
+        )
+    };
+}
+
+/// A function for so many sums. Each turn of the window of what lies under the filter is written out: no number is moved.
+macro_rules! slide {
+    ($name:ident, $n:literal, [$($sum:ident $sum_in:tt)*], [$($first:ident $first_in:tt)*]:
+        $($sums:tt $window:tt $new:tt;)*) => {
+        impl Block {
+            /// Adds to its sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes
+            /// on, that of the next sum lies. Pairs of the filter are `F` bytes apart, and `PAIRS` such filters follow each
+            /// other. Returns how many sums there are, here called n.
+            ///
+            /// # Safety
+            /// `filter` can be read so often, `under` for n - 1 more, and `sums` can be written to; only `sums` must be aligned.
+            #[inline(never)]
+            unsafe fn $name<const PAIRS: usize, const F: usize, const U: usize, const S: usize>(&self) -> usize {
+                let mut sums = self.sums;
+                // SAFETY: there are n sums, so far apart.
+                $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
+                for pair in 0..PAIRS {
+                    #[allow(unused_mut)] // of one sum, there is nothing before
+                    let mut cells = self.under.wrapping_add(4 * pair);
+                    // SAFETY: n - 1 more than `count` can be read.
+                    $(let $first = unsafe { load::<U>(&mut cells) };)*
+                    // SAFETY: of the filter `count` pairs are read, of what lies under it as many more. r6 and r7, which may not
+                    // be named, are kept on the stack. r11 brings `count`.
+                    unsafe {
+                        asm!(
+                            "push {{r6, r7}}",
+                            concat!("subs r7, r11, #", $n),
+                            "bmi 3f",
+                            "2:",
+                            $(turn!($sums $window $new),)*
+                            concat!("subs r7, #", $n),
+                            "bpl 2b",
+                            "3:",
+                            concat!("adds r7, #", $n),
+                            $(
+                                "beq 4f",
+                                turn!($sums $window $new),
+                                "subs r7, #1",
+                            )*
+                            "4:",
+                            "pop {{r6, r7}}",
+                            $(inout($sum_in) $sum,)*
+                            $(inout($first_in) $first => _,)*
+                            inout("r11") self.count => _,
+                            inout("r12") self.filter.wrapping_add(4 * pair) => _,
+                            inout("lr") cells => _,
+                            f = const F,
+                            u = const U,
+                        );
+                    }
+                }
+                let mut sums = self.sums;
+                // SAFETY: as above.
+                $(unsafe { next::<S>(&mut sums).write($sum) };)*
+                $n
+            }
+        }
+    };
+}
+
+slide!(slide1, 1, [a "r0"], []:
+    ["r0"] ["r11"] "r11";);
+slide!(slide2, 2, [a "r0" b "r1"], [f "r5"]:
+    ["r0" "r1"] ["r5" "r11"] "r11";
+    ["r0" "r1"] ["r11" "r5"] "r5";);
+slide!(slide3, 3, [a "r0" b "r1" c "r2"], [f "r5" g "r8"]:
+    ["r0" "r1" "r2"] ["r5" "r8" "r11"] "r11";
+    ["r0" "r1" "r2"] ["r8" "r11" "r5"] "r5";
+    ["r0" "r1" "r2"] ["r11" "r5" "r8"] "r8";);
+slide!(slide4, 4, [a "r0" b "r1" c "r2" d "r3"], [f "r5" g "r8" h "r9"]:
+    ["r0" "r1" "r2" "r3"] ["r5" "r8" "r9" "r11"] "r11";
+    ["r0" "r1" "r2" "r3"] ["r8" "r9" "r11" "r5"] "r5";
+    ["r0" "r1" "r2" "r3"] ["r9" "r11" "r5" "r8"] "r8";
+    ["r0" "r1" "r2" "r3"] ["r11" "r5" "r8" "r9"] "r9";);
+slide!(slide5, 5, [a "r0" b "r1" c "r2" d "r3" e "r4"], [f "r5" g "r8" h "r9" i "r10"]:
+    ["r0" "r1" "r2" "r3" "r4"] ["r5" "r8" "r9" "r10" "r11"] "r11";
+    ["r0" "r1" "r2" "r3" "r4"] ["r8" "r9" "r10" "r11" "r5"] "r5";
+    ["r0" "r1" "r2" "r3" "r4"] ["r9" "r10" "r11" "r5" "r8"] "r8";
+    ["r0" "r1" "r2" "r3" "r4"] ["r10" "r11" "r5" "r8" "r9"] "r9";
+    ["r0" "r1" "r2" "r3" "r4"] ["r11" "r5" "r8" "r9" "r10"] "r10";);
+
+/// The number there, and on by so many.
+#[inline(always)]
+fn next<const STEP: usize>(at: &mut *mut i32) -> *mut i32 {
+    let this = *at;
+    *at = at.wrapping_add(STEP);
+    this
+}
+
+/// A pair, and on by so many bytes.
+///
+/// # Safety
+/// It can be read.
+#[inline(always)]
+unsafe fn load<const STEP: usize>(at: &mut *const u8) -> u32 {
+    // SAFETY: the caller has seen to it; it need not be aligned.
+    let pair = unsafe { ptr::read_unaligned(at.cast::<u32>()) };
+    *at = at.wrapping_add(STEP);
+    pair
+}
