@@ -1,7 +1,7 @@
 //! The filter: a weight for each byte of the cells on the target and around it, so that their sum is 1 where the target is and 0
 //! elsewhere.
 //!
-//! It learns what the target is not, too: by steepest descent it lessens the sum, over all offsets of all samples, of
+//! It learns what the target is not, too: by steepest descent it lessens the sum, over all offsets of a window, of
 //! (response - label)^2, and the sum of its squared weights. Each step is as long as is best in its direction, which takes one
 //! division.
 //!
@@ -12,13 +12,12 @@
 //! | weight | 1/65536 of a response's unit | an `i32` |
 //! | coded weight, coded slope | a power of two, chosen each time | 8191 |
 //! | gathered error | a power of two, chosen each time | 16,383 |
-//! | share of a sample | 1/65536 | all together 65,536 |
 
 use super::MOST_CELLS;
 use super::features::CHANNELS;
 use super::grid::Grid;
 use super::label::Bell;
-use super::samples::{OFFSETS, SAMPLES, Sample, Samples};
+use super::responses::{Responses, SPAN};
 use crate::similarity::Products;
 use heapless::Vec;
 
@@ -26,31 +25,44 @@ use heapless::Vec;
 const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The largest coded number: 2000 of them times a byte stay below 2^31.
 const CODED: u64 = 8191;
-/// The largest gathered error: 4 samples of 169 of them times a byte stay below 2^31.
+/// The largest gathered error: 289 of them times a byte stay below 2^31.
 const GATHERED: u64 = 16_383;
 /// The largest error.
-const MOST_ERROR: i64 = 65_535;
+const MOST_ERROR: i32 = 65_535;
 /// How much squared weights count: 0.05 where a feature of 1 is 318, which squared is 5056.
 const PULL: i64 = 5056;
-
-/// One offset after another.
-type Row<T> = [T; OFFSETS];
 
 /// What has been learned.
 pub(super) struct Filter {
     weights: Vec<i32, WEIGHTS>,
 }
 
-/// Scratch: coded weights, and what it takes to learn.
+/// Scratch: coded numbers, and what it takes to learn.
 pub(super) struct Desk {
     coded: Vec<i16, WEIGHTS>,
     gradient: Vec<i32, WEIGHTS>,
-    errors: [[Row<i32>; OFFSETS]; SAMPLES],
+}
+
+/// How weights lie on cells.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    /// Bytes of a row of the filter.
+    row: usize,
+    /// Bytes of a row of the cells.
+    pub(super) stride: usize,
+}
+
+impl Shape {
+    /// The filter on a window of cells that reaches so much further on each side.
+    pub(super) fn new(grid: &Grid, reach: u16) -> Self {
+        let bytes = |cells: u16| usize::from(cells) * CHANNELS;
+        Self { row: bytes(grid.across), stride: bytes(grid.across + 2 * reach) }
+    }
 }
 
 impl Desk {
     pub(super) const fn new() -> Self {
-        Self { coded: Vec::new(), gradient: Vec::new(), errors: [[[0; OFFSETS]; OFFSETS]; SAMPLES] }
+        Self { coded: Vec::new(), gradient: Vec::new() }
     }
 
     /// Responses at offsets side by side, to the weights that were coded last by `shift`.
@@ -60,13 +72,26 @@ impl Desk {
     }
 }
 
-/// How weights lie on cells.
-#[derive(Clone, Copy)]
-pub(super) struct Shape {
-    /// Bytes of a row of the filter.
-    pub(super) row: usize,
-    /// Bytes of a row of the cells.
-    pub(super) stride: usize,
+/// A window in which the target was seen.
+pub(super) struct Sample<'a> {
+    /// Its cells, [`super::REACH`] more on each side than the filter has.
+    pub(super) cells: &'a [i8],
+    /// The filter's responses to them.
+    pub(super) responses: &'a Responses,
+    /// Where the target is, from the middle, in units of 1/256 cell.
+    pub(super) target: (i32, i32),
+}
+
+impl Sample<'_> {
+    /// Response less label in row `y` of the offsets.
+    fn errors(&self, y: usize, [across, down]: &[[i32; SPAN]; 2]) -> [i32; SPAN] {
+        let down = down.get(y).copied().unwrap_or(0);
+        let mut errors = self.responses.rows.get(y).copied().unwrap_or([0; SPAN]);
+        for (error, across) in errors.iter_mut().zip(across) {
+            *error = (*error - ((across * down + (1 << 13)) >> 14)).clamp(-MOST_ERROR, MOST_ERROR);
+        }
+        errors
+    }
 }
 
 impl Filter {
@@ -79,12 +104,6 @@ impl Filter {
         self.weights.clear();
         // Cannot fail: a grid has at most MOST_CELLS cells.
         let _ = self.weights.resize_default(usize::from(grid.across) * usize::from(grid.down) * CHANNELS);
-    }
-
-    /// Products for each weight that a step of learning takes.
-    pub(super) fn work(samples: &Samples) -> u32 {
-        let offsets = u32::try_from(OFFSETS * OFFSETS).unwrap_or(0);
-        3 * offsets * u32::try_from(samples.count()).unwrap_or(0)
     }
 
     /// The weights.
@@ -101,80 +120,53 @@ impl Filter {
         shift
     }
 
-    /// One step of learning. Cost: three products for each weight, offset and sample.
+    /// One step of learning. Cost: two products for each weight and each of 289 offsets.
     #[inline(never)] // one copy in flash
-    pub(super) fn learn(&mut self, grid: &Grid, samples: &Samples, desk: &mut Desk, products: Products) {
-        let row = usize::from(grid.across) * CHANNELS;
-        let largest = self.errors(grid, samples, desk, products);
-        let Desk { coded, gradient, errors } = desk;
+    pub(super) fn learn(&mut self, grid: &Grid, sample: &Sample<'_>, desk: &mut Desk, products: Products) {
+        let bells = Bell::of(grid).around(sample.target);
+        let shape = Shape::new(grid, super::REACH);
+        let Desk { coded, gradient } = desk;
         // Where to.
+        let errors = || (0..SPAN).map(|y| (y, sample.errors(y, &bells)));
+        let largest = errors().flat_map(|(_, errors)| errors).map(i32::unsigned_abs).max().unwrap_or(0);
         let shift = shift_to(largest.into(), GATHERED);
         gradient.clear();
         let _ = gradient.resize_default(self.weights.len());
-        for (sample, errors) in samples.iter().zip(errors.iter()) {
-            for (y, errors) in errors.iter().enumerate() {
-                let errors = errors.map(|error| code(error.into(), shift));
-                products.gather(sample.row(y), sample.stride(), CHANNELS, &errors, row, gradient);
-            }
+        for (y, errors) in errors() {
+            let cells = sample.cells.get(y * shape.stride..).unwrap_or_default();
+            let errors = errors.map(|error| code(error.into(), shift));
+            products.gather(cells, shape.stride, CHANNELS, &errors, shape.row, gradient);
         }
-        // Errors have their share in 1/65536, of which 1/256 were taken away. Both terms are below 2^51.
-        let slope = |(&weight, &sum): (&i32, &i32)| PULL * i64::from(weight) + (i64::from(sum) << (shift + 8));
+        // Both terms are below 2^48.
+        let slope = |(&weight, &sum): (&i32, &i32)| PULL * i64::from(weight) + (i64::from(sum) << (shift + 16));
         let slopes = || self.weights.iter().zip(gradient.iter()).map(slope);
         let steepest = slopes().map(i64::unsigned_abs).max().unwrap_or(0);
         let scale = shift_to(steepest, CODED);
         coded.iter_mut().zip(slopes()).for_each(|(coded, slope)| *coded = code(slope, scale));
-        // How far.
-        let length = length(samples, coded, row, products);
-        // Lengths have 44 binary places; a product is below 2^46.
+        // How far. Lengths have 44 binary places; a product is below 2^46.
+        let length = length(sample.cells, coded, shape, products);
         let back = 44u32.saturating_sub(scale);
         for (weight, &slope) in self.weights.iter_mut().zip(coded.iter()) {
             let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
             *weight = i32::try_from(i64::from(*weight) - change).unwrap_or(*weight);
         }
     }
-
-    /// The errors at all offsets of all samples, each times its sample's share, in units of 1/256 of that; says how large the
-    /// largest is.
-    fn errors(&self, grid: &Grid, samples: &Samples, desk: &mut Desk, products: Products) -> u32 {
-        let bell = Bell::of(grid);
-        let shift = self.code(desk);
-        let mut largest = 0;
-        for (number, sample) in samples.iter().enumerate() {
-            let [across, down] = sample.bell(bell);
-            let shape = Shape { row: usize::from(grid.across) * CHANNELS, stride: sample.stride() };
-            for (y, down) in down.into_iter().enumerate() {
-                let mut row = Row::default();
-                desk.responses(products, shift, sample.row(y), shape, &mut row);
-                for (error, across) in row.iter_mut().zip(across) {
-                    *error = weighted(*error - ((across * down + (1 << 13)) >> 14), sample);
-                    largest = largest.max(error.unsigned_abs());
-                }
-                if let Some(errors) = desk.errors.get_mut(number).and_then(|errors| errors.get_mut(y)) {
-                    *errors = row;
-                }
-            }
-        }
-        largest
-    }
 }
 
-/// How long the step along the coded slopes is, with 44 binary places, below 2^33: the slopes squared over what the step bends, which
-/// is their pull and the samples' responses to them, squared.
-fn length(samples: &Samples, slopes: &[i16], row: usize, products: Products) -> i64 {
+/// How long the step along the coded slopes is, with 44 binary places, below 2^33: 5/8 of the best length, which is the slopes squared
+/// over what the step bends: their pull, and the responses to them, squared. The whole length would follow each frame too closely.
+fn length(cells: &[i8], slopes: &[i16], shape: Shape, products: Products) -> i64 {
     // At most 2000 * 8191^2 < 2^37.
     let squared: i64 = slopes.iter().map(|&slope| i64::from(slope).pow(2)).sum();
     let mut bend = (PULL * squared) >> 18;
-    for sample in samples.iter() {
-        // A sum is below 2^31, of which 9 places are taken away, squared twice that: 169 of them are below 2^52.
-        let mut sum = 0;
-        for y in 0..OFFSETS {
-            let mut sums = Row::default();
-            products.responses(sample.row(y), sample.stride(), CHANNELS, slopes, row, &mut sums);
-            sum += sums.iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum::<i64>();
-        }
-        bend += ((sum >> 15) * i64::from(sample.share)) >> 1;
+    for y in 0..SPAN {
+        let mut sums = [0; SPAN];
+        let cells = cells.get(y * shape.stride..).unwrap_or_default();
+        products.responses(cells, shape.stride, CHANNELS, slopes, shape.row, &mut sums);
+        // A sum is below 2^31, of which 9 places are taken away; 289 squares of that are below 2^53.
+        bend += sums.iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum::<i64>();
     }
-    (squared << 26) / bend.max(1)
+    (5 * ((squared << 26) / bend.max(1))) >> 3
 }
 
 /// A sum of products with coded weights as a response.
@@ -182,12 +174,6 @@ fn response(sum: i32, shift: u32) -> i32 {
     // The shift is at most 19: the product is below 2^50.
     let response = (i64::from(sum) << shift) >> 16;
     i32::try_from(response.clamp(-(1 << 24), 1 << 24)).unwrap_or(0)
-}
-
-/// An error times its sample's share.
-fn weighted(error: i32, sample: &Sample) -> i32 {
-    let weighted = (i64::from(error).clamp(-MOST_ERROR, MOST_ERROR) * i64::from(sample.share)) >> 8;
-    i32::try_from(weighted).unwrap_or(0)
 }
 
 /// By how much numbers must be shifted to the right so that the largest is at most `most`, rounded.
@@ -202,4 +188,45 @@ fn shift_to(largest: u64, most: u64) -> u32 {
 /// `number >> shift`, rounded.
 fn code(number: i64, shift: u32) -> i16 {
     i16::try_from((number + (1 << shift >> 1)) >> shift).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coded_numbers_are_rounded_and_bounded() {
+        for largest in [0, 1, 8190, 8191, 8192, 1 << 31, 1 << 48, i64::MAX as u64 / 2] {
+            let shift = shift_to(largest, CODED);
+            let largest = i64::try_from(largest).unwrap();
+            assert!(u64::from(code(largest, shift).unsigned_abs()) <= CODED && code(-largest, shift) >= -8191);
+        }
+        assert_eq!([code(5, 1), code(-5, 1), code(5, 2), code(7, 0)], [3, -2, 1, 7]);
+    }
+
+    #[test]
+    fn what_is_learned_is_answered() {
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let cells: std::vec::Vec<i8> = (0..30 * 30 * CHANNELS as u32)
+            .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
+            .collect();
+        let (mut filter, mut desk, products) =
+            (Filter::new(), Desk::new(), Products::new(crate::similarity::Backend::Scalar));
+        filter.start(&grid);
+        let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
+        for _ in 0..20 {
+            filter.learn(
+                &grid,
+                &Sample { cells: &cells, responses: &responses, target: (512, -256) },
+                &mut desk,
+                products,
+            );
+            let (shift, shape) = (filter.code(&mut desk), Shape::new(&grid, super::super::REACH));
+            for (y, row) in responses.rows.iter_mut().enumerate() {
+                desk.responses(products, shift, &cells[y * shape.stride..], shape, row);
+            }
+        }
+        let peak = responses.peak(false);
+        assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");
+    }
 }

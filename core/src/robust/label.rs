@@ -1,6 +1,8 @@
 //! The label: what the filter should answer at an offset, a bell around the target's place.
 
+use super::REACH;
 use super::grid::Grid;
+use super::responses::SPAN;
 
 /// 1.0, as labels and responses have it.
 pub(super) const ONE: i32 = 1 << 14;
@@ -31,6 +33,18 @@ impl Bell {
     pub(super) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.narrow) >> 20;
         usize::try_from(entry).ok().and_then(|entry| BELL.get(entry)).map_or(0, |&part| part.into())
+    }
+
+    /// Both axes' parts at each offset of a search, of a target so far from its middle.
+    pub(super) fn around(self, (x, y): (i32, i32)) -> [[i32; SPAN]; 2] {
+        [x, y].map(|target| {
+            let mut offset = -256 * i32::from(REACH) - target;
+            core::array::from_fn(|_| {
+                let part = self.at(offset);
+                offset += 256;
+                part
+            })
+        })
     }
 }
 

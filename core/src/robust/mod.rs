@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | grid | `grid.rs` | target and surroundings are resampled, so that the target has about 1600 pixels |
 //! | features | `features.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
-//! | filter | `filter.rs`, `label.rs`, `samples.rs` | weights for the cells, learned from four samples |
+//! | filter | `filter.rs`, `responses.rs`, `label.rs` | weights for the cells, a step of learning in each frame |
 //! | velocity, near | `track.rs` | a moving target is expected to go on, and far places must answer more clearly |
 //! | size | `tracker.rs` | the filter looks at two more scales |
 //! | verification | `early.rs`, `light.rs`, `agreement.rs`, `trust.rs` | the early template tells whether it is still the target |
@@ -26,7 +26,6 @@ mod grid;
 mod label;
 mod light;
 mod responses;
-mod samples;
 mod sweep;
 #[cfg(test)]
 mod tests;

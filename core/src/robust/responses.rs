@@ -1,7 +1,8 @@
 //! The filter's responses around a place, and their peak.
 
 use super::REACH;
-use super::label::ONE;
+use super::filter::Shape;
+use super::grid::Grid;
 
 /// Offsets on an axis, at most.
 pub(super) const SPAN: usize = 2 * REACH as usize + 1;
@@ -24,23 +25,24 @@ pub(super) struct Peak {
 }
 
 impl Responses {
-    /// Positive responses of a whole search far from the middle count less.
-    pub(super) fn prefer_near(&mut self) {
-        for (y, row) in self.rows.iter_mut().enumerate() {
-            for (x, response) in row.iter_mut().enumerate() {
-                let away = |at: usize| i64::try_from(at).map_or(0, |at| (at - i64::from(REACH)).pow(2));
-                let part = 256 - ((FAR * (away(x) + away(y)).min(64)) >> 6);
-                let less = (i64::from((*response).max(0)) * part) >> 8;
-                *response = i32::try_from(less).unwrap_or(0) + (*response).min(0);
-            }
+    /// Makes them row by row, of cells that reach so much further on each side than the filter.
+    pub(super) fn make(&mut self, grid: &Grid, reach: u16, cells: &[i8], row: impl Fn(&[i8], Shape, &mut [i32])) {
+        let shape = Shape::new(grid, reach);
+        self.span = 2 * usize::from(reach) + 1;
+        for (y, out) in self.rows.iter_mut().take(self.span).enumerate() {
+            let cells = cells.get(y * shape.stride..).unwrap_or_default();
+            row(cells, shape, out.get_mut(..self.span).unwrap_or_default());
         }
     }
 
-    /// The first of the largest, with the top of a parabola through its neighbours on each axis.
-    pub(super) fn peak(&self) -> Peak {
+    /// The first of the largest, with the top of a parabola through its neighbours on each axis. If `near` is to be preferred,
+    /// positive responses of a whole search far from the middle count less.
+    pub(super) fn peak(&self, near: bool) -> Peak {
+        let counts = |x: usize, y: usize, response: i32| if near { nearer(x, y, response) } else { response };
         let (mut response, mut x, mut y) = (i32::MIN, 0, 0);
         for (down, row) in self.rows.iter().take(self.span).enumerate() {
             for (right, &candidate) in row.iter().take(self.span).enumerate() {
+                let candidate = counts(right, down, candidate);
                 if candidate > response {
                     (response, x, y) = (candidate, right, down);
                 }
@@ -48,7 +50,7 @@ impl Responses {
         }
         let at = |x: Option<usize>, y: Option<usize>| {
             let (x, y) = (x.filter(|&x| x < self.span)?, y.filter(|&y| y < self.span)?);
-            self.rows.get(y)?.get(x).copied()
+            Some(counts(x, y, *self.rows.get(y)?.get(x)?))
         };
         let part = |before: Option<i32>, after: Option<i32>| match (before, after) {
             (Some(before), Some(after)) => top(before, response, after),
@@ -61,9 +63,12 @@ impl Responses {
     }
 }
 
-impl Peak {
-    /// A response of 1 in the middle.
-    pub(super) const CLEAR: Self = Self { x: 0, y: 0, response: ONE };
+/// What a response counts at an offset of a whole search.
+fn nearer(x: usize, y: usize, response: i32) -> i32 {
+    let away = |at: usize| i64::try_from(at).map_or(0, |at| (at - i64::from(REACH)).pow(2));
+    let part = 256 - ((FAR * (away(x) + away(y)).min(64)) >> 6);
+    let less = (i64::from(response.max(0)) * part) >> 8;
+    i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 
 /// Where between its neighbours a maximum lies, in units of 1/256 of their distance, -128 to 128: the top of the parabola
@@ -97,21 +102,21 @@ mod tests {
     fn a_peak_is_told_from_the_middle() {
         let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
         responses.rows[3][10] = 900;
-        assert_eq!(responses.peak(), Peak { x: 512, y: -5 * 256, response: 900 });
+        assert_eq!(responses.peak(false), Peak { x: 512, y: -5 * 256, response: 900 });
         responses.rows[3][11] = 900;
-        assert_eq!(responses.peak(), Peak { x: 512 + 128, y: -5 * 256, response: 900 });
+        assert_eq!(responses.peak(false), Peak { x: 512 + 128, y: -5 * 256, response: 900 });
         responses.span = 3;
         responses.rows[0][0] = 5;
-        assert_eq!(responses.peak(), Peak { x: -256, y: -256, response: 5 });
+        assert_eq!(responses.peak(false), Peak { x: -256, y: -256, response: 5 });
     }
 
     #[test]
     fn far_responses_count_less() {
-        let mut responses = Responses { rows: [[1 << 24; SPAN]; SPAN], span: SPAN };
-        responses.rows[1][0] = -256;
-        responses.prefer_near();
-        assert_eq!(responses.rows[8][8], 1 << 24);
-        assert_eq!([responses.rows[0][0], responses.rows[8][0]], [(256 - 77) << 16; 2]);
-        assert_eq!(responses.rows[1][0], -256);
+        let less = |x: usize, y: usize| nearer(x, y, 1 << 24);
+        assert_eq!([less(8, 8), less(0, 0), less(0, 8), less(8, 4)], [1 << 24, 179 << 16, 179 << 16, 237 << 16]);
+        assert_eq!(nearer(0, 1, -256), -256);
+        let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
+        (responses.rows[0][0], responses.rows[8][8]) = (1000, 800);
+        assert_eq!([responses.peak(false).response, responses.peak(true).response], [1000, 800]);
     }
 }

@@ -4,10 +4,9 @@ use super::agreement::{self, Scene};
 use super::config::Config;
 use super::early::Early;
 use super::features::{CELL, CHANNELS, Strip};
-use super::filter::{Desk, Filter, Shape};
+use super::filter::{Desk, Filter, Sample};
 use super::grid::{Grid, MOST_SIDE, SCALE};
 use super::responses::{Peak, Responses, SPAN};
-use super::samples::Samples;
 use super::track::{FineRect, Place, Track};
 use super::trust::{Evidence, Trust};
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
@@ -57,10 +56,13 @@ pub struct Answer {
 /// Bytes of the largest window of cells: the longest filter has the longest rim.
 const WINDOW: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
+/// Bytes of the largest window that sizes are looked for in.
+const ASIDE: usize =
+    (MOST_SIDE + 2 * SIZE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SIZE_REACH as usize) * CHANNELS;
 /// Pixels of the largest view, a template and a pixel on each side.
 const VIEW: usize = 2048;
 /// Steps of learning from the first frame.
-const FIRST_STEPS: u32 = 20;
+const FIRST_STEPS: u32 = 25;
 /// The scales beside the last one: 1.02 times and 1 / 1.02 times.
 const SIZE_STEP: u64 = 66_847;
 /// What their responses count, in units of 1/256.
@@ -99,11 +101,13 @@ pub struct Tracker {
     config: Config,
     track: Option<Track>,
     filter: Filter,
-    samples: Samples,
     early: Early,
     // Scratch from here on.
     strip: Strip,
     cells: Vec<i8, WINDOW>,
+    responses: Responses,
+    /// Cells of another scale.
+    aside: Vec<i8, ASIDE>,
     desk: Desk,
     view: Vec<u8, VIEW>,
     lit: Vec<u8, MOST_PIXELS>,
@@ -132,10 +136,11 @@ impl Tracker {
             config,
             track: None,
             filter: Filter::new(),
-            samples: Samples::new(),
             early: Early::new(),
             strip: Strip::new(),
             cells: Vec::new(),
+            responses: Responses { rows: [[0; SPAN]; SPAN], span: SPAN },
+            aside: Vec::new(),
             desk: Desk::new(),
             view: Vec::new(),
             lit: Vec::new(),
@@ -150,8 +155,8 @@ impl Tracker {
 
     /// Starts on the target in `target`, at any time; whatever was followed before is forgotten.
     ///
-    /// Of the frame only the pixels in [`Tracker::lock_window`] are read. Cost: 60 products for each of at most 2000 weights and
-    /// 169 offsets, as much as about five updates.
+    /// Of the frame only the pixels in [`Tracker::lock_window`] are read. Cost: 75 products for each of at most 2000 weights and
+    /// 289 offsets, as much as 25 updates.
     ///
     /// # Errors
     /// [`LockError`]; the tracker then goes on with what it had.
@@ -167,18 +172,16 @@ impl Tracker {
             return Err(LockError::SurroundingsNotInMemory);
         }
         let track = Track::new(bounds, target);
-        self.see(frame, &track.grid, track.place, REACH);
         track.place.view(&track.grid).sample(frame, &mut self.view);
-        let products = self.products();
-        let Self { filter, samples, early, cells, desk, view, lit, .. } = self;
-        lit.clear();
-        lit.extend(middle(&track.grid, view));
-        early.start(lit);
-        filter.start(&track.grid);
-        samples.clear();
-        samples.take(&track.grid, cells, (0, 0));
+        self.lit.clear();
+        self.lit.extend(middle(&track.grid, &self.view));
+        self.early.start(&self.lit);
+        self.filter.start(&track.grid);
+        self.see(frame, &track.grid, track.place);
         for _ in 0..FIRST_STEPS {
-            filter.learn(&track.grid, samples, desk, products);
+            let shift = self.filter.code(&mut self.desk);
+            self.respond(&track.grid, shift);
+            self.learn(&track.grid, (0, 0));
         }
         self.track = Some(track);
         Ok(())
@@ -187,8 +190,8 @@ impl Tracker {
     /// Looks for the target in the next frame.
     ///
     /// Of the frame only the pixels in [`Tracker::window`] are read. Cost, for a filter of W weights (at most 2000) and a template
-    /// of P pixels (at most 1600): 307 W products to look for it and its size; then, to learn, up to 2028 W products, or, while
-    /// it is lost, 289 W products to look elsewhere; and 9 P comparisons for each look.
+    /// of P pixels (at most 1600): 307 W products to look for it and its size; then 578 W to learn, or, while it is lost, 289 W to look
+    /// elsewhere; and 9 P comparisons for each look.
     ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
@@ -209,14 +212,11 @@ impl Tracker {
             next.trust = track.trust.after(look.evidence());
         }
         let lost = next.trust.state() == State::Lost;
-        let learns = !self.config.caution || (look.evidence().teaches() && !lost) || !self.config.verification;
+        let learns = !lost && (look.evidence().teaches() || !self.config.caution || !self.config.verification);
         if !lost {
             self.early.learn(middle(&track.grid, &self.view));
         }
-        if learns {
-            // The cells are those of this look: the sample is taken before others are made.
-            self.samples.take(&track.grid, &self.cells, label(&track.grid, centre, look.place));
-        }
+        let target = offset(&track.grid, centre, look.place);
         if self.config.size {
             look.place.scale = self.size(frame, &track, &look, shift);
             work += 2 * u32::from(2 * SIZE_REACH + 1).pow(2) * weights(&track.grid);
@@ -234,9 +234,9 @@ impl Tracker {
             }
         }
         if learns {
-            let products = self.products();
-            self.filter.learn(&track.grid, &self.samples, &mut self.desk, products);
-            work += Filter::work(&self.samples) * weights(&track.grid);
+            // Cells and responses are those of the first look: only a lost target is looked for elsewhere.
+            self.learn(&track.grid, target);
+            work += 2 * u32::from(2 * REACH + 1).pow(2) * weights(&track.grid);
         }
         if next.trust.state() == State::Tracking {
             next.believe();
@@ -288,7 +288,7 @@ impl Tracker {
             return Err(UpdateError::FrameSizeChanged);
         }
         let centre = track.expected(self.config.velocity);
-        if !self.see(frame, &track.grid, centre, REACH) {
+        if !self.see(frame, &track.grid, centre) {
             return Err(UpdateError::WindowNotInMemory);
         }
         Ok(&self.cells)
@@ -303,7 +303,8 @@ impl Tracker {
         self.features(frame)?;
         let shift = self.filter.code(&mut self.desk);
         let grid = self.grid().ok_or(UpdateError::NotLocked)?;
-        Ok(self.responses(&grid, shift, REACH).rows)
+        self.respond(&grid, shift);
+        Ok(self.responses.rows)
     }
 
     /// The grid; `None` before the first lock.
@@ -344,34 +345,32 @@ impl Tracker {
         union(near, track.sweep().window(&track.grid, REACH).pixels(track.bounds))
     }
 
-    /// Makes the cells of a window.
-    fn see(&mut self, frame: &Frame<'_>, grid: &Grid, place: Place, reach: u16) -> bool {
-        self.strip.features(frame, &place.window(grid, reach), &mut self.cells)
+    /// Makes the cells of a search window.
+    fn see(&mut self, frame: &Frame<'_>, grid: &Grid, place: Place) -> bool {
+        self.strip.features(frame, &place.window(grid, REACH), &mut self.cells)
     }
 
-    /// The filter's responses to the cells, up to `reach` cells around the middle.
-    fn responses(&self, grid: &Grid, shift: u32, reach: u16) -> Responses {
-        let bytes = |cells: u16| usize::from(cells) * CHANNELS;
-        let shape = Shape { row: bytes(grid.across), stride: bytes(grid.across + 2 * reach) };
-        let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: 2 * usize::from(reach) + 1 };
-        let span = responses.span;
-        for (y, row) in responses.rows.iter_mut().take(span).enumerate() {
-            let cells = self.cells.get(y * shape.stride..).unwrap_or_default();
-            self.desk.responses(self.products(), shift, cells, shape, row.get_mut(..span).unwrap_or_default());
-        }
-        responses
+    /// Makes the filter's responses to them.
+    fn respond(&mut self, grid: &Grid, shift: u32) {
+        let products = self.products();
+        let Self { desk, cells, responses, .. } = self;
+        responses.make(grid, REACH, cells, |cells, shape, row| desk.responses(products, shift, cells, shape, row));
+    }
+
+    /// Learns from both that the target is at `target`.
+    fn learn(&mut self, grid: &Grid, target: (i32, i32)) {
+        let products = self.products();
+        let Self { filter, desk, cells, responses, .. } = self;
+        filter.learn(grid, &Sample { cells, responses, target }, desk, products);
     }
 
     /// Where the target is in the window around `centre`, and how well the early template agrees there.
     #[inline(never)] // one copy in flash
     fn look(&mut self, frame: &Frame<'_>, track: &Track, centre: Place, shift: u32) -> Look {
         let grid = track.grid;
-        self.see(frame, &grid, centre, REACH);
-        let mut responses = self.responses(&grid, shift, REACH);
-        if self.config.near {
-            responses.prefer_near();
-        }
-        let peak = responses.peak();
+        self.see(frame, &grid, centre);
+        self.respond(&grid, shift);
+        let peak = self.responses.peak(self.config.near);
         let step = grid.step_at(centre.scale);
         // 1/256 cell is 1/64 pixel of the grid.
         let moved = |from: i64, by: i32| from + ((i64::from(by) * step) >> 6);
@@ -390,10 +389,17 @@ impl Tracker {
     /// The scale of what was looked at: a little smaller, a little larger, or as it was.
     #[inline(never)] // its stack is not that of a look
     fn size(&mut self, frame: &Frame<'_>, track: &Track, look: &Look, shift: u32) -> u32 {
+        let products = self.products();
         let (mut response, mut best) = (look.peak.response, look.place.scale);
         for scale in other_scales(look.place.scale) {
-            self.see(frame, &track.grid, Place { scale, ..look.place }, SIZE_REACH);
-            let peak = self.responses(&track.grid, shift, SIZE_REACH).peak();
+            let lattice = Place { scale, ..look.place }.window(&track.grid, SIZE_REACH);
+            let Self { strip, aside, desk, .. } = self;
+            strip.features(frame, &lattice, aside);
+            let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: 0 };
+            responses.make(&track.grid, SIZE_REACH, aside, |cells, shape, row| {
+                desk.responses(products, shift, cells, shape, row);
+            });
+            let peak = responses.peak(false);
             let counts = i32::try_from((i64::from(peak.response) * SIZE_PART) >> 8).unwrap_or(0);
             if counts > response {
                 (response, best) = (counts, scale);
@@ -417,7 +423,7 @@ fn middle<'a>(grid: &Grid, view: &'a [u8]) -> impl Iterator<Item = u8> + use<'a>
 }
 
 /// Where the target is in a window, from its middle, in units of 1/256 cell.
-fn label(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
+fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
     let part = |to: i64, from: i64| i32::try_from((to - from) * 256 / cell).unwrap_or(0);
     (part(target.x, centre.x), part(target.y, centre.y))

@@ -247,7 +247,7 @@ mod tests {
     /// The numbers that a target needs which is seen all the time.
     #[test]
     fn other_numbers_are_noticed() {
-        let others: [Change<Numbers>; 36] = [
+        let others: [Change<Numbers>; 32] = [
             ("pixels", |numbers| numbers.pixels = 1599),
             ("cell", |numbers| numbers.cell = 5),
             ("cover", |numbers| numbers.cover = (3.0, 2.0)),
@@ -255,14 +255,10 @@ mod tests {
             ("norm's floor", |numbers| numbers.norm_floor = 31.0),
             ("norm's gain", |numbers| numbers.norm_gain = 634.0),
             ("reach", |numbers| numbers.reach = 7),
-            ("learns", |numbers| numbers.learns = 5),
             ("bell", |numbers| numbers.bell = (1.0, 9.0)),
             ("bell's entries", |numbers| numbers.bell_entries = 31.0),
             ("bell's end", |numbers| numbers.bell_end = 3.0),
-            ("newest sample", |numbers| numbers.recent[0] = 3276.0),
-            ("second sample", |numbers| numbers.recent[1] = 3110.0),
-            ("third sample", |numbers| numbers.recent[2] = 2950.0),
-            ("kept", |numbers| numbers.kept = 62_000.0),
+            ("length of a step", |numbers| numbers.step = 0.75),
             ("pull", |numbers| numbers.pull = 5055.0),
             ("coded", |numbers| numbers.most_coded = 8190.0),
             ("gathered", |numbers| numbers.most_gathered = 16_000.0),

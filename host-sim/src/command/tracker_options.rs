@@ -183,7 +183,10 @@ impl TrackerOptions {
 
     /// True if no option is given.
     pub fn says_nothing(&self) -> bool {
-        self.config == Preset::Paper && self.without.is_empty() && self.backend.is_none() && self.of_paper_only().is_none()
+        self.config == Preset::Paper
+            && self.without.is_empty()
+            && self.backend.is_none()
+            && self.of_paper_only().is_none()
     }
 
     /// # Errors

@@ -1,17 +1,16 @@
 //! The filter: weights for the bytes of cells, and how they learn.
 //!
-//! It lessens, by steepest descent, the sum over all samples, each by its share, and offsets of (response - label)^2, and `pull`
-//! times the sum of all weights squared. Weights, slopes and errors are coded for the sums: divided by a power of two, the least by which
+//! It lessens, by steepest descent, the sum over all offsets of (response - label)^2, and `pull` times the sum of all weights
+//! squared. Weights, slopes and errors are coded for the sums: divided by a power of two, the least by which
 //! the largest fits, and rounded. All sums are of whole numbers below 2^53, so f64 has them exactly.
 //!
-//! Units: responses, labels and errors 1/16384; weights 1/65536 of that; shares 1/65536.
+//! Units: responses, labels and errors 1/16384; weights 1/65536 of that.
 
 use super::Numbers;
 use super::features::{CHANNELS, Cells};
 use super::grid::Shape;
 use super::label::{label, part};
 use super::rounding::{divisor, index, nearest, quotient, real};
-use super::samples::{Sample, Samples};
 
 /// The weights, cell by cell.
 pub struct Filter {
@@ -57,66 +56,66 @@ impl Filter {
     }
 
     /// One step.
-    pub fn learn(&mut self, numbers: &Numbers, shape: &Shape, samples: &Samples) {
-        let coded = self.coded(numbers);
-        let errors: Vec<f64> = samples.iter().flat_map(|sample| errors(numbers, shape, &coded, sample)).collect();
-        let errors = Coded::new(&errors, numbers.most_gathered);
-        let gathered = gathered(numbers, shape, samples, &errors.numbers);
-        // Errors are in units of 1/256 of their share's: the other 256 comes back here.
-        let slope = |(weight, sum): (&f64, &f64)| numbers.pull * weight + sum * errors.divisor * 256.0;
+    pub fn learn(&mut self, numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) {
+        let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
+        let gathered = gathered(numbers, shape, sample.cells, &errors.numbers);
+        // Weights are in 1/65536 of what errors are in.
+        let slope = |(weight, sum): (&f64, &f64)| numbers.pull * weight + sum * errors.divisor * 65536.0;
         let slopes: Vec<f64> = self.weights.iter().zip(&gathered).map(slope).collect();
         let slopes = Coded::new(&slopes, numbers.most_coded);
-        let length = length(numbers, shape, samples, &slopes);
+        let length = length(numbers, shape, sample.cells, &slopes);
         for (weight, slope) in self.weights.iter_mut().zip(&slopes.numbers) {
             *weight -= nearest(slope * length * slopes.divisor / 2.0_f64.powi(44), 1.0);
         }
     }
 }
 
-/// Offsets at which a sample is learned, row by row, from its corner.
+/// A search window in which the target was seen.
+pub struct Sample<'a> {
+    pub cells: &'a Cells,
+    /// The filter's responses to it, row by row.
+    pub responses: &'a [f64],
+    /// Where the target is, from the middle, in cells.
+    pub target: (f64, f64),
+}
+
+/// All offsets of a window, row by row, from its corner.
 fn offsets(numbers: &Numbers) -> impl Iterator<Item = (i64, i64)> {
-    let span = 2 * numbers.learns + 1;
+    let span = 2 * numbers.reach + 1;
     (0..span).flat_map(move |y| (0..span).map(move |x| (x, y)))
 }
 
-/// Of a sample: response less label, at most `most_error`, times its share over 256 and rounded down.
-fn errors(numbers: &Numbers, shape: &Shape, coded: &Coded, sample: &Sample) -> Vec<f64> {
-    let part = |offset: i64, target: f64| part(numbers, shape, real(offset - numbers.learns) - target);
-    let span = 0..2 * numbers.learns + 1;
-    let across: Vec<f64> = span.clone().map(|x| part(x, sample.x)).collect();
-    let down: Vec<f64> = span.map(|y| part(y, sample.y)).collect();
-    let error = |(x, y): (i64, i64)| {
-        let error = coded.response(shape, &sample.cells, x, y) - label(across[index(x)], down[index(y)]);
-        (error.clamp(-numbers.most_error, numbers.most_error) * sample.share / 256.0).floor()
+/// Response less label, at most `most_error`.
+fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
+    let part = |offset: i64, target: f64| part(numbers, shape, real(offset - numbers.reach) - target);
+    let error = |((x, y), response): ((i64, i64), &f64)| {
+        let label = label(part(x, sample.target.0), part(y, sample.target.1));
+        (response - label).clamp(-numbers.most_error, numbers.most_error)
     };
-    offsets(numbers).map(error).collect()
+    offsets(numbers).zip(sample.responses).map(error).collect()
 }
 
 /// For each weight the sum of all errors times the byte it lay on.
-fn gathered(numbers: &Numbers, shape: &Shape, samples: &Samples, errors: &[f64]) -> Vec<f64> {
+fn gathered(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; index(shape.across * shape.down) * CHANNELS];
-    let offsets = samples.iter().flat_map(|sample| offsets(numbers).map(move |at| (sample, at)));
-    for ((sample, (x, y)), error) in offsets.zip(errors) {
+    for ((x, y), error) in offsets(numbers).zip(errors) {
         for (sums, row) in sums.chunks_mut(index(shape.across) * CHANNELS).zip(y..) {
-            let bytes = sample.cells.row(x, row, shape.across);
+            let bytes = cells.row(x, row, shape.across);
             sums.iter_mut().zip(bytes).for_each(|(sum, byte)| *sum += error * byte);
         }
     }
     sums
 }
 
-/// How far down is best, on a grid of 2^-44: the slopes squared over what the step bends, which is `pull` times the slopes squared
-/// and, of each sample by its share, the responses to the slopes squared.
+/// How far down a step goes, on a grid of 2^-44: a part of the best length, which is the slopes squared over what the step bends,
+/// which is `pull` times the slopes squared and the responses to the slopes squared.
 ///
-/// The bend is in units of 2^18: of a sum 9 binary places are left out, of the squares' sum 15, of its product with the share 1, and 2^16 is
-/// the share's unit. What is left out is rounded down each time.
-fn length(numbers: &Numbers, shape: &Shape, samples: &Samples, slopes: &Coded) -> f64 {
+/// The bend is in units of 2^18: of a response 9 binary places are left out, rounded down.
+fn length(numbers: &Numbers, shape: &Shape, cells: &Cells, slopes: &Coded) -> f64 {
     let squared: f64 = slopes.numbers.iter().map(|slope| slope * slope).sum();
     let mut bend = (numbers.pull * squared / 262_144.0).floor();
-    for sample in samples.iter() {
-        let sum = |(x, y): (i64, i64)| (slopes.sum(shape, &sample.cells, x, y) / 512.0).floor().powi(2);
-        let sum = (offsets(numbers).map(sum).sum::<f64>() / 32768.0).floor();
-        bend += (sum * sample.share / 2.0).floor();
+    for (x, y) in offsets(numbers) {
+        bend += (slopes.sum(shape, cells, x, y) / 512.0).floor().powi(2);
     }
-    quotient(squared * 67_108_864.0, bend.max(1.0))
+    (quotient(squared * 67_108_864.0, bend.max(1.0)) * numbers.step).floor()
 }

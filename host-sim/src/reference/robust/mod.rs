@@ -14,7 +14,6 @@ mod look;
 mod numbers;
 mod place;
 mod rounding;
-mod samples;
 mod trust;
 
 pub use features::Cells;
@@ -25,11 +24,10 @@ pub use trust::Belief;
 
 use agreement::Similarity;
 use features::features;
-use filter::{Coded, Filter};
+use filter::{Coded, Filter, Sample};
 use look::{Peak, nearer, peak, responses};
 use place::{Place, sweep, whole_box};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
-use samples::Samples;
 use trust::{CLEAR, after, belief, confidence, evidence};
 
 /// All that happened in one frame.
@@ -79,7 +77,6 @@ pub struct Reference {
     /// In pixels a frame: right and down.
     velocity: (f64, f64),
     filter: Filter,
-    samples: Samples,
     /// A running mean on the grid of 1/256.
     early: Patch,
     /// The running mean of the evidence.
@@ -99,10 +96,11 @@ impl Reference {
         let place = Place { x: middle(x, width), y: middle(y, height), scale: 1.0 };
         let frame = Picture { pixels: frame, width: frame_size.0, height: frame_size.1 };
         let window = features(&numbers, &place.window(&numbers, &shape, numbers.reach).sample(&frame));
-        let (mut filter, mut samples) = (Filter::new(&shape), Samples::default());
-        samples.take(&numbers, &shape, &window, (0.0, 0.0));
+        let mut filter = Filter::new(&shape);
         for _ in 0..numbers.first_steps {
-            filter.learn(&numbers, &shape, &samples);
+            let responses = responses(&shape, &filter.coded(&numbers), &window, numbers.reach);
+            let sample = Sample { cells: &window, responses: &responses, target: (0.0, 0.0) };
+            filter.learn(&numbers, &shape, &sample);
         }
         Self {
             similarity: Similarity::new(numbers.scale),
@@ -112,7 +110,6 @@ impl Reference {
             place,
             velocity: (0.0, 0.0),
             filter,
-            samples,
             early: middle_of(&place.view(&shape).sample(&frame)),
             trust: CLEAR,
             believed: 1.0,
@@ -165,18 +162,15 @@ impl Reference {
             self.trust = after(&self.numbers, self.trust, look.evidence());
         }
         let lost = belief(&self.numbers, self.trust) == Belief::Lost;
-        let seen = look.evidence() >= self.numbers.learned_from && !lost;
-        let learned = seen || !parts.caution || !parts.verification;
+        let seen = look.evidence() >= self.numbers.learned_from;
+        let learned = !lost && (seen || !parts.caution || !parts.verification);
         if !lost {
             towards(&mut self.early, &middle_of(&look.view), self.numbers.early_rate);
         }
-        if learned {
-            // In cells, on a grid of 1/256.
-            let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
-            let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
-            let at = (moved(look.place.x, centre.x), moved(look.place.y, centre.y));
-            self.samples.take(&self.numbers, &self.shape, &look.cells, at);
-        }
+        // In cells, on a grid of 1/256.
+        let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
+        let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
+        let target = (moved(look.place.x, centre.x), moved(look.place.y, centre.y));
         if parts.size {
             look.place.scale = self.size(&frame, &coded, &look);
         }
@@ -198,7 +192,8 @@ impl Reference {
         }
         self.place = look.place;
         if learned {
-            self.filter.learn(&self.numbers, &self.shape, &self.samples);
+            let sample = Sample { cells: &cells, responses: &responses, target };
+            self.filter.learn(&self.numbers, &self.shape, &sample);
         }
         let belief = belief(&self.numbers, self.trust);
         if belief == Belief::Tracking {

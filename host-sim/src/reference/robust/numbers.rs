@@ -27,21 +27,19 @@ pub struct Numbers {
     /// Features: what is added to a norm, in gray levels, and that which a gradient is multiplied with over its norm.
     pub norm_floor: f64,
     pub norm_gain: f64,
-    /// How far the filter searches, and how far it learns, in cells.
+    /// How far the filter searches and learns, in cells.
     pub reach: i64,
-    pub learns: i64,
     /// The label's standard deviation over the root of the target's area; entries of its table for each, and where it ends.
     pub bell: (f64, f64),
     pub bell_entries: f64,
     pub bell_end: f64,
-    /// What the newest samples count, and what the first one keeps with each that follows, in units of 1/65536.
-    pub recent: [f64; 3],
-    pub kept: f64,
     /// What squared weights count; the largest coded number, gathered error, and error.
     pub pull: f64,
     pub most_coded: f64,
     pub most_gathered: f64,
     pub most_error: f64,
+    /// The part of the best length that a step has.
+    pub step: f64,
     /// Steps of learning from the first frame; all others take one.
     pub first_steps: usize,
     /// By how much less a response counts at the search's edge, in units of 1/256.
@@ -89,17 +87,15 @@ impl Numbers {
             norm_floor: 32.0,
             norm_gain: 635.0,
             reach: 8,
-            learns: 6,
             bell: (1.0, 10.0),
             bell_entries: 32.0,
             bell_end: 5.0,
-            recent: [3277.0, 3113.0, 2957.0],
-            kept: 62_259.0,
             pull: 5056.0,
             most_coded: 8191.0,
             most_gathered: 16_383.0,
             most_error: 65_535.0,
-            first_steps: 20,
+            step: 5.0 / 8.0,
+            first_steps: 25,
             near: 77.0,
             expected: 0.5,
             last_move: 0.5,
