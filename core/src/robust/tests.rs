@@ -182,7 +182,7 @@ fn iou(fine: FineRect, (left, top): (usize, usize)) -> f64 {
 }
 
 #[test]
-#[ignore = "missed: scales 0.942 to 1.061, worst IoU 0.80"]
+#[ignore = "missed: scales 0.941 to 1.060, worst IoU 0.78"]
 fn a_target_that_moves_by_whole_pixels_keeps_its_size_and_its_box() {
     let mut both = Both::lock(320, 240, &scene(Some((20, 30)), 100), Rect::new(20, 30, 40, 40));
     let (mut scales, mut worst) = ((u32::MAX, 0), 1.0_f64);

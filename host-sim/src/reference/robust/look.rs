@@ -36,7 +36,8 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
     let span = 2 * reach + 1;
     let response = responses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let first = responses.iter().position(|&other| other == response).expect("there are offsets");
-    let (x, y) = (first as i64 % span, first as i64 / span);
+    let first = i64::try_from(first).expect("places are far below 2^63");
+    let (x, y) = (first % span, first / span);
     let at = |x: i64, y: i64| {
         let inside = (0..span).contains(&x) && (0..span).contains(&y);
         inside.then(|| responses[index(y * span + x)])
