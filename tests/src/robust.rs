@@ -1,9 +1,8 @@
 //! Reads the vectors of the robust tracker, in the way of the paper's.
 
 use crate::{Hex, Words};
-use smr_core::robust::{Answer, Config, FineRect, State, ThresholdRule, Tracker};
-use smr_core::search::Peak;
-use smr_core::{Image, Rect};
+use smr_core::Rect;
+use smr_core::robust::{Answer, Config, FineRect, State, Tracker};
 
 /// The vectors.
 pub const ROBUST: &str = include_str!("../vectors/robust.txt");
@@ -33,18 +32,20 @@ pub enum RobustLine<'a> {
 pub struct RobustExpected<'a> {
     pub fine: FineRect,
     pub state: &'a str,
+    pub confidence: u16,
     pub ratio: u16,
+    pub response: i32,
     pub scale: u32,
-    pub alpha: u16,
-    pub peak: Peak,
     pub found_again: bool,
-    /// Of the last, the slow and the early template.
-    pub hashes: [u32; 3],
+    /// Hash of the early template.
+    pub early: u32,
+    /// Hash of the filter's weights.
+    pub weights: u32,
 }
 
 impl RobustExpected<'static> {
     /// What `tracker` has answered.
-    pub fn of<const PIXELS: usize, const WINDOW: usize>(answer: &Answer, tracker: &Tracker<PIXELS, WINDOW>) -> Self {
+    pub fn of(answer: &Answer, tracker: &Tracker) -> Self {
         Self {
             fine: answer.fine,
             state: match answer.state {
@@ -52,20 +53,20 @@ impl RobustExpected<'static> {
                 State::Uncertain => "uncertain",
                 State::Lost => "lost",
             },
+            confidence: answer.confidence,
             ratio: answer.ratio,
+            response: answer.response,
             scale: answer.scale,
-            alpha: answer.alpha,
-            peak: answer.peak,
             found_again: answer.found_again,
-            hashes: [tracker.template(), tracker.slow_template(), tracker.early_template()].map(hash),
+            early: hash(tracker.early_template().into_iter().flatten()),
+            weights: hash(tracker.weights().iter().flat_map(|weight| weight.to_le_bytes())),
         }
     }
 }
 
-/// FNV-1a over the template's bytes.
-fn hash(template: Option<Image<'_>>) -> u32 {
-    let pixels = template.iter().flat_map(|template| template.rows().flatten());
-    pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193))
+/// FNV-1a.
+fn hash(bytes: impl Iterator<Item = u8>) -> u32 {
+    bytes.fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 /// Reads one line after the other; `config` is that of the present case.
@@ -86,7 +87,7 @@ impl<'a> RobustReader<'a> {
     pub fn next(&mut self) -> Option<Result<RobustLine<'a>, &'a str>> {
         loop {
             let line = self.lines.next()?;
-            if !(line.is_empty() || line.starts_with('#') || line == "smr-robust-vectors 1") {
+            if !(line.is_empty() || line.starts_with('#') || line == "smr-robust-vectors 2") {
                 return Some(self.read(line).ok_or(line));
             }
         }
@@ -114,17 +115,11 @@ impl<'a> RobustReader<'a> {
     fn set(&mut self, keyword: &str, words: &mut Words<'_>) -> Option<()> {
         let config = &mut self.config;
         match keyword {
-            "enlarging" => config.enlarging = words.switch()?,
-            "contrast" => {
-                let rule = words.number::<u8>()?;
-                config.threshold = if rule == 1 { ThresholdRule::Contrast } else { return None };
-            }
-            "largest_change" => config.threshold = ThresholdRule::LargestChange(words.fraction()?),
-            "slow_template" => config.slow_template = words.switch()?,
-            "anchor" => config.anchor = words.switch()?,
-            "sub_pixel" => config.sub_pixel = words.switch()?,
-            "cells" => config.cells = words.switch()?,
+            "velocity" => config.velocity = words.switch()?,
+            "near" => config.near = words.switch()?,
+            "size_part" => config.size = words.switch()?,
             "verification" => config.verification = words.switch()?,
+            "caution" => config.caution = words.switch()?,
             "sweep" => config.sweep = words.switch()?,
             _ => return None,
         }
@@ -149,12 +144,13 @@ impl<'a> Words<'a> {
         Some(RobustExpected {
             fine: FineRect { x: self.number()?, y: self.number()?, width: self.number()?, height: self.number()? },
             state: self.0.next()?,
+            confidence: self.number()?,
             ratio: self.number()?,
+            response: self.number()?,
             scale: self.number()?,
-            alpha: self.number()?,
-            peak: Peak { x: self.number()?, y: self.number()?, score: self.number()? },
             found_again: self.switch()?,
-            hashes: [self.hexadecimal()?, self.hexadecimal()?, self.hexadecimal()?],
+            early: self.hexadecimal()?,
+            weights: self.hexadecimal()?,
         })
     }
 }

@@ -60,7 +60,7 @@ fn the_robust_vectors_are_current() {
     );
 }
 
-/// By this machine's fastest backend, and with pruning: the vectors are made without both.
+/// By this machine's fastest backend: the vectors are made by the plain loops.
 #[test]
 fn smr_core_answers_as_the_robust_vectors_say() {
     let mut reader = RobustReader::new(ROBUST);
@@ -90,7 +90,7 @@ fn smr_core_answers_as_the_robust_vectors_say() {
             }
         }
     }
-    assert!(cases >= 14 && answers >= 60, "{cases} cases, {answers} answers");
+    assert!(cases >= 13 && answers >= 90, "{cases} cases, {answers} answers");
 }
 
 fn frame(pixels: &[u8], (width, height): (u16, u16)) -> Frame<'_> {

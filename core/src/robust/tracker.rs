@@ -294,6 +294,18 @@ impl Tracker {
         Ok(&self.cells)
     }
 
+    /// The filter's responses to those cells, in units of 1/16384, row by row: up to [`REACH`] cells from the middle to each side, near
+    /// and far ones alike. Nothing but scratch memory changes.
+    ///
+    /// # Errors
+    /// Those of [`Tracker::update`].
+    pub fn response_map(&mut self, frame: &Frame<'_>) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
+        self.features(frame)?;
+        let shift = self.filter.code(&mut self.desk);
+        let grid = self.grid().ok_or(UpdateError::NotLocked)?;
+        Ok(self.responses(&grid, shift, REACH).rows)
+    }
+
     /// The grid; `None` before the first lock.
     #[must_use]
     pub fn grid(&self) -> Option<Grid> {

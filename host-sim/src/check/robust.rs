@@ -1,23 +1,16 @@
-//! The robust tracker against its reference, score by score, through a recording.
+//! The robust tracker against its reference, number by number, through a recording.
 //!
-//! Core is given no more of a frame than it asks for, the reference all of it. Two comparisons, in every frame:
-//!
-//! 1. **Bit for bit.** With the reference's p rounded to the table's grid: what core asks for, the window on the grid, the
-//!    scores of all its offsets by the last and by the slow template, the peak by all templates, alpha, the early template's ratio, the
-//!    state, the scale, the box, and the bytes of all four templates.
-//! 2. **Within the bound.** With the reference's p exact, a score of n pixels may differ by n times half a unit of
-//!    1/65535, the rounding of n table entries, and by f64's own rounding.
+//! Core is given no more of a frame than it asks for, the reference all of it. All must be equal, in every frame: what core asks for, the
+//! features of the search window, the filter's responses at all offsets, its weights after it has learned, the early template, the response
+//! and the ratio at the place, the confidence, the state, the scale and the box.
 
-use super::{Mismatch, Violation, bound, differs};
-use crate::reference::Sums;
-use crate::reference::robust::{Belief, Numbers, Patch, Reference, Step};
+use super::{Mismatch, Violation, differs};
+use crate::reference::robust::{Belief, Numbers, Reference, Step};
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail};
-use rayon::prelude::*;
 use serde::Serialize;
-use smr_core::robust::{Answer, Config, State, ThresholdRule, Tracker};
-use smr_core::similarity::{Backend, Scorer};
-use smr_core::{Frame, Image, Rect};
+use smr_core::robust::{Answer, CHANNELS, Config, REACH, State, Tracker};
+use smr_core::{Frame, Rect};
 
 /// What was compared, and what was found.
 #[derive(Clone, Debug, Serialize)]
@@ -26,20 +19,18 @@ pub struct Report {
     pub sequence: String,
     /// Frames compared: all but the first, which is locked on, or up to and including the first violation.
     pub frames: usize,
-    /// Candidates compared in all frames together, by the last and by the slow template.
-    pub scores: u64,
+    /// Responses compared in all frames together.
+    pub responses: u64,
     /// Of the frames, those after which the target was uncertain, and lost.
     pub uncertain: usize,
     pub lost: usize,
+    /// Frames that were learned from.
+    pub learned: usize,
     /// Windows of the sweep, and in how many the target was found again.
     pub swept: usize,
     pub found_again: usize,
-    /// The first frame in which something that must hold did not.
+    /// The first frame in which something that must hold did not; 0 is the one that is locked on.
     pub violation: Option<Violation>,
-    /// The largest |core's score - exact score| of a candidate, in units of 1/65535.
-    pub largest_difference: f64,
-    /// What that may be at most, for this template's number of pixels.
-    pub bound: f64,
 }
 
 impl Report {
@@ -54,17 +45,12 @@ impl Report {
 pub fn numbers(config: &Config) -> Numbers {
     let mut numbers = Numbers::robust();
     let parts = &mut numbers.parts;
-    parts.enlarging = config.enlarging;
-    parts.slow_template = config.slow_template;
-    parts.anchor = config.anchor;
-    parts.sub_pixel = config.sub_pixel;
-    parts.cells = config.cells;
+    parts.velocity = config.velocity;
+    parts.near = config.near;
+    parts.size = config.size;
     parts.verification = config.verification;
+    parts.caution = config.caution;
     parts.sweep = config.sweep;
-    parts.contrast = config.threshold == ThresholdRule::Contrast;
-    if let ThresholdRule::LargestChange(k) = config.threshold {
-        numbers.k = (k.numerator.into(), k.denominator.into());
-    }
     numbers
 }
 
@@ -86,42 +72,41 @@ impl Check {
         let report = Report {
             sequence: name.to_owned(),
             frames: 0,
-            scores: 0,
+            responses: 0,
             uncertain: 0,
             lost: 0,
+            learned: 0,
             swept: 0,
             found_again: 0,
             violation: None,
-            largest_difference: 0.0,
-            bound: bound(
-                core.template().map_or(0, |template| u32::from(template.width()) * u32::from(template.height())),
-            ),
         };
-        Ok(Self { core, reference, report })
+        let mut check = Self { core, reference, report };
+        check.report.violation = check.learned().map(|mismatch| mismatch.in_frame(0));
+        Ok(check)
     }
 
     /// Compares one more frame. After a violation the two no longer walk side by side: there is nothing to go on with.
     pub fn update(&mut self, frame: &GrayFrame) -> Result<()> {
-        if !self.report.holds() {
+        if self.report.frames > 0 && !self.report.holds() {
             bail!("{}: a check ends with its first violation", self.report.sequence);
         }
         let before = self.before();
         let part = self.asked_for(frame)?;
-        let window = Bytes::of(self.core.window_on_grid(&part)?);
-        let last = self.core_scores(&window, self.core.template())?;
-        let slow = if self.core.config().slow_template { self.core.slow_template() } else { None };
-        let slow = slow.map_or(Ok(Vec::new()), |slow| self.core_scores(&window, Some(slow)))?;
+        let cells: Vec<f64> = self.core.features(&part)?.iter().map(|&byte| byte.into()).collect();
+        let responses: Vec<f64> = self.core.response_map(&part)?.as_flattened().iter().map(|&of| of.into()).collect();
         let answer = self.core.update(&part)?;
         let step = self.reference.update(&frame.pixels);
-        self.count(&step, last.len() + slow.len());
-        let number = self.report.frames + 1;
-        self.report.violation = before
-            .or_else(|| pixels("search window", Some(window.image()), &step.window))
-            .or_else(|| self.each_score("last", &last, &step.last))
-            .or_else(|| self.each_score("slow", &slow, &step.slow))
-            .or_else(|| decisions(&answer, &step))
-            .or_else(|| self.templates())
-            .map(|mismatch| mismatch.in_frame(number));
+        self.count(&step);
+        let number = self.report.frames;
+        let locked = self.report.violation.take();
+        self.report.violation = locked.or_else(|| {
+            let found = before
+                .or_else(|| self.numbers("features: byte", &cells, &step.cells.bytes, self.window_columns()))
+                .or_else(|| self.numbers("response", &responses, &step.responses, 2 * usize::from(REACH) + 1))
+                .or_else(|| decisions(&answer, &step))
+                .or_else(|| self.learned());
+            found.map(|mismatch| mismatch.in_frame(number))
+        });
         Ok(())
     }
 
@@ -135,12 +120,13 @@ impl Check {
         self.report
     }
 
-    fn count(&mut self, step: &Step, scores: usize) {
+    fn count(&mut self, step: &Step) {
         let report = &mut self.report;
         report.frames += 1;
-        report.scores += scores as u64;
+        report.responses += step.responses.len() as u64;
         report.uncertain += usize::from(step.belief == Belief::Uncertain);
         report.lost += usize::from(step.belief == Belief::Lost);
+        report.learned += usize::from(step.learned);
         report.swept += usize::from(step.swept);
         report.found_again += usize::from(step.found_again);
     }
@@ -153,101 +139,52 @@ impl Check {
         Ok(Frame::part(pixels, x, y, frame.width, frame.height)?)
     }
 
-    /// Core's score of every offset, row by row, each asked for by itself: whatever way the search takes, these are what it
-    /// must have found.
-    fn core_scores(&self, window: &Bytes, template: Option<Image<'_>>) -> Result<Vec<u32>> {
-        let (config, window) = (self.core.config(), window.image());
-        let template = template.context("the tracker is locked")?;
-        let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), config.table, self.core.alpha());
-        let (width, height) = (template.width(), template.height());
-        let score = |x: u16, y: u16| {
-            let patch = window.crop(Rect::new(x.into(), y.into(), width, height));
-            Ok(scorer.score(patch.context("an offset lies in the window")?, template))
-        };
-        let (columns, rows) = (window.width() - width + 1, window.height() - height + 1);
-        (0..rows).into_par_iter().flat_map_iter(|y| (0..columns).map(move |x| score(x, y))).collect()
-    }
-
     /// What is known before a frame is looked at: the grid, and what is asked for.
     fn before(&self) -> Option<Mismatch> {
         let (grid, shape) = (self.core.grid()?, self.reference.shape());
-        let of_core = (i64::from(grid.columns), i64::from(grid.rows), f64::from(grid.step) / 4096.0);
+        let of_core = [grid.columns, grid.rows, grid.across, grid.down].map(i64::from);
         let region = self.core.window()?;
         let edges = [region.x, region.y, region.right(), region.bottom()].map(i64::from);
-        differs("grid: columns, rows, step", of_core, (shape.columns, shape.rows, shape.step))
+        differs("grid: columns, rows, across, down", of_core, [shape.columns, shape.rows, shape.across, shape.down])
+            .or_else(|| differs("grid: step", f64::from(grid.step) / 4096.0, shape.step))
             .or_else(|| differs("pixels asked for: left, top, right, bottom", edges, self.reference.region()))
     }
 
-    fn each_score(&mut self, template: &str, core: &[u32], reference: &[((i64, i64), Sums)]) -> Option<Mismatch> {
-        if core.len() != reference.len() {
-            return differs(&format!("offsets of the {template} template"), core.len(), reference.len());
-        }
-        let mut different = None;
-        for (&((x, y), sums), &score) in reference.iter().zip(core) {
-            let difference = (f64::from(score) - sums.exact).abs();
-            self.report.largest_difference = self.report.largest_difference.max(difference);
-            if f64::from(score) != sums.rounded && different.is_none() {
-                different =
-                    Some(Mismatch::new(format!("score of the {template} template at ({x}, {y})"), score, sums.rounded));
-            }
-        }
-        if self.report.largest_difference > self.report.bound {
-            let what = "largest difference from an exact score".to_owned();
-            different = different.or(Some(Mismatch::new(what, self.report.largest_difference, self.report.bound)));
-        }
-        different
+    /// Bytes in a row of the search window's cells.
+    fn window_columns(&self) -> usize {
+        self.core.grid().map_or(1, |grid| usize::from(grid.across + 2 * REACH) * CHANNELS)
+    }
+
+    /// Number by number; the first that differs is named by its row and its place in it.
+    fn numbers(&self, what: &str, core: &[f64], reference: &[f64], columns: usize) -> Option<Mismatch> {
+        differs(&format!("number of: {what}"), core.len(), reference.len()).or_else(|| {
+            let first = core.iter().zip(reference).position(|(core, reference)| core != reference)?;
+            let what = format!("{what} {} of row {}", first % columns, first / columns);
+            Some(Mismatch::new(what, core[first], reference[first]))
+        })
     }
 
     /// What the next frame will be compared with.
-    fn templates(&self) -> Option<Mismatch> {
-        let (core, reference) = (&self.core, &self.reference);
-        pixels("last template", core.template(), reference.last())
-            .or_else(|| pixels("slow template", core.slow_template(), &reference.slow()))
-            .or_else(|| pixels("early template", core.early_template(), &reference.early()))
-            .or_else(|| pixels("anchor", core.anchor(), reference.anchor()))
-            .or_else(|| differs("next alpha, rounded up", f64::from(core.alpha()), reference.alpha().ceil()))
+    fn learned(&self) -> Option<Mismatch> {
+        let (shape, core) = (self.reference.shape(), &self.core);
+        let weights: Vec<f64> = core.weights().iter().map(|&weight| weight.into()).collect();
+        let early: Vec<f64> = core.early_template().into_iter().flatten().map(f64::from).collect();
+        let columns = |columns: i64| usize::try_from(columns).unwrap_or(1);
+        self.numbers("weight", &weights, self.reference.weights(), columns(shape.across) * CHANNELS).or_else(|| {
+            self.numbers("early template: pixel", &early, &self.reference.early().pixels, columns(shape.columns))
+        })
     }
-}
-
-/// A copy of a picture of core's.
-struct Bytes {
-    pixels: Vec<u8>,
-    width: u16,
-    height: u16,
-}
-
-impl Bytes {
-    fn of(image: Image<'_>) -> Self {
-        let pixels = image.rows().flatten().copied().collect();
-        Self { pixels, width: image.width(), height: image.height() }
-    }
-
-    fn image(&self) -> Image<'_> {
-        Image::new(&self.pixels, self.width, self.height).expect("it was one before")
-    }
-}
-
-fn pixels(what: &str, core: Option<Image<'_>>, reference: &Patch) -> Option<Mismatch> {
-    let Some(core) = core else { return Some(Mismatch::new(what.into(), "none", "one")) };
-    let size = (i64::from(core.width()), i64::from(core.height()));
-    let pixels: Vec<f64> = core.rows().flatten().map(|&pixel| f64::from(pixel)).collect();
-    let first = pixels.iter().zip(&reference.pixels).position(|(core, reference)| core != reference);
-    differs(&format!("size of the {what}"), size, (reference.columns, reference.rows)).or_else(|| {
-        let first = first?;
-        Some(Mismatch::new(format!("{what}, pixel {first}"), pixels[first], reference.pixels[first]))
-    })
 }
 
 fn decisions(answer: &Answer, step: &Step) -> Option<Mismatch> {
-    let Answer { fine, bbox, peak, .. } = answer;
+    let Answer { fine, bbox, .. } = answer;
     let edges = [f64::from(fine.x), f64::from(fine.y), f64::from(fine.width), f64::from(fine.height)];
     let whole = [i64::from(bbox.x), i64::from(bbox.y), i64::from(bbox.width), i64::from(bbox.height)];
-    differs("peak's offset", (i64::from(peak.x), i64::from(peak.y)), step.peak.0)
-        .or_else(|| differs("peak's score", f64::from(peak.score), step.peak.1))
-        .or_else(|| differs("alpha, rounded up", f64::from(answer.alpha), step.alpha.ceil()))
+    differs("found again", answer.found_again, step.found_again)
+        .or_else(|| differs("response at the place", f64::from(answer.response), step.response))
         .or_else(|| differs("ratio", f64::from(answer.ratio), step.ratio))
+        .or_else(|| differs("confidence", f64::from(answer.confidence), step.confidence))
         .or_else(|| differs("state", belief(answer.state), step.belief))
-        .or_else(|| differs("found again", answer.found_again, step.found_again))
         .or_else(|| differs("scale", f64::from(answer.scale) / 65536.0, step.scale))
         .or_else(|| differs("box: left, top, width, height", edges.map(|edge| edge / 256.0), step.fine))
         .or_else(|| differs("box in whole pixels", whole, step.bbox))
@@ -265,7 +202,6 @@ fn belief(state: State) -> Belief {
 mod tests {
     use super::*;
     use crate::sequence::{self, CHECKED, OpenOptions};
-    use smr_core::Fraction;
     use std::path::Path;
 
     /// The check of the first frames of a built-in recording.
@@ -285,14 +221,12 @@ mod tests {
 
     type Change<T> = (&'static str, fn(&mut T));
 
-    const WITHOUT: [Change<Config>; 8] = [
-        ("enlarging", |config| config.enlarging = false),
-        ("contrast", |config| config.threshold = ThresholdRule::LargestChange(Fraction::new(1, 4))),
-        ("slow template", |config| config.slow_template = false),
-        ("anchor", |config| config.anchor = false),
-        ("sub-pixel", |config| config.sub_pixel = false),
-        ("cells", |config| config.cells = false),
+    const WITHOUT: [Change<Config>; 6] = [
+        ("velocity", |config| config.velocity = false),
+        ("near", |config| config.near = false),
+        ("size", |config| config.size = false),
         ("verification", |config| config.verification = false),
+        ("caution", |config| config.caution = false),
         ("sweep", |config| config.sweep = false),
     ];
 
@@ -305,59 +239,100 @@ mod tests {
             for name in CHECKED {
                 let report = checked(name, config, numbers(&config), 12);
                 assert_eq!(report.violation, None, "{name} without {without}");
-                assert!(report.frames > 0 && report.scores > 0, "{name} without {without}");
+                assert!(report.frames > 0 && report.responses > 0, "{name} without {without}");
             }
         }
     }
 
+    /// The numbers that a target needs which is seen all the time.
     #[test]
     fn other_numbers_are_noticed() {
-        let others: [Change<Numbers>; 16] = [
-            ("table", |numbers| numbers.scale = 250.0),
-            ("pixels", |numbers| numbers.pixels = 900),
-            ("radius", |numbers| numbers.radius = 31),
-            ("margin", |numbers| numbers.margin = 3),
-            ("contrast", |numbers| numbers.contrast = (3.0, 2.0)),
-            ("slow rate", |numbers| numbers.slow_rate = 16.0),
+        let others: [Change<Numbers>; 36] = [
+            ("pixels", |numbers| numbers.pixels = 1599),
+            ("cell", |numbers| numbers.cell = 5),
+            ("cover", |numbers| numbers.cover = (3.0, 2.0)),
+            ("most cells", |numbers| numbers.most_cells = 190),
+            ("norm's floor", |numbers| numbers.norm_floor = 31.0),
+            ("norm's gain", |numbers| numbers.norm_gain = 634.0),
+            ("reach", |numbers| numbers.reach = 7),
+            ("learns", |numbers| numbers.learns = 5),
+            ("bell", |numbers| numbers.bell = (1.0, 9.0)),
+            ("bell's entries", |numbers| numbers.bell_entries = 31.0),
+            ("bell's end", |numbers| numbers.bell_end = 3.0),
+            ("newest sample", |numbers| numbers.recent[0] = 3276.0),
+            ("second sample", |numbers| numbers.recent[1] = 3110.0),
+            ("third sample", |numbers| numbers.recent[2] = 2950.0),
+            ("kept", |numbers| numbers.kept = 62_000.0),
+            ("pull", |numbers| numbers.pull = 5055.0),
+            ("coded", |numbers| numbers.most_coded = 8190.0),
+            ("gathered", |numbers| numbers.most_gathered = 16_000.0),
+            ("first steps", |numbers| numbers.first_steps = 19),
+            ("near", |numbers| numbers.near = 76.0),
+            ("expected", |numbers| numbers.expected = 0.25),
+            ("last move", |numbers| numbers.last_move = 0.25),
+            ("size step", |numbers| numbers.size_step = 1.02),
+            ("size part", |numbers| numbers.size_part = 256.0),
+            ("size reach", |numbers| numbers.size_reach = 0),
             ("early rate", |numbers| numbers.early_rate = 64.0),
-            ("cells' stride", |numbers| numbers.cells.stride = 7),
-            ("cells' reach", |numbers| numbers.cells.reach = 1),
+            ("scale", |numbers| numbers.scale = 250.0),
+            ("least alpha", |numbers| numbers.alpha_bounds.0 = 99.0),
+            ("most alpha", |numbers| numbers.alpha_bounds.1 = 9.0),
             ("gain of light", |numbers| numbers.most_gain = 1.0),
             ("parts", |numbers| numbers.parts_across = 3),
             ("ratio that counts", |numbers| numbers.ratio_that_counts = 5),
-            ("sub-pixel", |numbers| numbers.parts.sub_pixel = false),
-            ("slow template", |numbers| numbers.parts.slow_template = false),
-            ("anchor", |numbers| numbers.parts.anchor = false),
-            ("verification", |numbers| numbers.parts.verification = false),
+            ("trust's rate", |numbers| numbers.trust_rate = 76.0),
+            ("velocity", |numbers| numbers.parts.velocity = false),
+            ("near", |numbers| numbers.parts.near = false),
+            ("size", |numbers| numbers.parts.size = false),
         ];
-        for (what, change) in others {
-            let mut numbers = Numbers::robust();
-            change(&mut numbers);
-            let report = checked(CHECKED[0], Config::robust(), numbers, 40);
-            assert!(!report.holds(), "another {what} goes unnoticed");
-        }
+        noticed(&others, |numbers| checked(CHECKED[0], Config::robust(), numbers, 40));
     }
 
-    /// The numbers of a loss and of the sweep, on a target that leaves and comes back.
+    /// The bounds that only small, long and large targets meet.
     #[test]
-    fn other_numbers_of_the_sweep_are_noticed() {
-        let others: [Change<Numbers>; 10] = [
-            ("doubtful", |numbers| numbers.doubtful_below = 0.0),
-            ("denied", |numbers| (numbers.denied_below, numbers.far_below) = (0.0, 0.0)),
-            ("far below", |numbers| numbers.far_below = 0.0),
-            ("patience", |numbers| numbers.patience = 9),
-            ("count of what is far below", |numbers| numbers.far_counts = 1),
-            ("doubts", |numbers| numbers.doubts = 4),
-            ("seen", |numbers| numbers.seen_from = 65_536.0),
-            ("better", |numbers| numbers.better_by = 65_536.0),
-            ("coarser", |numbers| numbers.coarser = 3),
-            ("margin", |numbers| numbers.sweep_margin = 5),
+    fn other_bounds_are_noticed() {
+        let others: [Change<Numbers>; 3] = [
+            ("finest", |numbers| numbers.finest = 1.0),
+            ("least cells", |numbers| numbers.least_cells = 5),
+            ("most cells on a side", |numbers| numbers.most_cells_on_a_side = 31),
         ];
-        for (what, change) in others {
+        let frame = |step: usize| GrayFrame { width: 240, height: 40, pixels: tiles(240, 40, |x, y| (x + step, y)) };
+        let report = |numbers: Numbers, target: Rect| {
+            let mut check = Check::lock("bounds", Config::robust(), numbers, &frame(0), target).unwrap();
+            check.update(&frame(1)).unwrap();
+            check.into_report()
+        };
+        for target in [Rect::new(100, 20, 6, 3), Rect::new(10, 15, 220, 4)] {
+            assert_eq!(report(Numbers::robust(), target).violation, None);
+        }
+        noticed(&others[..2], |numbers| report(numbers, Rect::new(100, 20, 6, 3)));
+        noticed(&others[2..], |numbers| report(numbers, Rect::new(10, 15, 220, 4)));
+    }
+
+    /// The numbers of trust and of the sweep, on a target that is hidden and comes back elsewhere.
+    #[test]
+    fn other_numbers_of_trust_are_noticed() {
+        let others: [Change<Numbers>; 8] = [
+            ("lost", |numbers| numbers.lost_below = 15_000.0),
+            ("uncertain", |numbers| numbers.uncertain_below = 30_000.0),
+            ("learned", |numbers| numbers.learned_from = 5_000.0),
+            ("found", |numbers| numbers.found_from = 98_304.0),
+            ("better", |numbers| numbers.better_by = 98_304.0),
+            ("verification", |numbers| numbers.parts.verification = false),
+            ("caution", |numbers| numbers.parts.caution = false),
+            ("sweep", |numbers| numbers.parts.sweep = false),
+        ];
+        noticed(&others, hidden);
+    }
+
+    fn noticed(others: &[Change<Numbers>], report: impl Fn(Numbers) -> Report) {
+        let unnoticed = |&&(_, change): &&Change<Numbers>| {
             let mut numbers = Numbers::robust();
             change(&mut numbers);
-            assert!(!hidden(numbers).holds(), "another {what} goes unnoticed");
-        }
+            report(numbers).holds()
+        };
+        let unnoticed: Vec<_> = others.iter().filter(unnoticed).map(|(what, _)| what).collect();
+        assert!(unnoticed.is_empty(), "other numbers go unnoticed: {unnoticed:?}");
     }
 
     #[test]
@@ -367,17 +342,15 @@ mod tests {
         assert!(report.lost > 0 && report.swept >= report.lost && report.found_again > 0, "{report:?}");
     }
 
-    /// The target leaves a scene of tiles, is lost and swept for, and comes back far from where it left.
+    /// The target is hidden by a plain wall until it is lost and swept for, and comes back far from where it was.
     fn hidden(numbers: Numbers) -> Report {
-        let (width, height) = (240usize, 160usize);
-        let texture =
-            |x: usize, y: usize| u8::try_from((x / 4 * 83 + y / 4 * 47 + x / 4 * (y / 4) * 29) % 256).unwrap();
         let frame = |at: Option<(usize, usize)>| {
             let ground = |x: usize, y: usize| u8::try_from(100 + (x / 40 + y / 40) % 2 * 30).unwrap();
-            let mut pixels: Vec<u8> = (0..width * height).map(|at| ground(at % width, at / width)).collect();
+            let mut pixels: Vec<u8> = (0..240 * 160).map(|at| ground(at % 240, at / 240)).collect();
+            let target = tiles(32, 32, |x, y| (x, y));
             for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
                 if let Some((left, top)) = at {
-                    pixels[(top + y) * width + left + x] = texture(x, y);
+                    pixels[(top + y) * 240 + left + x] = target[y * 32 + x];
                 }
             }
             GrayFrame { width: 240, height: 160, pixels }
@@ -385,12 +358,19 @@ mod tests {
         let target = Rect::new(30, 40, 32, 32);
         let mut check = Check::lock("hidden", Config::robust(), numbers, &frame(Some((30, 40))), target).unwrap();
         let there = (0..5).map(|step| Some((30 + step, 40)));
-        for at in there.chain([None; 8]).chain([Some((190, 120)); 24]) {
+        for at in there.chain([None; 8]).chain([Some((190, 120)); 16]) {
             check.update(&frame(at)).unwrap();
             if !check.report().holds() {
                 break;
             }
         }
         check.into_report()
+    }
+
+    /// A picture of tiles of 4x4 pixels, moved.
+    fn tiles(width: usize, height: usize, moved: impl Fn(usize, usize) -> (usize, usize)) -> Vec<u8> {
+        let tile = |x: usize, y: usize| u8::try_from((x * 83 + y * 47 + x * y * 29) % 256).unwrap();
+        let pixel = |(x, y): (usize, usize)| tile(x / 4, y / 4);
+        (0..width * height).map(|at| pixel(moved(at % width, at / width))).collect()
     }
 }

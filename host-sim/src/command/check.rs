@@ -137,20 +137,21 @@ fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
 }
 
 fn describe_robust(report: &robust::Report, out: &mut impl Write) -> io::Result<()> {
-    let robust::Report { sequence, frames, scores, uncertain, lost, swept, found_again, .. } = report;
-    writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
+    let robust::Report { sequence, frames, responses, uncertain, lost, learned, swept, found_again, .. } = report;
+    writeln!(out, "{sequence}: {frames} frames, {responses} responses")?;
     match &report.violation {
         Some(violation) => describe_violation(violation, out)?,
         None => writeln!(
             out,
-            "  equal, bit for bit: windows, scores, peaks, alpha, ratios, states, scales, boxes, templates"
+            "  equal, bit for bit: windows, features, responses, weights, early templates, ratios, confidence, states, \
+             scales, boxes"
         )?,
     }
     writeln!(
         out,
-        "  {uncertain} frames uncertain, {lost} lost; {swept} windows of the sweep, found again in {found_again}"
-    )?;
-    describe_difference(report.largest_difference, report.bound, out)
+        "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; {swept} windows of the sweep, found again \
+         in {found_again}"
+    )
 }
 
 fn describe_paper(report: &check::Report, out: &mut impl Write) -> io::Result<()> {

@@ -75,7 +75,7 @@ impl Track {
             bbox,
             ratio: evidence.map(|evidence| rounded(evidence.ratio)),
             runner_up_ratio: evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
-            alpha: evidence.map(|evidence| evidence.alpha),
+            alpha: evidence.and_then(|evidence| evidence.alpha),
         })?)
     }
 }
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_lost_target() {
-        let evidence = Some(Evidence { ratio: 2.0 / 3.0, runner_up_ratio: Some(0.5), alpha: 13 });
+        let evidence = Some(Evidence { ratio: 2.0 / 3.0, runner_up_ratio: Some(0.5), alpha: Some(13) });
         let report = Report { target: None, state: State::Lost, evidence, comparisons: None };
         assert_eq!(line(&[], &report), "NaN,NaN,NaN,NaN");
         let expected = r#"{"frame":7,"state":"lost","bbox":null,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13}"#;

@@ -22,7 +22,7 @@ pub enum Preset {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Tracker")]
 pub struct TrackerOptions {
-    /// Which tracker; of the options below, `robust` takes --backend, --exhaustive and --without, `paper` all others
+    /// Which tracker; of the options below, `robust` takes --backend and --without, `paper` all others
     #[arg(long, value_enum, default_value = "paper")]
     config: Preset,
     /// Parts of the robust tracker to leave out; several are separated by commas
@@ -64,20 +64,16 @@ pub struct TrackerOptions {
 /// The parts of the robust tracker, each of which can be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Part {
-    /// Small targets are enlarged
-    Enlarging,
-    /// alpha by the template's contrast; without, by the paper's rule
-    Contrast,
-    /// The running mean beside the last patch
-    SlowTemplate,
-    /// The early template's say in where the target is
-    Anchor,
-    /// Positions finer than a pixel of the grid
-    SubPixel,
+    /// A moving target is expected to go on
+    Velocity,
+    /// Far places must answer more clearly
+    Near,
     /// The change of size
-    Cells,
-    /// The early template that tells whether the target is lost
+    Size,
+    /// The early template that tells whether it is still the target
     Verification,
+    /// What does not agree with the early template is not learned
+    Caution,
     /// Looking for a lost target all over the frame
     Sweep,
 }
@@ -92,13 +88,11 @@ impl Part {
     /// Leaves it out of `config`.
     pub fn leave_out(self, config: &mut robust::Config) {
         match self {
-            Self::Enlarging => config.enlarging = false,
-            Self::Contrast => config.threshold = robust::ThresholdRule::LargestChange(Config::paper().k),
-            Self::SlowTemplate => config.slow_template = false,
-            Self::Anchor => config.anchor = false,
-            Self::SubPixel => config.sub_pixel = false,
-            Self::Cells => config.cells = false,
+            Self::Velocity => config.velocity = false,
+            Self::Near => config.near = false,
+            Self::Size => config.size = false,
             Self::Verification => config.verification = false,
+            Self::Caution => config.caution = false,
             Self::Sweep => config.sweep = false,
         }
     }
@@ -169,7 +163,6 @@ impl TrackerOptions {
         let mut config = robust::Config::robust();
         self.without.iter().for_each(|part| part.leave_out(&mut config));
         config.backend = self.backend;
-        config.pruning = !self.exhaustive;
         Ok(config)
     }
 
@@ -182,6 +175,7 @@ impl TrackerOptions {
             (self.scale.is_some(), "--scale"),
             (self.padding.is_some(), "--padding"),
             (self.neighbourhood.is_some(), "--neighbourhood"),
+            (self.exhaustive, "--exhaustive"),
             (self.runner_up_always, "--runner-up-always"),
         ];
         given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
@@ -189,8 +183,7 @@ impl TrackerOptions {
 
     /// True if no option is given.
     pub fn says_nothing(&self) -> bool {
-        let of_both = self.backend.is_some() || self.exhaustive;
-        self.config == Preset::Paper && self.without.is_empty() && !of_both && self.of_paper_only().is_none()
+        self.config == Preset::Paper && self.without.is_empty() && self.backend.is_none() && self.of_paper_only().is_none()
     }
 
     /// # Errors

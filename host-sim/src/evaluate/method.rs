@@ -16,7 +16,7 @@ pub trait Method {
     /// Looks for the target in the next frame.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
 
-    /// What the next frame will be compared with; `None` before the first lock.
+    /// What the next frame will be compared with; `None` before the first lock, and from the robust tracker, whose filter is no picture.
     fn template(&self) -> Option<Image<'_>>;
 }
 
@@ -28,18 +28,19 @@ pub struct Report {
     pub state: State,
     /// What SMR decided on; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
-    /// Comparisons of bytes that the answer took, at most; `None` from methods that do not count them.
+    /// Comparisons of bytes, or products of a filter, that the answer took, at most; `None` from methods that do not count them.
     pub comparisons: Option<u64>,
 }
 
 /// The figures behind an answer of SMR, with 1.0 as 1.0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
+    /// The paper's tracker's ratio; the robust one's confidence.
     pub ratio: f64,
     /// `None` where nothing depended on it, and from the robust tracker.
     pub runner_up_ratio: Option<f64>,
-    /// In gray levels, rounded up, as the tracker uses it.
-    pub alpha: u16,
+    /// In gray levels, rounded up, as the tracker uses it; `None` from the robust tracker, which has one for each comparison.
+    pub alpha: Option<u16>,
 }
 
 impl Report {
@@ -62,7 +63,7 @@ impl From<Answer> for Report {
         let evidence = Evidence {
             ratio: of_one(answer.ratio),
             runner_up_ratio: answer.runner_up_ratio.map(of_one),
-            alpha: answer.alpha,
+            alpha: Some(answer.alpha),
         };
         Self::answered(answer.bbox.into(), answer.state.into(), evidence)
     }
@@ -70,9 +71,9 @@ impl From<Answer> for Report {
 
 impl From<robust::Answer> for Report {
     fn from(answer: robust::Answer) -> Self {
-        let evidence = Evidence { ratio: of_one(answer.ratio), runner_up_ratio: None, alpha: answer.alpha };
+        let evidence = Evidence { ratio: of_one(answer.confidence), runner_up_ratio: None, alpha: None };
         let report = Self::answered(answer.fine.into(), answer.state.into(), evidence);
-        Self { comparisons: Some(answer.comparisons.into()), ..report }
+        Self { comparisons: Some(answer.work.into()), ..report }
     }
 }
 
@@ -204,7 +205,7 @@ impl Method for robust::Tracker {
     }
 
     fn template(&self) -> Option<Image<'_>> {
-        Self::template(self)
+        None
     }
 }
 
@@ -307,17 +308,17 @@ mod tests {
             fine,
             bbox: Rect::new(-1, 1, 10, 1),
             state,
-            ratio: u16::MAX,
+            confidence: u16::MAX,
+            ratio: 9,
+            response: 1 << 14,
             scale: 1 << 16,
-            alpha: 9,
-            peak: smr_core::search::Peak { x: 32, y: 32, score: 1 },
             found_again: false,
-            comparisons: 7,
+            work: 7,
         };
         let report = Report::from(answer(robust::State::Uncertain));
         let expected = BoundingBox { x: -1.5, y: 0.5, width: 10.0, height: 1.0 / 256.0 };
         assert_eq!((report.target, report.state.name(), report.comparisons), (Some(expected), "uncertain", Some(7)));
-        assert_eq!(report.evidence, Some(Evidence { ratio: 1.0, runner_up_ratio: None, alpha: 9 }));
+        assert_eq!(report.evidence, Some(Evidence { ratio: 1.0, runner_up_ratio: None, alpha: None }));
         assert_eq!(Report::from(answer(robust::State::Lost)).target, None);
     }
 

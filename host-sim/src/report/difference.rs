@@ -29,13 +29,6 @@ impl Difference {
         Self { at, size, pixels: (at.y..).zip(template.rows()).flat_map(row).collect() }
     }
 
-    /// Of `patch`, which was resampled from the frame at `at`; it has the size of `template`.
-    pub fn of_patch(patch: Image<'_>, at: Rect, template: Image<'_>) -> Self {
-        let pairs = patch.rows().flatten().zip(template.rows().flatten());
-        let size = (template.width(), template.height());
-        Self { at, size, pixels: pairs.map(|(&f, &g)| f.abs_diff(g)).collect() }
-    }
-
     /// The share of the pixels in each bar.
     pub fn histogram(&self) -> [f64; BARS] {
         let mut counts = [0_u32; BARS];

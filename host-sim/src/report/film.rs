@@ -4,6 +4,7 @@ use super::difference::Difference;
 use super::reel::{Choice, Reel};
 use crate::Tracker;
 use crate::evaluate::{Configs, Contestant, Evaluation, Method, MethodKind, Report, Score, State};
+use crate::reference::robust::{Lattice, Numbers, Patch, Picture, in_light_of, threshold};
 use crate::sequence::{BoundingBox, GrayFrame, Sequence};
 use anyhow::{Context, Result, ensure};
 use smr_core::search::Window;
@@ -53,8 +54,10 @@ pub(super) struct Sight {
 pub(super) struct Search {
     /// All that SMR's search window covers, of the padding too; of the robust tracker all that it may read.
     pub window: Rect,
-    /// Of SMR's peak, believed or not, to its template.
+    /// Of SMR's peak, believed or not, to its template; of the robust tracker's box to its early template.
     pub smr: Difference,
+    /// Differences below count for SMR.
+    pub alpha: u16,
     pub sad: Difference,
 }
 
@@ -118,6 +121,16 @@ impl Film {
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
     }
 
+    /// True if SMR is the robust tracker.
+    pub(super) fn is_robust(&self) -> bool {
+        self.states.contains(&State::Uncertain)
+    }
+
+    /// What SMR's evidence is called.
+    pub(super) fn measure(&self) -> &'static str {
+        if self.is_robust() { "confidence" } else { "ratio" }
+    }
+
     /// What one of the trackers answered.
     pub(super) fn trajectory(&self, of: fn(&Moment) -> &Report) -> Vec<Option<BoundingBox>> {
         self.moments.iter().map(|moment| of(moment).target).collect()
@@ -160,6 +173,7 @@ impl Trackers {
         let search = Search {
             window: smr.window,
             smr: smr.difference,
+            alpha: smr.alpha,
             sad: Difference::new(frame, sad_box, sad_template.image()?),
         };
         Ok((Moment { smr: smr.report, sad }, Sight { smr_box: smr.bbox, search: Some(search) }))
@@ -178,6 +192,7 @@ struct Look {
     bbox: BoundingBox,
     window: Rect,
     difference: Difference,
+    alpha: u16,
 }
 
 impl Smr {
@@ -214,20 +229,42 @@ fn look(tracker: &mut Tracker, frame: &GrayFrame) -> Result<Look> {
         bbox: answer.bbox.into(),
         window: covered(&offsets, answer.bbox),
         difference: Difference::new(frame, peak, template.image()?),
+        alpha: answer.alpha,
     })
 }
 
-/// The robust tracker compares on its grid, and what it found there is its next template.
+/// The robust tracker compares on its grid: here what is seen in its box, with the early template in the light of that.
 fn look_of_robust(tracker: &mut robust::Tracker, frame: &GrayFrame) -> Result<Look> {
     let window = tracker.window().context("SMR has no target yet")?;
-    let template = Pixels::of(tracker.template().context("SMR has no template yet")?);
+    let grid = tracker.grid().context("SMR has no grid yet")?;
+    let early = tracker.early_template().context("SMR has no early template yet")?;
+    let (columns, rows) = (grid.columns.into(), grid.rows.into());
+    let early = Patch { columns, rows, pixels: early.map(f64::from).collect() };
     let answer = tracker.update(&frame.frame())?;
-    let patch = tracker.template().context("SMR has no template any more")?;
+    let target = BoundingBox::from(answer.fine);
+    let lattice = Lattice {
+        x: target.x + target.width / 2.0 - 0.5,
+        y: target.y + target.height / 2.0 - 0.5,
+        step: f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0,
+        columns,
+        rows,
+    };
+    let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
+    let (seen, numbers) = (lattice.sample(&picture), Numbers::robust());
+    let lit = in_light_of(&numbers, &early, &seen);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
+    let byte = |level: f64| level as u8;
+    let pairs = seen.pixels.iter().zip(&lit.pixels);
     Ok(Look {
         report: answer.into(),
-        bbox: answer.fine.into(),
+        bbox: target,
         window,
-        difference: Difference::of_patch(patch, answer.bbox, template.image()?),
+        difference: Difference {
+            at: answer.bbox,
+            size: (grid.columns, grid.rows),
+            pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
+        },
+        alpha: byte(threshold(&numbers, &seen)).into(),
     })
 }
 
@@ -306,9 +343,10 @@ mod tests {
         for still in &film.stills {
             let Some(search) = &still.sight.search else { continue };
             let evidence = film.moments[still.index].smr.evidence.unwrap();
-            let counting = search.smr.pixels.iter().filter(|&&d| u16::from(d) < evidence.alpha);
+            let counting = search.smr.pixels.iter().filter(|&&d| u16::from(d) < search.alpha);
             let score: f64 = counting.map(|&d| (-f64::from(d) / 255.0).exp()).sum();
             let ratio = score / search.smr.pixels.len() as f64;
+            assert_eq!(evidence.alpha, Some(search.alpha));
             assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
             assert!(search.window.contains(search.smr.at));
             searched += 1;

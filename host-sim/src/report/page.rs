@@ -41,7 +41,7 @@ fn head(film: &Film) -> String {
 fn summary(film: &Film) -> String {
     let count = |state: State| film.moments.iter().filter(|moment| moment.smr.state == state).count();
     let [first, second, third] = film.states;
-    let kind = if film.smr_name == "robust" { " (robust)" } else { "" };
+    let kind = if film.is_robust() { " (robust)" } else { "" };
     format!(
         "<h1>{}</h1>\n<p>{} frames of {}x{} pixels, locked on the box of {}. SMR{kind} was {} in {} frames, {} in {}, {} in \
          {}.</p>\n",
@@ -109,7 +109,8 @@ fn strip(film: &Film) -> Result<String> {
 fn figure(film: &Film, still: &Still) -> Result<String> {
     let evidence = film.moments[still.index].smr.evidence.map_or("locked here".to_owned(), |evidence| {
         let runner_up = evidence.runner_up_ratio.map_or(String::new(), |ratio| format!(", runner-up {ratio:.3}"));
-        format!("ratio {:.3}{runner_up}, alpha {}", evidence.ratio, evidence.alpha)
+        let alpha = evidence.alpha.map_or(String::new(), |alpha| format!(", alpha {alpha}"));
+        format!("{} {:.3}{runner_up}{alpha}", film.measure(), evidence.ratio)
     });
     let (number, tile) = (still.index + 1, tile::tile(film, still)?);
     Ok(format!("<figure id=\"f{number}\">{tile}<figcaption>{evidence}</figcaption></figure>\n"))
@@ -125,11 +126,12 @@ fn over_time(film: &Film) -> Result<String> {
         Some(_) => " Without an answer the IoU is 0; where the target is not visible there is none.",
         None => "",
     };
+    let about_alpha = if film.is_robust() { "" } else { " alpha is in gray levels;" };
     let states = film.states.map(|state| format!("<span class=\"key {0}\"></span>{0}", state.name())).concat();
     Ok(format!(
         "<h2>Over time</h2>\n<p class=\"note\">{states}<span class=\"key smr\"></span>SMR\
-         <span class=\"key sad\"></span>SAD<span class=\"key runner-up\"></span>runner-up. alpha is in gray levels; \
-         the marks on top lead to the frames above.{about_iou}</p>\n<div class=\"scroll\">{}</div>\n",
+         <span class=\"key sad\"></span>SAD<span class=\"key runner-up\"></span>runner-up.{about_alpha} \
+         The marks on top lead to the frames above.{about_iou}</p>\n<div class=\"scroll\">{}</div>\n",
         plot::over_time(film, overlaps)
     ))
 }
@@ -148,7 +150,7 @@ fn differences(film: &Film) -> Result<String> {
 
 fn comparison(film: &Film, still: &Still, search: &Search) -> Result<String> {
     let report = &film.moments[still.index].smr;
-    let alpha = report.evidence.map_or(0, |evidence| evidence.alpha);
+    let alpha = search.alpha;
     let belief = if report.target.is_some() { "" } else { " (not believed)" };
     let counting = search.smr.counting(alpha) * 100.0;
     let (number, state) = (still.index + 1, report.state.name());

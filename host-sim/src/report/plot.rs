@@ -1,7 +1,7 @@
 //! Numbers as SVG: those of every frame over time, and the differences of one frame as a histogram.
 
 use super::difference::{BAR, BARS};
-use super::film::{Film, Search};
+use super::film::{Film, Moment, Search};
 use crate::evaluate::{CORRECT, State};
 use std::fmt::Write as _;
 
@@ -23,9 +23,12 @@ struct Panel {
     lines: Vec<(&'static str, Vec<Option<f64>>)>,
 }
 
-/// Ratio and runner-up, alpha, and (of SMR and of SAD) intersection over union, over a band of states.
+/// Ratio and runner-up, alpha (of the robust tracker confidence alone), and (of SMR and of SAD) intersection over union, over a band of states.
 pub(super) fn over_time(film: &Film, overlaps: Option<[Vec<Option<f64>>; 2]>) -> String {
-    let mut panels = vec![ratios(film), alphas(film)];
+    let mut panels = vec![ratios(film)];
+    if !film.is_robust() {
+        panels.push(alphas(film));
+    }
     panels.extend(overlaps.map(|[smr, sad]| Panel {
         title: "IoU",
         height: 120.0,
@@ -51,7 +54,7 @@ fn ratios(film: &Film) -> Panel {
         film.moments.iter().map(|moment| moment.smr.evidence.as_ref().and_then(value)).collect::<Vec<_>>()
     };
     Panel {
-        title: "ratio",
+        title: film.measure(),
         height: 150.0,
         most: 1.0,
         levels: vec![0.0, 0.5, 1.0],
@@ -63,7 +66,8 @@ fn ratios(film: &Film) -> Panel {
 }
 
 fn alphas(film: &Film) -> Panel {
-    let alphas: Vec<_> = film.moments.iter().map(|moment| moment.smr.evidence.map(|of| f64::from(of.alpha))).collect();
+    let alpha = |moment: &Moment| moment.smr.evidence?.alpha.map(f64::from);
+    let alphas: Vec<_> = film.moments.iter().map(alpha).collect();
     let most = (alphas.iter().flatten().fold(1.0, |most: f64, &alpha| most.max(alpha)) / 8.0).ceil() * 8.0;
     Panel { title: "alpha", height: 80.0, most, levels: vec![0.0, most / 2.0, most], lines: vec![("alpha", alphas)] }
 }

@@ -1,11 +1,11 @@
 //! The vectors of the robust tracker: small recordings, and what `smr_core::robust` answers to them on the host, by the plain
-//! loops and without pruning. That it is the method, too, is what `host-sim check` shows; these hold every other compiler,
+//! loops. That it is the method, too, is what `host-sim check` shows; these hold every other compiler,
 //! instruction set and language to the same answers.
 
 use super::{hash, hex, pixels};
-use smr_core::robust::{Answer, Config, State, ThresholdRule, Tracker};
+use smr_core::robust::{Answer, Config, State, Tracker};
 use smr_core::similarity::Backend;
-use smr_core::{Fraction, Frame, Image, Rect};
+use smr_core::{Frame, Image, Rect};
 
 /// Frames of one size, and what the tracker that follows a box through them consists of.
 struct Case {
@@ -20,7 +20,7 @@ struct Case {
 /// Where the target is in a frame: left and top in quarters of a pixel, its size and the light in percent.
 type View = (i64, i64, i64, i64);
 
-/// Nothing is to be seen, neither target nor background.
+/// Nothing is to be seen, neither target nor background: all is plain.
 const GONE: View = (4000, 4000, 100, 100);
 
 /// All vectors as text.
@@ -30,7 +30,7 @@ const GONE: View = (4000, 4000, 100, 100);
 #[must_use]
 pub fn text() -> String {
     let header = "# Made by `host-sim vectors --config robust`. The form: README.md beside this file.\n";
-    let mut text = format!("{header}smr-robust-vectors 1\n");
+    let mut text = format!("{header}smr-robust-vectors 2\n");
     let whole = [follow("follow"), hidden("hidden"), border(), tiny(), ties(), long(), large()];
     for case in whole.into_iter().chain(left_out()) {
         case.write(&mut text);
@@ -52,12 +52,11 @@ fn follow(name: &'static str) -> Case {
     recorded(name, (48, 36), Rect::new(10, 8, 14, 12), &path)
 }
 
-/// The target is hidden until it is lost, and is elsewhere when it comes back.
+/// The target is hidden until it is lost, and comes back where only the sweep looks.
 fn hidden(name: &'static str) -> Case {
-    let there = (112, 80, 100, 100);
-    let path = [(16, 12, 100, 100), (18, 13, 100, 100), GONE, GONE, GONE, GONE, GONE, GONE];
-    let path = [path.as_slice(), &[there; 6]].concat();
-    recorded(name, (48, 36), Rect::new(4, 3, 14, 12), &path)
+    let there = (192, 104, 100, 100);
+    let path = [&[(16, 12, 100, 100), (18, 13, 100, 100)], [GONE; 5].as_slice(), &[there; 5]].concat();
+    recorded(name, (60, 40), Rect::new(4, 3, 8, 6), &path)
 }
 
 /// The target goes beyond the left edge, then the upper one, and comes back.
@@ -73,7 +72,7 @@ fn tiny() -> Case {
     recorded("tiny", (24, 20), Rect::new(10, 8, 3, 2), &path)
 }
 
-/// A checkerboard without noise: every frame has many offsets of the same score.
+/// A checkerboard without noise: every frame has many places that look alike.
 fn ties() -> Case {
     let size = (28, 24);
     let board = |(right, down): (i64, i64)| {
@@ -96,16 +95,14 @@ fn large() -> Case {
 }
 
 /// Each part left out once, in a recording that it makes a difference in.
-fn left_out() -> [Case; 8] {
+fn left_out() -> [Case; 6] {
     type Part = fn(&mut Config);
-    let parts: [(Case, Part); 8] = [
-        (follow("without-enlarging"), |config| config.enlarging = false),
-        (follow("without-contrast"), |config| config.threshold = ThresholdRule::LargestChange(Fraction::new(1, 4))),
-        (follow("without-slow-template"), |config| config.slow_template = false),
-        (follow("without-anchor"), |config| config.anchor = false),
-        (follow("without-sub-pixel"), |config| config.sub_pixel = false),
-        (follow("without-cells"), |config| config.cells = false),
+    let parts: [(Case, Part); 6] = [
+        (follow("without-velocity"), |config| config.velocity = false),
+        (follow("without-near"), |config| config.near = false),
+        (follow("without-size"), |config| config.size = false),
         (hidden("without-verification"), |config| config.verification = false),
+        (hidden("without-caution"), |config| config.caution = false),
         (hidden("without-sweep"), |config| config.sweep = false),
     ];
     parts.map(|(mut case, leave_out)| {
@@ -118,7 +115,6 @@ fn left_out() -> [Case; 8] {
 fn plain() -> Config {
     let mut config = Config::robust();
     config.backend = Some(Backend::Scalar);
-    config.pruning = false;
     config
 }
 
@@ -132,7 +128,7 @@ fn seen(size: (u16, u16), target: Rect, view: View, seed: u32) -> Vec<u8> {
     let (left, top, percent, light) = view;
     pixels((size.0.into(), size.1.into()), |x, y| {
         if view == GONE {
-            return 116 + hash(x, y, 50 + seed) % 24;
+            return 116;
         }
         // A pixel's middle, in units of 1/256 pixel of the target as it was locked on.
         let place = |at: i64, edge: i64| (256 * at + 128 - 64 * edge) * 100 / percent;
@@ -160,7 +156,7 @@ impl Case {
         let Rect { x, y, width, height } = self.target;
         line(format!("\ncase {}", self.name));
         line(format!("size {} {}", self.size.0, self.size.1));
-        lines(&self.config).into_iter().for_each(&mut line);
+        lines(&self.config).for_each(&mut line);
         line(format!("lock {x} {y} {width} {height} {}", hex(&self.frames[0])));
         for (frame, answer) in self.frames[1..].iter().zip(self.answers()) {
             line(format!("frame {}", hex(frame)));
@@ -185,51 +181,38 @@ impl Case {
 }
 
 /// The configuration of a case, a line a switch.
-fn lines(config: &Config) -> Vec<String> {
-    let mut lines: Vec<_> = [
-        ("enlarging", config.enlarging),
-        ("slow_template", config.slow_template),
-        ("anchor", config.anchor),
-        ("sub_pixel", config.sub_pixel),
-        ("cells", config.cells),
+fn lines(config: &Config) -> impl Iterator<Item = String> {
+    [
+        ("velocity", config.velocity),
+        ("near", config.near),
+        ("size_part", config.size),
         ("verification", config.verification),
+        ("caution", config.caution),
         ("sweep", config.sweep),
     ]
+    .into_iter()
     .map(|(name, there)| format!("{name} {}", u8::from(there)))
-    .into();
-    lines.push(match config.threshold {
-        ThresholdRule::Contrast => "contrast 1".into(),
-        ThresholdRule::LargestChange(k) => format!("largest_change {} {}", k.numerator, k.denominator),
-    });
-    lines
 }
 
 fn words(answer: &Answer, tracker: &Tracker) -> String {
-    let Answer { fine, ratio, scale, alpha, peak, found_again, .. } = answer;
+    let Answer { fine, confidence, ratio, response, scale, found_again, .. } = answer;
     let state = match answer.state {
         State::Tracking => "tracking",
         State::Uncertain => "uncertain",
         State::Lost => "lost",
     };
-    let [last, slow, early] =
-        [tracker.template(), tracker.slow_template(), tracker.early_template()].map(template_hash);
+    let early = fnv(tracker.early_template().into_iter().flatten());
+    let weights = fnv(tracker.weights().iter().flat_map(|weight| weight.to_le_bytes()));
+    let [x, y, width, height] = [fine.x.into(), fine.y.into(), fine.width.into(), fine.height.into()] as [i64; 4];
+    let found_again = u8::from(*found_again);
     format!(
-        "answer {} {} {} {} {state} {ratio} {scale} {alpha} {} {} {} {} {last:08x} {slow:08x} {early:08x}",
-        fine.x,
-        fine.y,
-        fine.width,
-        fine.height,
-        peak.x,
-        peak.y,
-        peak.score,
-        u8::from(*found_again)
+        "answer {x} {y} {width} {height} {state} {confidence} {ratio} {response} {scale} {found_again} {early:08x} {weights:08x}"
     )
 }
 
-/// FNV-1a, 32 bits, over the template's bytes.
-fn template_hash(template: Option<Image<'_>>) -> u32 {
-    let pixels = template.iter().flat_map(|template| template.rows().flatten());
-    pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193))
+/// FNV-1a, 32 bits.
+fn fnv(bytes: impl Iterator<Item = u8>) -> u32 {
+    bytes.fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 #[cfg(test)]
@@ -242,10 +225,10 @@ mod tests {
         for word in ["tracking", "lost"] {
             assert!(answers.contains(word), "never {word}:\n{answers}");
         }
-        let again = |line: &str| line.split(' ').nth(12) == Some("1");
+        let again = |line: &str| line.split(' ').nth(10) == Some("1");
         assert!(answers.lines().any(again), "never found again:\n{answers}");
         let scales = follow("").answers();
-        let scale = |line: &String| line.split(' ').nth(7).and_then(|word| word.parse::<u32>().ok()).unwrap_or(0);
+        let scale = |line: &String| line.split(' ').nth(9).and_then(|word| word.parse::<u32>().ok()).unwrap_or(0);
         assert!(scales.iter().any(|line| scale(line) > 70_000), "never grown: {scales:?}");
     }
 

@@ -1,4 +1,4 @@
-//! The grid: how the frame is resampled, so that a template has about as many pixels as there is room for.
+//! The grid: how the frame is resampled, so that the target has about as many pixels whatever its size.
 
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, index, nearest, real, whole};
@@ -26,17 +26,6 @@ impl Patch {
         inside.then(|| Self { columns, rows, pixels: pixels() })
     }
 
-    /// So many times as coarse: means of blocks, in whole gray levels; what is no whole block is left out.
-    pub fn coarser(&self, times: i64) -> Self {
-        let (columns, rows) = (self.columns / times, self.rows / times);
-        let mean = |x: i64, y: i64| {
-            let block = self.cut(x * times, y * times, times, times).expect("whole blocks lie inside");
-            nearest(block.pixels.iter().sum::<f64>() / real(times * times), 1.0)
-        };
-        let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
-        Self { columns, rows, pixels }
-    }
-
     /// `count` pixels from (`x`, `y`) to the right.
     pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.columns + x);
@@ -44,39 +33,49 @@ impl Patch {
     }
 }
 
-/// The template's shape, and frame pixels from one of its pixels to the next at scale 1.
+/// The shapes of template (in pixels of the grid) and filter (in cells), and frame pixels from one pixel of the grid to the next
+/// at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     pub columns: i64,
     pub rows: i64,
+    pub across: i64,
+    pub down: i64,
     pub step: f64,
 }
 
 impl Shape {
-    /// For a box of so many frame pixels: step = sqrt(area / pixels), sides rounded, the longer one cut until all has room.
+    /// For a box of so many frame pixels: step = sqrt(area / pixels); the filter covers `cover` times the box. Sides are rounded,
+    /// the template's to even numbers; the longer one is cut until all has room.
     pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
-        let finest = if numbers.parts.enlarging { 0.5 } else { 1.0 };
-        let step = down((real(width * height) / real(numbers.pixels)).sqrt(), POSITION).max(finest);
-        let longest = numbers.window_columns - 2 * numbers.radius;
-        let side = |size: i64| whole((real(size) / step).round()).clamp(numbers.least_side, longest);
-        let (mut columns, mut rows) = (side(width), side(height));
-        let around = 2 * numbers.radius;
-        let has_room = |columns: i64, rows: i64| {
-            columns * rows <= numbers.pixels && (columns + around) * (rows + around) <= numbers.window_pixels
+        let area = real(width * height);
+        let step = down((area / real(numbers.pixels)).sqrt(), POSITION).max(numbers.finest);
+        let (cover, of) = numbers.cover;
+        let cells = |size: i64| whole(nearest(cover * real(size) / (of * real(numbers.cell) * step), 1.0));
+        let cells = |size: i64| cells(size).clamp(numbers.least_cells, numbers.most_cells_on_a_side);
+        let (across, down) = fitting(cells(width), cells(height), numbers.most_cells);
+        let half = |size: i64, cells: i64| {
+            whole(nearest(real(size) / (2.0 * step), 1.0)).clamp(2, (cells * numbers.cell).max(4) / 2)
         };
-        while !has_room(columns, rows) {
-            if columns > rows {
-                columns -= 1;
-            } else {
-                rows -= 1;
-            }
-        }
-        Self { columns, rows, step }
+        let (columns, rows) = fitting(half(width, across), half(height, down), numbers.pixels / 4);
+        Self { columns: 2 * columns, rows: 2 * rows, across, down, step }
     }
 
     pub fn step_at(&self, scale: f64) -> f64 {
         down(self.step * scale, POSITION).max(1.0 / POSITION)
     }
+}
+
+/// Two sides, the longer one cut, of equals the second, until their product is at most `most`.
+fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
+    while across * down > most {
+        if across > down {
+            across -= 1;
+        } else {
+            down -= 1;
+        }
+    }
+    (across, down)
 }
 
 /// Where samples are taken: around (`x`, `y`), `step` apart.
@@ -176,9 +175,13 @@ mod tests {
 
     #[test]
     fn large_and_small_boxes_have_templates_of_about_as_many_pixels() {
-        let shape = |width, height| Shape::new(&Numbers::robust(), width, height);
-        assert_eq!(shape(64, 64), Shape { columns: 32, rows: 32, step: 2.0 });
-        assert_eq!(shape(10, 8), Shape { columns: 20, rows: 16, step: 0.5 });
-        assert_eq!(shape(1, 1), Shape { columns: 4, rows: 4, step: 0.5 });
+        let shape = |width, height| {
+            let Shape { columns, rows, across, down, step } = Shape::new(&Numbers::robust(), width, height);
+            (columns, rows, across, down, step)
+        };
+        assert_eq!(shape(80, 80), (40, 40, 14, 14, 2.0));
+        assert_eq!(shape(10, 8), (20, 16, 7, 6, 0.5));
+        assert_eq!(shape(1, 1), (4, 4, 4, 4, 0.5));
+        assert_eq!(shape(1000, 10), (128, 4, 32, 4, 2.5));
     }
 }

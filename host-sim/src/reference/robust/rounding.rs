@@ -5,9 +5,9 @@
 
 /// Positions and steps, in pixels.
 pub const POSITION: f64 = 4096.0;
-/// Scales, and growths squared.
+/// Scales.
 pub const SCALE: f64 = 65536.0;
-/// Fractions of what is mixed, means of gray levels, and the box of an answer.
+/// Fractions of what is mixed, means of gray levels, parts of a cell, and the box of an answer.
 pub const FINE: f64 = 256.0;
 
 /// The next number on the grid that is not above.
@@ -23,6 +23,22 @@ pub fn to_zero(value: f64, parts: f64) -> f64 {
 /// The nearest number on the grid; of two, the larger.
 pub fn nearest(value: f64, parts: f64) -> f64 {
     (value * parts + 0.5).floor() / parts
+}
+
+/// How often a whole number goes into another, rounded down. By integers: the first may be too large for f64 to tell the quotient
+/// from the next whole number.
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // whole numbers; the quotient is below 2^53
+pub fn quotient(number: f64, by: f64) -> f64 {
+    (number as i128).div_euclid(by as i128) as f64
+}
+
+/// The least power of two that makes a whole number, divided by it and rounded to the nearest, at most `most`.
+pub fn divisor(largest: f64, most: f64) -> f64 {
+    let mut divisor = 1.0;
+    while (largest / divisor).floor() + 1.0 > most {
+        divisor *= 2.0;
+    }
+    divisor
 }
 
 /// A whole number, as such.

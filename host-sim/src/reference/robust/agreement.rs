@@ -1,0 +1,50 @@
+//! Agreement: the early template in today's light against what is seen, part by part.
+
+use super::Numbers;
+use super::grid::Patch;
+use super::light::{in_light_of, threshold};
+use super::rounding::{index, real, whole};
+use crate::reference::paper::similarity;
+
+/// One unit of a score: 1.0 is this many.
+const UNITS: f64 = 65535.0;
+
+/// p by difference, for each of the 256 that bytes can have.
+pub struct Similarity(Vec<f64>);
+
+impl Similarity {
+    /// p = exp(-d / scale), rounded to the table's grid.
+    pub fn new(scale: f64) -> Self {
+        Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
+    }
+
+    /// The best agreement in the middle of `view` and a pixel around it: 0 to 65535.
+    pub fn agreement(&self, numbers: &Numbers, view: &Patch, early: &Patch) -> f64 {
+        let margin = (view.columns - early.columns) / 2;
+        let offsets = (0..=2 * margin).flat_map(|y| (0..=2 * margin).map(move |x| (x, y)));
+        let seen = offsets.map(|(x, y)| view.cut(x, y, early.columns, early.rows).expect("it lies in the view"));
+        seen.map(|seen| self.of(numbers, &seen, early)).fold(0.0, f64::max)
+    }
+
+    /// Of the ratios of all parts the one that counts.
+    fn of(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
+        let lit = in_light_of(numbers, early, seen);
+        let (alpha, across) = (threshold(numbers, seen), numbers.parts_across);
+        let mut ratios: Vec<f64> = (0..across * across)
+            .map(|part| {
+                let cut = |side: i64, number: i64| number * side / across;
+                let (left, top) = (cut(seen.columns, part % across), cut(seen.rows, part / across));
+                let (right, bottom) = (cut(seen.columns, part % across + 1), cut(seen.rows, part / across + 1));
+                let cut = |patch: &Patch| patch.cut(left, top, right - left, bottom - top).expect("parts lie in it");
+                (self.score(&cut(seen), &cut(&lit), alpha) / real((right - left) * (bottom - top))).floor()
+            })
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios[numbers.ratio_that_counts - 1].min(UNITS)
+    }
+
+    fn score(&self, seen: &Patch, lit: &Patch, alpha: f64) -> f64 {
+        let differences = seen.pixels.iter().zip(&lit.pixels).map(|(f, g)| (f - g).abs());
+        differences.filter(|&d| d < alpha).map(|d| self.0[index(whole(d))]).sum()
+    }
+}

@@ -1,0 +1,125 @@
+//! Features: ten bytes for each cell, nine for the gradient by direction and one for gray.
+
+use super::Numbers;
+use super::grid::Patch;
+use super::rounding::{down, index, nearest, real};
+use std::f64::consts::PI;
+
+/// Directions of gradients.
+const DIRECTIONS: usize = 9;
+/// Bytes of a cell.
+pub const CHANNELS: usize = DIRECTIONS + 1;
+
+/// Cells row by row, all bytes of one after the other's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    pub across: i64,
+    pub down: i64,
+    pub bytes: Vec<f64>,
+}
+
+impl Cells {
+    /// `count` cells from (`x`, `y`) to the right.
+    pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
+        let from = index(y * self.across + x) * CHANNELS;
+        &self.bytes[from..from + index(count) * CHANNELS]
+    }
+
+    pub fn cut(&self, x: i64, y: i64, across: i64, down: i64) -> Self {
+        let bytes = (y..y + down).flat_map(|row| self.row(x, row, across)).copied().collect();
+        Self { across, down, bytes }
+    }
+}
+
+/// What is added up over the pixels of a cell.
+#[derive(Clone)]
+struct Sums {
+    /// In gray levels a pixel, by direction.
+    gradient: [f64; DIRECTIONS],
+    gray: f64,
+}
+
+impl Sums {
+    /// Each direction's gradient rounded down, and squared.
+    fn energy(&self) -> f64 {
+        self.gradient.iter().map(|sum| sum.floor().powi(2)).sum()
+    }
+}
+
+/// The features of a picture of whole cells and a pixel more on each side.
+pub fn features(numbers: &Numbers, picture: &Patch) -> Cells {
+    let (across, down) = ((picture.columns - 2) / numbers.cell, (picture.rows - 2) / numbers.cell);
+    let places = || (0..down).flat_map(|y| (0..across).map(move |x| (x, y)));
+    let sums: Vec<Sums> = places().map(|(x, y)| sums(numbers, picture, x, y)).collect();
+    let bytes = |(x, y): (i64, i64)| {
+        let inside = |(x, y): &(i64, i64)| (0..across).contains(x) && (0..down).contains(y);
+        let around = (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| (x, y))).filter(inside);
+        let energies: Vec<f64> = around.map(|(x, y)| sums[index(y * across + x)].energy()).collect();
+        let mean = (energies.iter().sum::<f64>() / energies.len() as f64).floor();
+        normalised(numbers, &sums[index(y * across + x)], mean)
+    };
+    Cells { across, down, bytes: places().flat_map(bytes).collect() }
+}
+
+fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
+    let mut sums = Sums { gradient: [0.0; DIRECTIONS], gray: 0.0 };
+    let pixel = |x: i64, y: i64| picture.row(x, y, 1)[0];
+    let side = numbers.cell;
+    for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (1 + column * side + x, 1 + row * side + y))) {
+        let (right, down) = (pixel(x + 1, y) - pixel(x - 1, y), pixel(x, y + 1) - pixel(x, y - 1));
+        // Light to dark counts as dark to light.
+        let turned = down < 0.0 || (down == 0.0 && right < 0.0);
+        split(&mut sums.gradient, if turned { (-right, -down) } else { (right, down) });
+        sums.gray += pixel(x, y);
+    }
+    sums
+}
+
+/// Splits a gradient between the two directions next to it, u and v: g = a u + b v, so a = (g x v) / (u x v) and
+/// b = (u x g) / (u x v). Directions over u x v, which is sin 20 degrees, are rounded to 1/256; a and b down to 1/4.
+fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
+    let step = PI / DIRECTIONS as f64;
+    let cross = |number: usize| {
+        let angle = number as f64 * step;
+        let (x, y) = (nearest(angle.cos() / step.sin(), 256.0), nearest(angle.sin() / step.sin(), 256.0));
+        x * below - y * right
+    };
+    // The first that the gradient does not reach is the second of the two; beyond the last one there is none.
+    let second = (1..DIRECTIONS).find(|&number| cross(number) < 0.0).unwrap_or(DIRECTIONS);
+    let part = |cross: f64| down(cross.max(0.0), 4.0);
+    gradient[second - 1] += part(-cross(second));
+    gradient[second % DIRECTIONS] += part(cross(second - 1));
+}
+
+/// Gradients over their norm around, rounded down and at most 127; gray over the cell, less 128.
+fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
+    let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
+    // How much a quarter of a gray level is of a byte, on a grid of 2^-16.
+    let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
+    let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
+    let gray = (sums.gray / real(numbers.cell * numbers.cell)).floor() - 128.0;
+    sums.gradient.iter().map(byte).chain([gray]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gradient_between_two_directions_is_shared() {
+        let of = |gradient| {
+            let mut sums = [0.0; DIRECTIONS];
+            split(&mut sums, gradient);
+            sums
+        };
+        let only = |parts: &[(usize, f64)]| {
+            let mut sums = [0.0; DIRECTIONS];
+            parts.iter().for_each(|&(at, part)| sums[at] = part);
+            sums
+        };
+        assert_eq!(of((10.0, 0.0)), only(&[(0, 10.0)]));
+        // Half of 10 / cos 10 degrees each: 5.08 gray levels, rounded down to quarters.
+        assert_eq!(of((0.0, 10.0)), only(&[(4, 5.0), (5, 5.0)]));
+        assert_eq!(of((-9.0, 1.0)), only(&[(8, 2.75), (0, 6.25)]).map(|part| part));
+    }
+}

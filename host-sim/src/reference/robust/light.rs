@@ -1,0 +1,28 @@
+//! Light: a template with the brightness and the contrast of what is seen.
+
+use super::Numbers;
+use super::grid::Patch;
+use super::rounding::{FINE, down, nearest, real};
+
+/// The mean in whole gray levels, and the sum of all absolute deviations from it.
+fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
+    let count = patch.columns * patch.rows;
+    let mean = nearest(patch.pixels.iter().sum::<f64>() / real(count), 1.0);
+    (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
+}
+
+/// alpha of a comparison with `seen`: its mean absolute deviation, rounded down, within bounds.
+pub fn threshold(numbers: &Numbers, seen: &Patch) -> f64 {
+    let (_, deviation) = mean_and_deviation(seen);
+    let (least, most) = numbers.alpha_bounds;
+    (deviation / real(seen.columns * seen.rows)).floor().clamp(least, most)
+}
+
+/// `template` in the light of `seen`: the gain is on a grid of 1/256, its product with a deviation is rounded down.
+pub fn in_light_of(numbers: &Numbers, template: &Patch, seen: &Patch) -> Patch {
+    let (was, is) = (mean_and_deviation(template), mean_and_deviation(seen));
+    // Of a template without contrast nothing but its mean is left, whatever the gain.
+    let gain = down(is.1 / was.1.max(1.0), FINE).clamp(1.0 / numbers.most_gain, numbers.most_gain);
+    let pixel = |pixel: &f64| (is.0 + ((pixel - was.0) * gain).floor()).clamp(0.0, 255.0);
+    Patch { pixels: template.pixels.iter().map(pixel).collect(), ..*template }
+}

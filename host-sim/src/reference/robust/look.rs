@@ -1,0 +1,58 @@
+//! A look: the responses at all offsets of a window, and their peak.
+
+use super::Numbers;
+use super::features::Cells;
+use super::filter::Coded;
+use super::grid::Shape;
+use super::rounding::{FINE, index, real, to_zero};
+
+/// Responses up to `reach` cells from the middle, row by row.
+pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec<f64> {
+    let span = 2 * reach + 1;
+    (0..span).flat_map(|y| (0..span).map(move |x| coded.response(shape, cells, x, y))).collect()
+}
+
+/// The same, positive ones lessened by the square of their distance to the middle: at the search's edge, and farther, by
+/// `near` / 256. Both roundings are downwards.
+pub fn nearer(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
+    let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
+    let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
+    let less = |(at, &response): (i64, &f64)| {
+        let edge = real(reach * reach);
+        let part = FINE - (numbers.near * real(away(at)).min(edge) / edge).floor();
+        if response > 0.0 { (response * part / FINE).floor() } else { response }
+    };
+    (0..).zip(responses).map(less).collect()
+}
+
+/// Where the first of the largest responses is, in cells from the middle, refined on each axis by a parabola; and how large.
+pub struct Peak {
+    pub x: f64,
+    pub y: f64,
+    pub response: f64,
+}
+
+pub fn peak(responses: &[f64], reach: i64) -> Peak {
+    let span = 2 * reach + 1;
+    let response = responses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let first = responses.iter().position(|&other| other == response).expect("there are offsets");
+    let (x, y) = (first as i64 % span, first as i64 / span);
+    let at = |x: i64, y: i64| {
+        let inside = (0..span).contains(&x) && (0..span).contains(&y);
+        inside.then(|| responses[index(y * span + x)])
+    };
+    let part = |before: Option<f64>, after: Option<f64>| match (before, after) {
+        (Some(before), Some(after)) => top(before, response, after),
+        _ => 0.0,
+    };
+    let across = part(at(x - 1, y), at(x + 1, y));
+    let down = part(at(x, y - 1), at(x, y + 1));
+    Peak { x: real(x - reach) + across, y: real(y - reach) + down, response }
+}
+
+/// How far the top of the parabola through three responses, one apart, lies from the middle one: at most half, on a grid of
+/// 1/256 towards 0. 0 if it has none.
+fn top(before: f64, at: f64, after: f64) -> f64 {
+    let bend = before - 2.0 * at + after;
+    if bend >= 0.0 { 0.0 } else { to_zero((before - after) / 2.0 / bend, FINE).clamp(-0.5, 0.5) }
+}

@@ -1,0 +1,70 @@
+//! Places: where the target is and how large, where it is expected, and where it is looked for when it is lost.
+
+use super::Numbers;
+use super::grid::{Lattice, Shape};
+use super::rounding::{FINE, POSITION, down, nearest, real, whole};
+
+/// The target's middle and its size against that of the first box.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub x: f64,
+    pub y: f64,
+    pub scale: f64,
+}
+
+impl Place {
+    /// Its middle not beyond the frame's pixels.
+    pub fn inside(self, (width, height): (i64, i64)) -> Self {
+        let within = |at: f64, size: i64| at.clamp(0.0, real(size) - 1.0);
+        Self { x: within(self.x, width), y: within(self.y, height), ..self }
+    }
+
+    /// So far from here, rounded down on each axis.
+    pub fn moved(self, right: f64, below: f64) -> Self {
+        Self { x: self.x + down(right, POSITION), y: self.y + down(below, POSITION), ..self }
+    }
+
+    /// The filter's cells, `reach` more on each side, and a pixel more for the gradients.
+    pub fn window(self, numbers: &Numbers, shape: &Shape, reach: i64) -> Lattice {
+        let side = |cells: i64| (cells + 2 * reach) * numbers.cell + 2;
+        self.lattice(shape, side(shape.across), side(shape.down))
+    }
+
+    /// The template, and a pixel on each side.
+    pub fn view(self, shape: &Shape) -> Lattice {
+        self.lattice(shape, shape.columns + 2, shape.rows + 2)
+    }
+
+    fn lattice(self, shape: &Shape, columns: i64, rows: i64) -> Lattice {
+        Lattice { x: self.x, y: self.y, step: shape.step_at(self.scale), columns, rows }
+    }
+
+    /// The box of a target that was `size` at first: left, top, width, height.
+    pub fn bbox(self, size: (i64, i64)) -> [f64; 4] {
+        let side = |size: i64| nearest(real(size) * self.scale, FINE);
+        let (width, height) = (side(size.0), side(size.1));
+        // A position is that of a pixel's middle, half a pixel from its edge.
+        let corner = |middle: f64, size: f64| down(middle + 0.5, FINE) - down(size / 2.0, FINE);
+        [corner(self.x, width), corner(self.y, height), width, height]
+    }
+}
+
+/// A box with each edge rounded; at least one pixel is left.
+pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
+    let edge = |at: f64| whole(nearest(at, 1.0));
+    let side = |from: f64, size: f64| (edge(from + size) - edge(from)).max(1);
+    [edge(x), edge(y), side(x, width), side(y, height)]
+}
+
+/// The middle of the sweep's window with this number: the frame is divided into equal parts, row by row, no larger than the
+/// offsets of a search of `reach` cells cover.
+pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Place {
+    let covered = real(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
+    let count = |size: i64| whole((real(size) / covered).ceil());
+    let (columns, rows) = (count(frame.0), count(frame.1));
+    let number = number % (columns * rows);
+    let middle = |number: i64, count: i64, size: i64| {
+        (down((real(number) + 0.5) * real(size) / real(count), POSITION) - 0.5).max(0.0)
+    };
+    Place { x: middle(number % columns, columns, frame.0), y: middle(number / columns, rows, frame.1), scale }
+}

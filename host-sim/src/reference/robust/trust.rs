@@ -1,0 +1,39 @@
+//! Trust: evidence of a look, its running mean, and what is believed by it. All in units of 1/65536, rounded down.
+
+use super::Numbers;
+use super::label::ONE;
+
+/// What the reference believes after a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Belief {
+    Tracking,
+    Uncertain,
+    Lost,
+}
+
+/// The agreement counts 1, a response of 1 counts 1/2.
+pub fn evidence(agreement: f64, response: f64) -> f64 {
+    agreement + 32768.0 * (response / ONE).clamp(0.0, 1.0)
+}
+
+/// All evidence that there can be: of a target that was pointed at.
+pub const CLEAR: f64 = 98304.0;
+
+pub fn after(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
+    mean + ((evidence - mean) * numbers.trust_rate / 256.0).floor()
+}
+
+pub fn belief(numbers: &Numbers, mean: f64) -> Belief {
+    if mean < numbers.lost_below {
+        Belief::Lost
+    } else if mean < numbers.uncertain_below {
+        Belief::Uncertain
+    } else {
+        Belief::Tracking
+    }
+}
+
+/// Two thirds of the mean: 0 to 65535.
+pub fn confidence(mean: f64) -> f64 {
+    (mean.max(0.0) * 2.0 / 3.0).floor().min(65535.0)
+}
