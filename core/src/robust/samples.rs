@@ -102,9 +102,10 @@ impl Samples {
         let start = |moved: i32| usize::try_from(spare + moved).unwrap_or(0);
         sample.cells.clear();
         for row in window.chunks(stride.max(1)).skip(start(down)).take(rows.into()) {
-            let cells = row.iter().skip(start(right) * CHANNELS).take(usize::from(across) * CHANNELS);
-            // Cannot fail: no sample is larger than BYTES.
-            sample.cells.extend(cells.copied());
+            let first = start(right) * CHANNELS;
+            let cells = row.get(first..first + usize::from(across) * CHANNELS).unwrap_or_default();
+            // Cannot fail: no sample is larger than BYTES. Not extend, which has a path to a panic.
+            let _ = sample.cells.extend_from_slice(cells);
         }
         (sample.across, sample.x, sample.y) = (across, x - 256 * right, y - 256 * down);
         self.share();

@@ -172,7 +172,10 @@ impl Tracker {
         let products = self.products();
         let Self { filter, samples, early, cells, desk, view, lit, .. } = self;
         lit.clear();
-        lit.extend(middle(&track.grid, view));
+        for pixel in middle(&track.grid, view) {
+            // Cannot fail: a template has at most so many pixels. Not extend, which has a path to a panic.
+            let _ = lit.push(pixel);
+        }
         early.start(lit);
         filter.start(&track.grid);
         samples.clear();
