@@ -19,19 +19,37 @@ const BINS: usize = 9;
 /// Cells in a row, at most.
 const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
-/// cos and sin of 0, 20, ... 180 degrees over sin 20 degrees, in units of 1/256.
-const DIRECTIONS: [(i32, i32); BINS + 1] = [
-    (748, 0),
-    (703, 256),
-    (573, 481),
-    (374, 648),
-    (130, 737),
-    (-130, 737),
-    (-374, 648),
-    (-573, 481),
-    (-703, 256),
-    (-748, 0),
-];
+/// cos and sin of 0, 20, ... 100 degrees over sin 20 degrees, in units of 1/256. Those beyond mirror them.
+const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
+
+/// Between two directions that follow each other, and the numbers of their sums.
+#[derive(Clone, Copy)]
+struct Sector {
+    from: (i32, i32),
+    to: (i32, i32),
+    bins: [u8; 2],
+}
+
+/// The number of the last sector: no direction from 20 to 80 degrees lies beyond a gradient there.
+const BEYOND_NONE: u32 = 4;
+
+const fn sector(from: (i32, i32), to: (i32, i32), bins: [u8; 2]) -> Sector {
+    Sector { from, to, bins }
+}
+
+const SECTORS: [Sector; 5] = sectors([0, 1, 2, 3, 4, 5]);
+const MIRRORED: [Sector; 5] = sectors([0, 8, 7, 6, 5, 4]);
+
+const fn sectors([b0, b1, b2, b3, b4, b5]: [u8; 6]) -> [Sector; 5] {
+    let [d0, d1, d2, d3, d4, d5] = DIRECTIONS;
+    [
+        sector(d0, d1, [b0, b1]),
+        sector(d1, d2, [b1, b2]),
+        sector(d2, d3, [b2, b3]),
+        sector(d3, d4, [b3, b4]),
+        sector(d4, d5, [b4, b5]),
+    ]
+}
 
 /// A gradient of 2 gray levels a pixel, all over a cell, in units of 1/8: cells with less are not lifted to full contrast.
 const FLOOR: u32 = 2 * 16 * 8;
@@ -44,6 +62,31 @@ const GAIN: u32 = 635;
 struct Sums([u16; CHANNELS]);
 
 impl Sums {
+    /// Adds a pixel and the gradient there.
+    #[inline]
+    fn add(&mut self, x: i32, y: i32, pixel: u8) {
+        // Light to dark and dark to light alike: upwards, or to the right.
+        let (x, y) = if (y, x) < (0, 0) { (-x, -y) } else { (x, y) };
+        // The directions beyond 90 degrees mirror the others.
+        let (right, mirrored) = (x.abs(), x < 0);
+        let beyond = |&(cos, sin): &(i32, i32)| (cos * y - sin * right).cast_unsigned() >> 31;
+        let [_, one, two, three, four, _] = &DIRECTIONS;
+        let sector = BEYOND_NONE - (beyond(one) + beyond(two) + beyond(three) + beyond(four));
+        let sectors = if mirrored { &MIRRORED } else { &SECTORS };
+        let Some(&Sector { from, to, bins: [bin, next] }) = sectors.get(sector as usize) else { return };
+        let before = |(cos, sin): (i32, i32)| cos * y - sin * right;
+        // Both are at most 361 * 256 / sin 20 degrees; in units of 1/4.
+        let part = |value: i32| u16::try_from(value.max(0) >> 6).unwrap_or(0);
+        if let Some(sum) = self.0.get_mut(usize::from(bin)) {
+            *sum += part(-before(to));
+        }
+        if let Some(sum) = self.0.get_mut(usize::from(next)) {
+            *sum += part(before(from));
+        }
+        let [.., gray] = &mut self.0;
+        *gray += u16::from(pixel);
+    }
+
     /// The gradient that there is, squared, in gray levels: at most 5,900^2.
     fn energy(&self) -> u32 {
         self.0.iter().take(BINS).map(|&sum| u32::from(sum >> 2).pow(2)).sum()
@@ -119,8 +162,8 @@ impl Strip {
         let above = first.get(1..).unwrap_or_default().array_windows::<4>().step_by(CELL.into());
         let below = third.get(1..).unwrap_or_default().array_windows::<4>().step_by(CELL.into());
         for (((sums, middle), above), below) in sums.iter_mut().zip(middle).zip(above).zip(below) {
-            for at in 0..usize::from(CELL) {
-                add(sums, middle[at], middle[at + 2], above[at], below[at], middle[at + 1]);
+            for ((&[left, pixel, right], &above), &below) in middle.array_windows().zip(above).zip(below) {
+                sums.add(i32::from(right) - i32::from(left), i32::from(below) - i32::from(above), pixel);
             }
         }
     }
@@ -161,25 +204,53 @@ impl Strip {
     }
 }
 
-/// Adds a pixel, by its four neighbours.
-#[inline]
-fn add(sums: &mut Sums, left: u8, right: u8, above: u8, below: u8, pixel: u8) {
-    let (mut x, mut y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
-    if (y, x) < (0, 0) {
-        (x, y) = (-x, -y);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use crate::robust::grid::PIXEL;
+
+    /// FNV-1a of all bytes.
+    fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
     }
-    let before = |(cos, sin): (i32, i32)| cos * y - sin * x;
-    let mut bin = 0;
-    let mut from = before(DIRECTIONS[0]);
-    let mut to = before(DIRECTIONS[1]);
-    while to >= 0 && bin < BINS - 1 {
-        bin += 1;
-        from = to;
-        to = before(DIRECTIONS[bin + 1]);
+
+    fn noise(count: usize, spread: u32) -> std::vec::Vec<u8> {
+        let mut state = 7u32;
+        let next = || {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            u8::try_from((state >> 16) % spread).unwrap()
+        };
+        core::iter::repeat_with(next).take(count).collect()
     }
-    // Both are at most 361 * 256 / sin 20 degrees; in units of 1/4.
-    let part = |value: i32| u16::try_from(value.max(0) >> 6).unwrap_or(0);
-    sums.0[bin] += part(-to);
-    sums.0[(bin + 1) % BINS] += part(from);
-    sums.0[BINS] += u16::from(pixel);
+
+    fn features(pixels: &[u8], step: i64, cells: (u16, u16)) -> std::vec::Vec<i8> {
+        let frame = Frame::whole(Image::new(pixels, 120, 90).unwrap());
+        let lattice =
+            Lattice { x: 57 * PIXEL, y: 40 * PIXEL + 1234, step, columns: cells.0 * CELL + 2, rows: cells.1 * CELL + 2 };
+        let mut out = Vec::<i8, 20_000>::new();
+        assert!(Strip::new().features(&frame, &lattice, &mut out));
+        assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);
+        out.to_vec()
+    }
+
+    #[test]
+    fn features_of_noise_stay_what_they_are() {
+        let of = |spread, step, cells| {
+            hash(features(&noise(120 * 90, spread), step, cells).into_iter().map(i8::cast_unsigned))
+        };
+        let hashes = [
+            of(256, PIXEL, (30, 30)),
+            of(256, 5 * PIXEL / 2, (9, 20)),
+            of(3, PIXEL / 2, (48, 22)),
+            of(30, 17 * PIXEL / 3, (4, 5)),
+        ];
+        assert_eq!(
+            hashes,
+            [6880912278910408271, 12147416471690805507, 3213091790189083990, 17259954616752554114],
+            "the numbers that the plainest code gave"
+        );
+    }
 }

@@ -19,7 +19,7 @@ use super::features::CHANNELS;
 use super::grid::Grid;
 use super::label::Bell;
 use super::samples::{OFFSETS, SAMPLES, Sample, Samples};
-use crate::similarity::Products;
+use crate::similarity::{Layout, Products};
 use heapless::Vec;
 
 /// Weights of the largest filter.
@@ -53,20 +53,24 @@ impl Desk {
         Self { coded: Vec::new(), gradient: Vec::new(), errors: [[[0; OFFSETS]; OFFSETS]; SAMPLES] }
     }
 
-    /// Responses at offsets side by side, to the weights that were coded last by `shift`.
-    pub(super) fn responses(&self, products: Products, shift: u32, cells: &[i8], shape: Shape, out: &mut [i32]) {
-        products.responses(cells, shape.stride, CHANNELS, &self.coded, shape.row, out);
-        out.iter_mut().for_each(|out| *out = response(*out, shift));
+    /// Responses at all offsets, to the weights that were coded last by `shift`.
+    pub(super) fn responses<const N: usize>(
+        &self,
+        products: Products,
+        shift: u32,
+        cells: &[i8],
+        layout: Layout,
+        out: &mut [[i32; N]],
+    ) {
+        products.responses(cells, layout, &self.coded, out);
+        out.as_flattened_mut().iter_mut().for_each(|out| *out = response(*out, shift));
     }
 }
 
-/// How weights lie on cells.
-#[derive(Clone, Copy)]
-pub(super) struct Shape {
-    /// Bytes of a row of the filter.
-    pub(super) row: usize,
-    /// Bytes of a row of the cells.
-    pub(super) stride: usize,
+/// How the filter lies on cells that reach `span / 2` farther to each side.
+pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
+    let row = usize::from(grid.across) * CHANNELS;
+    Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
 }
 
 impl Filter {
@@ -107,7 +111,7 @@ impl Filter {
     /// One step of learning. Cost: three products for each weight, offset and sample.
     #[inline(never)] // one copy in flash
     pub(super) fn learn(&mut self, grid: &Grid, samples: &Samples, desk: &mut Desk, products: Products) {
-        let row = usize::from(grid.across) * CHANNELS;
+        let layout = layout(grid, OFFSETS);
         let largest = self.errors(grid, samples, desk, products);
         let Desk { coded, gradient, errors } = desk;
         // Where to.
@@ -115,10 +119,10 @@ impl Filter {
         gradient.clear();
         let _ = gradient.resize_default(self.weights.len());
         for (sample, errors) in samples.iter().zip(errors.iter()) {
-            for (y, errors) in errors.iter().enumerate() {
-                let errors = errors.map(|error| code(error.into(), shift));
-                products.gather(sample.row(y), sample.stride(), CHANNELS, &errors, row, gradient);
-            }
+            let mut coded = [[0; OFFSETS]; OFFSETS];
+            let errors = errors.as_flattened().iter();
+            coded.as_flattened_mut().iter_mut().zip(errors).for_each(|(to, &error)| *to = code(error.into(), shift));
+            products.gather(sample.cells(), layout, &coded, gradient);
         }
         // Errors have their share in 1/65536, of which 1/256 were taken away. Both terms are below 2^51.
         let slope = |(&weight, &sum): (&i32, &i32)| PULL * i64::from(weight) + (i64::from(sum) << (shift + 8));
@@ -127,7 +131,7 @@ impl Filter {
         let scale = shift_to(steepest, CODED);
         coded.iter_mut().zip(slopes()).for_each(|(coded, slope)| *coded = code(slope, scale));
         // How far.
-        let length = length(samples, coded, row, products);
+        let length = length(samples, coded, layout, products, errors);
         // Lengths have 44 binary places; a product is below 2^46.
         let back = 44u32.saturating_sub(scale);
         for (weight, &slope) in self.weights.iter_mut().zip(coded.iter()) {
@@ -140,20 +144,18 @@ impl Filter {
     /// largest is.
     fn errors(&self, grid: &Grid, samples: &Samples, desk: &mut Desk, products: Products) -> u32 {
         let bell = Bell::of(grid);
-        let shift = self.code(desk);
+        let (shift, layout) = (self.code(desk), layout(grid, OFFSETS));
         let mut largest = 0;
         for (number, sample) in samples.iter().enumerate() {
             let [across, down] = sample.bell(bell);
-            let shape = Shape { row: usize::from(grid.across) * CHANNELS, stride: sample.stride() };
-            for (y, down) in down.into_iter().enumerate() {
-                let mut row = Row::default();
-                desk.responses(products, shift, sample.row(y), shape, &mut row);
-                for (error, across) in row.iter_mut().zip(across) {
-                    *error = weighted(*error - ((across * down + (1 << 13)) >> 14), sample);
+            // There are as many as samples.
+            let Some(errors) = desk.errors.get_mut(number) else { continue };
+            products.responses(sample.cells(), layout, &desk.coded, errors);
+            for (errors, down) in errors.iter_mut().zip(down) {
+                for (error, across) in errors.iter_mut().zip(across) {
+                    let response = response(*error, shift);
+                    *error = weighted(response - ((across * down + (1 << 13)) >> 14), sample);
                     largest = largest.max(error.unsigned_abs());
-                }
-                if let Some(errors) = desk.errors.get_mut(number).and_then(|errors| errors.get_mut(y)) {
-                    *errors = row;
                 }
             }
         }
@@ -162,19 +164,21 @@ impl Filter {
 }
 
 /// How long the step along the coded slopes is, with 44 binary places, below 2^33: the slopes squared over what the step bends, which
-/// is their pull and the samples' responses to them, squared.
-fn length(samples: &Samples, slopes: &[i16], row: usize, products: Products) -> i64 {
+/// is their pull and the samples' responses to them, squared. What errors there are is written over.
+fn length(
+    samples: &Samples,
+    slopes: &[i16],
+    layout: Layout,
+    products: Products,
+    [sums, ..]: &mut [[Row<i32>; OFFSETS]; SAMPLES],
+) -> i64 {
     // At most 2000 * 8191^2 < 2^37.
     let squared: i64 = slopes.iter().map(|&slope| i64::from(slope).pow(2)).sum();
     let mut bend = (PULL * squared) >> 18;
     for sample in samples.iter() {
         // A sum is below 2^31, of which 9 places are taken away, squared twice that: 169 of them are below 2^52.
-        let mut sum = 0;
-        for y in 0..OFFSETS {
-            let mut sums = Row::default();
-            products.responses(sample.row(y), sample.stride(), CHANNELS, slopes, row, &mut sums);
-            sum += sums.iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum::<i64>();
-        }
+        products.responses(sample.cells(), layout, slopes, sums);
+        let sum: i64 = sums.as_flattened().iter().map(|&sum| i64::from(sum >> 9).pow(2)).sum();
         bend += ((sum >> 15) * i64::from(sample.share)) >> 1;
     }
     (squared << 26) / bend.max(1)

@@ -23,8 +23,6 @@ const KEPT: u32 = 62_259;
 /// A piece of a frame's cells in which the target was seen.
 pub(super) struct Sample {
     cells: Vec<i8, BYTES>,
-    /// Cells in a row.
-    across: u16,
     /// Where the target is, from the middle, in units of 1/256 cell.
     x: i32,
     y: i32,
@@ -34,17 +32,12 @@ pub(super) struct Sample {
 
 impl Sample {
     const fn new() -> Self {
-        Self { cells: Vec::new(), across: 0, x: 0, y: 0, share: 0 }
+        Self { cells: Vec::new(), x: 0, y: 0, share: 0 }
     }
 
-    /// The cells from row `y` of the offsets on.
-    pub(super) fn row(&self, y: usize) -> &[i8] {
-        self.cells.get(y * self.stride()..).unwrap_or_default()
-    }
-
-    /// Bytes from a row to the next.
-    pub(super) fn stride(&self) -> usize {
-        usize::from(self.across) * CHANNELS
+    /// The cells.
+    pub(super) fn cells(&self) -> &[i8] {
+        &self.cells
     }
 
     /// Both axes' parts of the label at each offset.
@@ -107,7 +100,7 @@ impl Samples {
             // Cannot fail: no sample is larger than BYTES. Not extend, which has a path to a panic.
             let _ = sample.cells.extend_from_slice(cells);
         }
-        (sample.across, sample.x, sample.y) = (across, x - 256 * right, y - 256 * down);
+        (sample.x, sample.y) = (x - 256 * right, y - 256 * down);
         self.share();
     }
 
@@ -178,8 +171,8 @@ mod tests {
             samples.clear();
             samples.take(&grid(), &window, (at, 0));
             let sample = samples.iter().next().unwrap();
-            assert_eq!((sample.row(0)[0], sample.x), (first, left), "{at}");
-            assert_eq!(sample.row(0).len(), 26 * 26 * CHANNELS);
+            assert_eq!((sample.cells()[0], sample.x), (first, left), "{at}");
+            assert_eq!(sample.cells().len(), 26 * 26 * CHANNELS);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::agreement::{self, Scene};
 use super::config::Config;
 use super::early::Early;
 use super::features::{CELL, CHANNELS, Strip};
-use super::filter::{Desk, Filter, Shape};
+use super::filter::{Desk, Filter, layout};
 use super::grid::{Grid, MOST_SIDE, SCALE};
 use super::responses::{Peak, Responses, SPAN};
 use super::samples::Samples;
@@ -347,14 +347,9 @@ impl Tracker {
 
     /// The filter's responses to the cells, up to `reach` cells around the middle.
     fn responses(&self, grid: &Grid, shift: u32, reach: u16) -> Responses {
-        let bytes = |cells: u16| usize::from(cells) * CHANNELS;
-        let shape = Shape { row: bytes(grid.across), stride: bytes(grid.across + 2 * reach) };
-        let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: 2 * usize::from(reach) + 1 };
-        let span = responses.span;
-        for (y, row) in responses.rows.iter_mut().take(span).enumerate() {
-            let cells = self.cells.get(y * shape.stride..).unwrap_or_default();
-            self.desk.responses(self.products(), shift, cells, shape, row.get_mut(..span).unwrap_or_default());
-        }
+        let span = 2 * usize::from(reach) + 1;
+        let mut responses = Responses { rows: [[0; SPAN]; SPAN], span };
+        self.desk.responses(self.products(), shift, &self.cells, layout(grid, span), &mut responses.rows);
         responses
     }
 

@@ -5,12 +5,13 @@
 //! padding.
 
 mod arch;
-pub(crate) mod products;
+mod products;
 pub mod scalar;
 mod table;
 
+pub(crate) use arch::Products;
 pub use arch::{Backend, Scorer};
-pub(crate) use products::Products;
+pub(crate) use products::Layout;
 pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};

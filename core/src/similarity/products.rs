@@ -1,52 +1,34 @@
 //! Sums of products: bytes, as the filter sees a picture, times numbers of 16 bits. The plain loops; they specify what a backend
 //! computes.
-//!
-//! A *row* of weights lies on a row of bytes; `stride` bytes on, the next row of weights lies. Offsets side by side are
-//! `step` bytes apart.
 
-use super::Backend;
-
-/// How sums of products are computed. All ways give the same integers.
+/// How a filter lies on bytes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Products(Backend);
-
-impl Products {
-    /// By `backend`; by the plain loops where the machine does not have it.
-    pub(crate) fn new(backend: Backend) -> Self {
-        Self(backend)
-    }
-
-    /// See [`responses`].
-    pub(crate) fn responses(
-        self,
-        cells: &[i8],
-        stride: usize,
-        step: usize,
-        weights: &[i16],
-        row: usize,
-        out: &mut [i32],
-    ) {
-        let _ = self.0;
-        responses(cells, stride, step, weights, row, out);
-    }
-
-    /// See [`gather`].
-    pub(crate) fn gather(self, cells: &[i8], stride: usize, step: usize, errors: &[i16], row: usize, sums: &mut [i32]) {
-        gather(cells, stride, step, errors, row, sums);
-    }
+pub(crate) struct Layout {
+    /// Bytes under a row of the filter.
+    pub(crate) row: usize,
+    /// Bytes from there to those under its next row; also from an offset to the next one below.
+    pub(crate) stride: usize,
+    /// Bytes from an offset to the next one to the right.
+    pub(crate) step: usize,
+    /// Offsets on each axis.
+    pub(crate) span: usize,
 }
 
-/// `out[k]` is the sum over all weights of `weight * byte`, the weights' first byte being `k * step`.
+/// `out[y][x]` is the sum over all weights of `weight * byte` at the offset (x, y).
 ///
 /// No sum may leave an `i32`: at most 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
-pub(crate) fn responses(cells: &[i8], stride: usize, step: usize, weights: &[i16], row: usize, out: &mut [i32]) {
-    for (offset, out) in out.iter_mut().enumerate() {
-        let rows = weights.chunks(row.max(1)).zip((offset * step..).step_by(stride.max(1)));
-        *out = rows.map(|(weights, from)| dot(cells.get(from..).unwrap_or_default(), weights)).sum();
+#[inline(always)] // a backend compiles it for its own instruction set
+pub(crate) fn responses<const N: usize>(cells: &[i8], layout: Layout, weights: &[i16], out: &mut [[i32; N]]) {
+    let Layout { row, stride, step, span } = layout;
+    for (y, out) in out.iter_mut().take(span).enumerate() {
+        for (x, out) in out.iter_mut().take(span).enumerate() {
+            let rows = weights.chunks(row.max(1)).zip((y * stride + x * step..).step_by(stride.max(1)));
+            *out = rows.map(|(weights, from)| dot(cells.get(from..).unwrap_or_default(), weights)).sum();
+        }
     }
 }
 
-#[inline]
+#[inline(always)]
 fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     cells.iter().zip(weights).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
@@ -54,12 +36,16 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
 /// The other way round: to each weight's sum the products of all `errors` with the byte that the weight lies on at that offset.
 ///
 /// No sum may leave an `i32`: 4 samples of 13 * 13 errors of at most 16383 reach 4 * 169 * 16383 * 128 < 2^31.
-pub(crate) fn gather(cells: &[i8], stride: usize, step: usize, errors: &[i16], row: usize, sums: &mut [i32]) {
-    for (sums, from) in sums.chunks_mut(row.max(1)).zip((0..).step_by(stride.max(1))) {
-        for (offset, &error) in errors.iter().enumerate() {
-            let cells = cells.get(from + offset * step..).unwrap_or_default();
-            for (sum, &cell) in sums.iter_mut().zip(cells) {
-                *sum += i32::from(error) * i32::from(cell);
+#[inline(always)]
+pub(crate) fn gather<const N: usize>(cells: &[i8], layout: Layout, errors: &[[i16; N]], sums: &mut [i32]) {
+    let Layout { row, stride, step, span } = layout;
+    for (y, errors) in errors.iter().take(span).enumerate() {
+        for (sums, from) in sums.chunks_mut(row.max(1)).zip((y * stride..).step_by(stride.max(1))) {
+            for (x, &error) in errors.iter().take(span).enumerate() {
+                let cells = cells.get(from + x * step..).unwrap_or_default();
+                for (sum, &cell) in sums.iter_mut().zip(cells) {
+                    *sum += i32::from(error) * i32::from(cell);
+                }
             }
         }
     }

@@ -13,6 +13,8 @@
 //! Words of four bytes by ordinary arithmetic do not pay where there is nothing better: on Armv6-M and RV32IMAC words cannot
 //! be loaded from any address, and put together from bytes a distance takes 19 instead of 10 instructions a pixel on Armv6-M.
 //!
+//! `products/` has sums of products, by the same backends: what the robust tracker's filter is made of.
+//!
 //! `rows.rs` is what the kernels go through pictures by, `verify.rs` the plain loops beside them (feature `verify`).
 //!
 //! # Where weights would be added
@@ -39,6 +41,7 @@ mod helium;
 mod neon;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
+mod products;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 
@@ -49,6 +52,8 @@ mod verify;
 mod guard;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use products::Products;
 
 use super::{Table, scalar};
 use crate::image::Image;
