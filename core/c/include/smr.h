@@ -694,7 +694,7 @@ extern "C" {
 size_t smr_robust_tracker_size(void);
 
 /**
- * Makes a robust tracker without a target.
+ * Makes a robust tracker without a target. Takes about 5 KB of stack.
  *
  * @param storage  Memory for the tracker, such as an #smr_robust_storage; aligned to #SMR_ROBUST_TRACKER_ALIGN. It must
  *                 stay where it is, untouched, as long as the tracker is used; then it may be used for anything.
@@ -723,7 +723,7 @@ smr_status smr_robust_lock_window(uint16_t full_width,
                                   struct smr_rect *window);
 
 /**
- * Starts on the target in a box, at any time; whatever was followed before is forgotten.
+ * Starts on the target in a box, at any time; whatever was followed before is forgotten. Takes about 4 KB of stack.
  *
  * Of the frame only the pixels in #smr_robust_lock_window are read: the target and its surroundings.
  * Cost: about that of five calls of #smr_robust_update.
@@ -741,7 +741,7 @@ smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
                            const struct smr_rect *target);
 
 /**
- * Looks for the target in the next frame.
+ * Looks for the target in the next frame. Takes about 5 KB of stack.
  *
  * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
  * Cost, for a filter of W weights (at most 2000) and a template of P pixels (at most #SMR_ROBUST_PIXELS): 307 W products to
