@@ -741,7 +741,7 @@ smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
                            const struct smr_rect *target);
 
 /**
- * Looks for the target in the next frame. Takes about 5 KB of stack.
+ * Looks for the target in the next frame. Takes about 6 KB of stack.
  *
  * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
  * Cost, for a filter of W weights (at most 2000) and a template of P pixels (at most #SMR_ROBUST_PIXELS): 307 W products to
