@@ -10,7 +10,7 @@ mod firmware {
     use smr_core::robust::{Config, Tracker};
     use smr_core::{Frame, Image, Rect};
 
-    const _: () = assert!(size_of::<Tracker>() <= 48 * 1024);
+    const _: () = assert!(size_of::<Tracker>() <= 80 * 1024);
 
     /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
@@ -23,6 +23,7 @@ mod firmware {
             let Ok(frame) = Frame::part(image, black_box(0), black_box(0), black_box(0), black_box(0)) else {
                 continue;
             };
+            let _ = black_box(Tracker::lock_window(frame.bounds(), black_box(Rect::default())));
             let _ = black_box(tracker.lock(&frame, black_box(Rect::default())));
             let _ = black_box(tracker.window());
             let _ = black_box(tracker.update(&frame));

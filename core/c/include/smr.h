@@ -77,14 +77,11 @@ typedef union smr_storage {
 /** Compiles only if the storage is of the size it is said to be. */
 typedef char smr_storage_is_as_large_as_stated[sizeof(smr_storage) == SMR_TRACKER_SIZE ? 1 : -1];
 
-/** The most pixels of a robust tracker's template, and of the window that it is searched in, on its grid. */
-#define SMR_ROBUST_PIXELS 1024
-/** See #SMR_ROBUST_PIXELS. */
-#define SMR_ROBUST_WINDOW 12288
+/** The most pixels of a robust tracker's template, on its grid. */
+#define SMR_ROBUST_PIXELS 1600
 
 /** Size of a robust tracker's storage in bytes, a constant expression; #smr_robust_tracker_size says the same. */
-#define SMR_ROBUST_TRACKER_SIZE \
-    (2 * (size_t)SMR_ROBUST_WINDOW + 9 * (size_t)SMR_ROBUST_PIXELS + 1940 + 32 * sizeof(size_t) + 148)
+#define SMR_ROBUST_TRACKER_SIZE (76016 + 26 * sizeof(size_t))
 
 /** Alignment of a robust tracker's storage in bytes, a constant expression. */
 #define SMR_ROBUST_TRACKER_ALIGN 8
@@ -230,6 +227,14 @@ enum smr_status
    * No update was begun, or it was finished, or the tracker has locked since: #smr_begin comes first.
    */
   SMR_ERROR_NOT_BEGUN = 23,
+  /**
+   * The part of the frame in memory does not cover #smr_robust_lock_window.
+   */
+  SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY = 24,
+  /**
+   * The memory for the pixels is too small for the template.
+   */
+  SMR_ERROR_BUFFER_TOO_SMALL = 25,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -256,8 +261,8 @@ enum smr_robust_state
    */
   SMR_ROBUST_UNCERTAIN = 1,
   /**
-   * It has not agreed for some frames: the target is not seen. The box is what is followed
-   * meanwhile; it is believed again only when the early template agrees clearly.
+   * It has not agreed for some frames: the target is not seen. The box is what is followed meanwhile. Nothing is learned
+   * from it, and the target is looked for elsewhere.
    */
   SMR_ROBUST_LOST = 2,
 };
@@ -315,66 +320,63 @@ typedef struct smr_robust_tracker smr_robust_tracker;
 typedef struct smr_tracker smr_tracker;
 
 /**
- * numerator / denominator; the denominator is at least 1.
- */
-typedef struct smr_fraction {
-  /**
-   * What stands above the line.
-   */
-  uint16_t numerator;
-  /**
-   * What stands below the line; at least 1.
-   */
-  uint16_t denominator;
-} smr_fraction;
-
-/**
  * The parts of the robust tracker. Fill it with #smr_robust_config_default first, then change what is to be changed.
  *
- * Each switch is 0 to leave the part out; the tracker then does what the paper's does in its place. Else the part is there.
+ * Each of the first six is 0 to leave the part out, else the part is there.
  */
 typedef struct smr_robust_config {
   /**
-   * Small targets are enlarged, up to twice; without, the grid is never finer than the frame.
+   * A target that moves is expected to go on. Without, it is expected where it was.
    */
-  uint8_t enlarging;
+  uint8_t velocity;
   /**
-   * alpha follows the template's contrast; without, the paper's rule: k * (largest change of a pixel of the template).
+   * Places far from where the target is expected must answer more clearly.
    */
-  uint8_t contrast;
-  /**
-   * k of the paper's rule; more than 0. Without meaning if `contrast` is not 0.
-   */
-  struct smr_fraction k;
-  /**
-   * A running mean of the patches is compared beside the last one.
-   */
-  uint8_t slow_template;
-  /**
-   * The early template, in the light of the last patch, has a say in where the target is.
-   */
-  uint8_t anchor;
-  /**
-   * Positions are finer than a pixel of the grid.
-   */
-  uint8_t sub_pixel;
+  uint8_t near;
   /**
    * The box follows the target's size.
    */
-  uint8_t cells;
+  uint8_t size;
   /**
-   * An early template is asked, part by part, if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
+   * An early template tells whether it is still the target. Without, the state is always #SMR_ROBUST_TRACKING.
    */
   uint8_t verification;
   /**
-   * A lost or doubtful target is looked for all over the frame; needs `verification`.
+   * What does not agree with the early template is not learned; needs `verification`.
+   */
+  uint8_t caution;
+  /**
+   * A lost target is looked for all over the frame; needs `verification`.
    */
   uint8_t sweep;
   /**
-   * Offsets that cannot matter are left out; it changes nothing but the time.
+   * 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
+   * (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
    */
-  uint8_t pruning;
+  uint8_t plain_loop;
 } smr_robust_config;
+
+/**
+ * A rectangle in whole pixels of the full frame. It may reach outside the frame.
+ */
+typedef struct smr_rect {
+  /**
+   * Left edge, in pixels to the right of the frame's left edge; may be negative.
+   */
+  int32_t x;
+  /**
+   * Top edge, in pixels below the frame's top edge; may be negative.
+   */
+  int32_t y;
+  /**
+   * Width in pixels.
+   */
+  uint16_t width;
+  /**
+   * Height in pixels.
+   */
+  uint16_t height;
+} smr_rect;
 
 /**
  * One frame of the camera: 8-bit gray pixels, the part of it that is in memory, and where in the full frame that is.
@@ -422,28 +424,6 @@ typedef struct smr_frame {
 } smr_frame;
 
 /**
- * A rectangle in whole pixels of the full frame. It may reach outside the frame.
- */
-typedef struct smr_rect {
-  /**
-   * Left edge, in pixels to the right of the frame's left edge; may be negative.
-   */
-  int32_t x;
-  /**
-   * Top edge, in pixels below the frame's top edge; may be negative.
-   */
-  int32_t y;
-  /**
-   * Width in pixels.
-   */
-  uint16_t width;
-  /**
-   * Height in pixels.
-   */
-  uint16_t height;
-} smr_rect;
-
-/**
  * A rectangle in units of 1/256 pixel of the full frame. It may reach outside the frame.
  */
 typedef struct smr_fine_rect {
@@ -466,24 +446,6 @@ typedef struct smr_fine_rect {
 } smr_fine_rect;
 
 /**
- * A position of the template's top left corner in the frame, and its score.
- */
-typedef struct smr_peak {
-  /**
-   * Left edge of the box, in the frame.
-   */
-  int32_t x;
-  /**
-   * Top edge of the box, in the frame.
-   */
-  int32_t y;
-  /**
-   * The sum of the similarities, in units of 1/65535 of a fully similar pixel.
-   */
-  uint32_t score;
-} smr_peak;
-
-/**
  * The answer of #smr_robust_update.
  */
 typedef struct smr_robust_answer {
@@ -500,27 +462,26 @@ typedef struct smr_robust_answer {
    */
   smr_robust_state state;
   /**
-   * How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts. Without verification,
-   * how well the templates match.
+   * How much speaks for it, 0 to 65535: a running mean of the early template's agreement, two thirds, and of the filter's
+   * response, one third. Below 15733 the target is lost, below 26666 it is uncertain.
+   */
+  uint16_t confidence;
+  /**
+   * How well the early template agrees in this frame, in units of 1/65535: the fourth least ratio of its 16 parts.
    */
   uint16_t ratio;
   /**
-   * The threshold that this frame was scored with, in gray levels (0..256): a pixel counted if it differed by less.
+   * The filter's response at the place, in units of 1/16384: about 1 where the target looks as it did.
    */
-  uint16_t alpha;
+  int32_t response;
   /**
    * The target's size against that of the box that was locked on, in units of 1/65536.
    */
   uint32_t scale;
   /**
-   * The best offset on the grid, from the window's first, (32, 32) being the last position; and the scores of the last
-   * patch, twice, of the slow template, and of the anchor, twice, in units of 1/65535 of a fully similar pixel.
+   * Products of the filter and comparisons of the template that it took.
    */
-  struct smr_peak peak;
-  /**
-   * Comparisons of bytes that it took, at most, and products of the sweep.
-   */
-  uint32_t comparisons;
+  uint32_t work;
   /**
    * 1 if the sweep found the target, in this frame; else 0.
    */
@@ -556,6 +517,20 @@ typedef struct smr_table {
    */
   uint16_t entries[256];
 } smr_table;
+
+/**
+ * numerator / denominator; the denominator is at least 1.
+ */
+typedef struct smr_fraction {
+  /**
+   * What stands above the line.
+   */
+  uint16_t numerator;
+  /**
+   * What stands below the line; at least 1.
+   */
+  uint16_t denominator;
+} smr_fraction;
 
 /**
  * How far the search window reaches to each side of the last position, in pixels: offsets -x..x and -y..y.
@@ -647,6 +622,24 @@ typedef struct smr_config {
 } smr_config;
 
 /**
+ * A position of the template's top left corner in the frame, and its score.
+ */
+typedef struct smr_peak {
+  /**
+   * Left edge of the box, in the frame.
+   */
+  int32_t x;
+  /**
+   * Top edge of the box, in the frame.
+   */
+  int32_t y;
+  /**
+   * The sum of the similarities, in units of 1/65535 of a fully similar pixel.
+   */
+  uint32_t score;
+} smr_peak;
+
+/**
  * The answer of #smr_update. Ratios are in units of 1/65535, so 65535 is 1.0.
  */
 typedef struct smr_answer {
@@ -701,15 +694,14 @@ extern "C" {
 size_t smr_robust_tracker_size(void);
 
 /**
- * Makes a robust tracker without a target.
+ * Makes a robust tracker without a target. Takes about 5 KB of stack.
  *
  * @param storage  Memory for the tracker, such as an #smr_robust_storage; aligned to #SMR_ROBUST_TRACKER_ALIGN. It must
  *                 stay where it is, untouched, as long as the tracker is used; then it may be used for anything.
  * @param size     Bytes at `storage`; at least #smr_robust_tracker_size.
  * @param config   Is copied.
  * @param tracker  Is set to the tracker, or to NULL if there is none.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
- *                 #SMR_ERROR_ZERO_DENOMINATOR or #SMR_ERROR_NOTHING_COUNTS (`k`, where it has a meaning).
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_STORAGE_TOO_SMALL.
  */
 smr_status smr_robust_init(void *storage,
                            size_t size,
@@ -717,28 +709,44 @@ smr_status smr_robust_init(void *storage,
                            struct smr_robust_tracker **tracker);
 
 /**
- * Starts on the target in a box, at any time; whatever was followed before is forgotten. Only the pixels of the box and one
- * more on each side are read. Takes about 8 KB of stack.
+ * The pixels of a frame that #smr_robust_lock reads for a target. Firmware may read out just these.
+ *
+ * @param full_width   Width of the full frame.
+ * @param full_height  Height of the full frame.
+ * @param target       The box, wholly inside the frame, of any size.
+ * @param window       Is set to the rectangle, always inside the frame; left alone after an error.
+ * @return             #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_BOX_EMPTY or #SMR_ERROR_BOX_OUTSIDE_FRAME.
+ */
+smr_status smr_robust_lock_window(uint16_t full_width,
+                                  uint16_t full_height,
+                                  const struct smr_rect *target,
+                                  struct smr_rect *window);
+
+/**
+ * Starts on the target in a box, at any time; whatever was followed before is forgotten. Takes about 4 KB of stack.
+ *
+ * Of the frame only the pixels in #smr_robust_lock_window are read: the target and its surroundings.
+ * Cost: about that of five calls of #smr_robust_update.
  *
  * @param tracker  Made by #smr_robust_init.
- * @param frame    The frame, or a part of it that covers the box and, as far as the frame goes, the pixels next to it.
+ * @param frame    The frame, or a part of it that covers #smr_robust_lock_window.
  * @param target   The box, wholly inside the frame, of any size.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
  *                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_BOX_EMPTY,
- *                 #SMR_ERROR_BOX_OUTSIDE_FRAME or #SMR_ERROR_BOX_NOT_IN_MEMORY. After an error the tracker goes on with
- *                 what it had.
+ *                 #SMR_ERROR_BOX_OUTSIDE_FRAME or #SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY. After an error the tracker goes on
+ *                 with what it had.
  */
 smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
                            const struct smr_frame *frame,
                            const struct smr_rect *target);
 
 /**
- * Looks for the target in the next frame. Takes about 8 KB of stack.
+ * Looks for the target in the next frame. Takes about 6 KB of stack.
  *
  * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
- * Cost: two searches of 65x65 offsets over the template's pixels, of which the most are left out where the target is seen
- * clearly, and at most 156,800 comparisons for the cells; while the target is lost or doubtful, one product more for each
- * offset and each of a quarter of the template's pixels.
+ * Cost, for a filter of W weights (at most 2000) and a template of P pixels (at most #SMR_ROBUST_PIXELS): 307 W products to
+ * look for the target and its size; then, to learn, up to 2028 W products, or, while it is lost, 289 W products to look
+ * elsewhere; and 9 P comparisons for each look.
  *
  * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
  * @param frame    The frame, or a part of it that covers #smr_robust_window.
@@ -753,7 +761,8 @@ smr_status smr_robust_update(struct smr_robust_tracker *tracker,
                              struct smr_robust_answer *answer);
 
 /**
- * The pixels of the frame that the next #smr_robust_update may read. Firmware may read out just these.
+ * The pixels of the frame that the next #smr_robust_update may read. Firmware may read out just these. While the target is
+ * uncertain or lost, the place where it is looked for next is in it, too.
  *
  * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
  * @param window   Is set to the rectangle, always inside the frame; left alone after an error.
@@ -763,45 +772,19 @@ smr_status smr_robust_window(const struct smr_robust_tracker *tracker,
                              struct smr_rect *window);
 
 /**
- * The last patch on the grid.
- *
- * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
- * @param image    Is set to the pixels, in the tracker's storage: they are good until the next call of #smr_robust_lock
- *                 or #smr_robust_update on this tracker, and may only be read. Left alone after an error.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
- */
-smr_status smr_robust_template(const struct smr_robust_tracker *tracker,
-                               struct smr_image *image);
-
-/**
- * The running mean of the patches, which is compared beside the last one.
- *
- * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
- * @param image    As for #smr_robust_template.
- * @return         As #smr_robust_template.
- */
-smr_status smr_robust_slow_template(const struct smr_robust_tracker *tracker,
-                                    struct smr_image *image);
-
-/**
  * The early template, by which the track is verified.
  *
  * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
- * @param image    As for #smr_robust_template.
- * @return         As #smr_robust_template.
+ * @param pixels   Memory for its pixels, outside of the tracker's storage: they are copied there, row by row, without gaps.
+ * @param size     Bytes at `pixels`; #SMR_ROBUST_PIXELS are always enough.
+ * @param image    Is set to the pixels and their shape. After an error it is left alone, and so are the pixels.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_NOT_LOCKED or
+ *                 #SMR_ERROR_BUFFER_TOO_SMALL.
  */
 smr_status smr_robust_early_template(const struct smr_robust_tracker *tracker,
+                                     uint8_t *pixels,
+                                     size_t size,
                                      struct smr_image *image);
-
-/**
- * alpha of the next #smr_robust_update.
- *
- * @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
- * @param alpha    Is set to alpha in gray levels, rounded up (0..256); left alone after an error.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
- */
-smr_status smr_robust_alpha(const struct smr_robust_tracker *tracker,
-                            uint16_t *alpha);
 
 /**
  * Fills a configuration with all parts.

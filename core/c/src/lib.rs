@@ -36,10 +36,9 @@ mod types;
 
 pub use capacity::{PIXELS, SPAN, STORAGE_ALIGN, STORAGE_SIZE};
 pub use robust::{
-    ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, smr_fine_rect, smr_robust_alpha, smr_robust_answer, smr_robust_config,
-    smr_robust_config_default, smr_robust_early_template, smr_robust_init, smr_robust_lock, smr_robust_slow_template,
-    smr_robust_state, smr_robust_template, smr_robust_tracker, smr_robust_tracker_size, smr_robust_update,
-    smr_robust_window,
+    ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, smr_fine_rect, smr_robust_answer, smr_robust_config,
+    smr_robust_config_default, smr_robust_early_template, smr_robust_init, smr_robust_lock, smr_robust_lock_window,
+    smr_robust_state, smr_robust_tracker, smr_robust_tracker_size, smr_robust_update, smr_robust_window,
 };
 pub use status::{smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};

@@ -60,19 +60,24 @@ pub enum smr_status {
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 22,
     /// No update was begun, or it was finished, or the tracker has locked since: #smr_begin comes first.
     SMR_ERROR_NOT_BEGUN = 23,
+    /// The part of the frame in memory does not cover #smr_robust_lock_window.
+    SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY = 24,
+    /// The memory for the pixels is too small for the template.
+    SMR_ERROR_BUFFER_TOO_SMALL = 25,
 }
 
 use smr_status::{
     SMR_ERROR_BOX_EMPTY, SMR_ERROR_BOX_NOT_IN_MEMORY, SMR_ERROR_BOX_OUTSIDE_FRAME, SMR_ERROR_BOX_TOO_LARGE,
-    SMR_ERROR_FRAME_EMPTY, SMR_ERROR_FRAME_OVERLAPS_TRACKER, SMR_ERROR_FRAME_SIZE_CHANGED, SMR_ERROR_FRAME_TOO_LARGE,
-    SMR_ERROR_FRAME_TOO_SHORT, SMR_ERROR_LIMIT_BELOW_WINDOW, SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_BEGUN,
-    SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_NOTHING_COUNTS, SMR_ERROR_NULL, SMR_ERROR_OUTSIDE_FRAME,
-    SMR_ERROR_SCALE_OUT_OF_RANGE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_STRIDE_TOO_SMALL,
-    SMR_ERROR_WINDOW_NOT_IN_MEMORY, SMR_ERROR_WINDOW_TOO_LARGE, SMR_ERROR_ZERO_DENOMINATOR, SMR_OK,
+    SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_FRAME_EMPTY, SMR_ERROR_FRAME_OVERLAPS_TRACKER, SMR_ERROR_FRAME_SIZE_CHANGED,
+    SMR_ERROR_FRAME_TOO_LARGE, SMR_ERROR_FRAME_TOO_SHORT, SMR_ERROR_LIMIT_BELOW_WINDOW, SMR_ERROR_MISALIGNED,
+    SMR_ERROR_NOT_BEGUN, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_NOTHING_COUNTS, SMR_ERROR_NULL,
+    SMR_ERROR_OUTSIDE_FRAME, SMR_ERROR_SCALE_OUT_OF_RANGE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_STRIDE_TOO_SMALL,
+    SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY, SMR_ERROR_WINDOW_NOT_IN_MEMORY, SMR_ERROR_WINDOW_TOO_LARGE,
+    SMR_ERROR_ZERO_DENOMINATOR, SMR_OK,
 };
 
 /// Name by number; complete, and tested to be.
-static NAMES: [(smr_status, &CStr); 24] = [
+static NAMES: [(smr_status, &CStr); 26] = [
     (SMR_OK, c"SMR_OK"),
     (SMR_ERROR_NULL, c"SMR_ERROR_NULL"),
     (SMR_ERROR_MISALIGNED, c"SMR_ERROR_MISALIGNED"),
@@ -97,6 +102,8 @@ static NAMES: [(smr_status, &CStr); 24] = [
     (SMR_ERROR_FRAME_SIZE_CHANGED, c"SMR_ERROR_FRAME_SIZE_CHANGED"),
     (SMR_ERROR_WINDOW_NOT_IN_MEMORY, c"SMR_ERROR_WINDOW_NOT_IN_MEMORY"),
     (SMR_ERROR_NOT_BEGUN, c"SMR_ERROR_NOT_BEGUN"),
+    (SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY, c"SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY"),
+    (SMR_ERROR_BUFFER_TOO_SMALL, c"SMR_ERROR_BUFFER_TOO_SMALL"),
 ];
 
 /// The name of a status as it is written here, for logs.
@@ -179,7 +186,7 @@ impl From<robust::LockError> for smr_status {
         match error {
             robust::LockError::BoxEmpty => SMR_ERROR_BOX_EMPTY,
             robust::LockError::BoxOutsideFrame => SMR_ERROR_BOX_OUTSIDE_FRAME,
-            robust::LockError::BoxNotInMemory => SMR_ERROR_BOX_NOT_IN_MEMORY,
+            robust::LockError::SurroundingsNotInMemory => SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY,
         }
     }
 }
@@ -211,7 +218,7 @@ mod tests {
             // SAFETY: a static string, as its documentation says.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(number)) }, name);
         }
-        for unknown in [-1, 24, i32::MIN, i32::MAX] {
+        for unknown in [-1, 26, i32::MIN, i32::MAX] {
             // SAFETY: as above.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }

@@ -87,6 +87,27 @@ static void track(smr_rect target, int at_the_end)
     }
 }
 
+static void track_robust(smr_rect target, int at_the_end)
+{
+    static smr_robust_storage storage;
+    smr_robust_config config;
+    smr_robust_tracker *tracker;
+    smr_rect window;
+    smr_frame frame;
+    smr_robust_answer answer;
+    unsigned number;
+    must(smr_robust_config_default(&config));
+    must(smr_robust_init(&storage, sizeof storage, &config, &tracker));
+    must(smr_robust_lock_window(WIDTH, HEIGHT, &target, &window));
+    frame = part_of(0, &window, at_the_end);
+    must(smr_robust_lock(tracker, &frame, &target));
+    for (number = 1; number < 12; number++) {
+        must(smr_robust_window(tracker, &window));
+        frame = part_of(number * number, &window, at_the_end); /* soon lost: the sweep reads, too */
+        must(smr_robust_update(tracker, &frame, &answer));
+    }
+}
+
 int main(void)
 {
     static const int corners[][2] = {{0, 0}, {WIDTH - 13, 0}, {0, HEIGHT - 11}, {WIDTH - 13, HEIGHT - 11}, {25, 20}};
@@ -99,6 +120,8 @@ int main(void)
         target.y = corners[i][1];
         track(target, 0);
         track(target, 1);
+        track_robust(target, 0);
+        track_robust(target, 1);
     }
     printf("bounds: nothing is read beyond the pixels\n");
     return EXIT_SUCCESS;

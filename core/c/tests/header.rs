@@ -71,21 +71,10 @@ fn the_header_and_the_library_agree_on_every_size() {
     source += &layout!(smr_frame { pixels, size, stride, width, height, x, y, full_width, full_height });
     source += &layout!(smr_peak { x, y, score });
     source += &layout!(smr_answer { bbox, state, ratio, runner_up_ratio, alpha, peak, runner_up, has_runner_up });
-    source += &layout!(smr_robust_config {
-        enlarging,
-        contrast,
-        k,
-        slow_template,
-        anchor,
-        sub_pixel,
-        cells,
-        verification,
-        sweep,
-        pruning
-    });
+    source += &layout!(smr_robust_config { velocity, near, size, verification, caution, sweep, plain_loop });
     source += &layout!(smr_robust_state {});
     source += &layout!(smr_fine_rect { x, y, width, height });
-    source += &layout!(smr_robust_answer { fine, bbox, state, ratio, alpha, scale, peak, comparisons, found_again });
+    source += &layout!(smr_robust_answer { fine, bbox, state, confidence, ratio, response, scale, work, found_again });
     source += &layout!(smr_image { pixels, width, height });
     writeln!(source, "return 0;\n}}").expect("a string takes text");
 

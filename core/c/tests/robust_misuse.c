@@ -14,6 +14,7 @@
 
 static unsigned failed, tried;
 static uint8_t pixels[WIDTH * HEIGHT];
+static uint8_t copied[SMR_ROBUST_PIXELS];
 static smr_robust_storage storage;
 
 static void expect(const char *call, unsigned line, smr_status got, smr_status wanted)
@@ -89,45 +90,37 @@ static void sizes(void)
 
 static void configurations(void)
 {
-    smr_robust_config several[2], config = good_config();
+    smr_robust_config config = good_config();
     smr_robust_tracker *tracker = NULL;
-    HOLD(config.enlarging == 1 && config.contrast == 1 && config.slow_template == 1 && config.anchor == 1);
-    HOLD(config.sub_pixel == 1);
-    HOLD(config.cells == 1 && config.verification == 1 && config.sweep == 1 && config.pruning == 1);
+    HOLD(config.velocity == 1 && config.near == 1 && config.size == 1);
+    HOLD(config.verification == 1 && config.caution == 1 && config.sweep == 1);
+    HOLD(config.plain_loop == 0);
     EXPECT(smr_robust_config_default(NULL), SMR_ERROR_NULL);
-    EXPECT(smr_robust_config_default((smr_robust_config *)askew(several)), SMR_ERROR_MISALIGNED);
-#define REFUSED(change, wanted) \
-    config = good_config(); \
-    config.contrast = 0; \
-    change; \
-    tracker = (smr_robust_tracker *)(void *)&storage; \
-    EXPECT(smr_robust_init(&storage, sizeof storage, &config, &tracker), wanted); \
-    HOLD(tracker == NULL)
-    REFUSED(config.k.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.k.numerator = 0, SMR_ERROR_NOTHING_COUNTS);
-    config.contrast = 200; /* then k has no meaning */
+    memset(&config, 200, sizeof config); /* everything but 0 switches on */
     EXPECT(smr_robust_init(&storage, sizeof storage, &config, &tracker), SMR_OK);
+    memset(&config, 0, sizeof config);
+    EXPECT(smr_robust_init(&storage, sizeof storage, &config, &tracker), SMR_OK);
+    HOLD(tracker != NULL);
 }
 
 static void storages(void)
 {
     static smr_robust_storage two[2], zeroes;
-    smr_robust_config several[2];
+    smr_robust_config config;
     smr_robust_tracker *trackers[2] = {NULL, NULL}, **tracker = trackers;
-    several[0] = good_config();
-    EXPECT(smr_robust_init(NULL, sizeof storage, several, tracker), SMR_ERROR_NULL);
+    config = good_config();
+    EXPECT(smr_robust_init(NULL, sizeof storage, &config, tracker), SMR_ERROR_NULL);
     EXPECT(smr_robust_init(two, sizeof storage, NULL, tracker), SMR_ERROR_NULL);
-    EXPECT(smr_robust_init(two, sizeof storage, several, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_robust_init(askew(two), sizeof storage, several, tracker), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_robust_init(two, sizeof storage, (smr_robust_config *)askew(several), tracker), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_robust_init(two, sizeof storage, several, (smr_robust_tracker **)askew(trackers)),
+    EXPECT(smr_robust_init(two, sizeof storage, &config, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_robust_init(askew(two), sizeof storage, &config, tracker), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_robust_init(two, sizeof storage, &config, (smr_robust_tracker **)askew(trackers)),
            SMR_ERROR_MISALIGNED);
-    EXPECT(smr_robust_init(two, 0, several, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
-    EXPECT(smr_robust_init(two, SMR_ROBUST_TRACKER_SIZE - 1, several, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
+    EXPECT(smr_robust_init(two, 0, &config, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
+    EXPECT(smr_robust_init(two, SMR_ROBUST_TRACKER_SIZE - 1, &config, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
     HOLD(memcmp(&two[0], &zeroes, sizeof zeroes) == 0);
     HOLD(trackers[0] == NULL);
 
-    EXPECT(smr_robust_init(two, SMR_ROBUST_TRACKER_SIZE, several, tracker), SMR_OK);
+    EXPECT(smr_robust_init(two, SMR_ROBUST_TRACKER_SIZE, &config, tracker), SMR_OK);
     HOLD(trackers[0] != NULL && trackers[1] == NULL);
     HOLD(memcmp(&two[1], &zeroes, sizeof zeroes) == 0); /* nothing is written behind the storage */
 }
@@ -139,14 +132,10 @@ static void no_tracker(smr_robust_tracker *tracker, smr_status wanted)
     smr_rect target = rect(10, 10, 12, 12), window;
     smr_robust_answer answer;
     smr_image image;
-    uint16_t alpha;
     EXPECT(smr_robust_lock(tracker, &frame, &target), wanted);
     EXPECT(smr_robust_update(tracker, &frame, &answer), wanted);
     EXPECT(smr_robust_window(tracker, &window), wanted);
-    EXPECT(smr_robust_template(tracker, &image), wanted);
-    EXPECT(smr_robust_slow_template(tracker, &image), wanted);
-    EXPECT(smr_robust_early_template(tracker, &image), wanted);
-    EXPECT(smr_robust_alpha(tracker, &alpha), wanted);
+    EXPECT(smr_robust_early_template(tracker, copied, sizeof copied, &image), wanted);
 }
 
 static void no_trackers(void)
@@ -178,7 +167,6 @@ static void pointers(void)
     smr_rect rects[2];
     smr_robust_answer answers[2];
     smr_image images[2];
-    uint16_t alphas[2];
     frames[0] = good_frame();
     rects[0] = rect(10, 10, 12, 12);
     EXPECT(smr_robust_lock(tracker, NULL, rects), SMR_ERROR_NULL);
@@ -192,12 +180,13 @@ static void pointers(void)
     EXPECT(smr_robust_update(tracker, frames, (smr_robust_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_robust_window(tracker, NULL), SMR_ERROR_NULL);
     EXPECT(smr_robust_window(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_robust_template(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_robust_template(tracker, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_robust_slow_template(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_robust_early_template(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_robust_alpha(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_robust_alpha(tracker, (uint16_t *)askew(alphas)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_robust_early_template(tracker, NULL, sizeof copied, images), SMR_ERROR_NULL);
+    EXPECT(smr_robust_early_template(tracker, copied, sizeof copied, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_robust_early_template(tracker, copied, sizeof copied, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_robust_lock_window(WIDTH, HEIGHT, NULL, rects), SMR_ERROR_NULL);
+    EXPECT(smr_robust_lock_window(WIDTH, HEIGHT, rects, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_robust_lock_window(WIDTH, HEIGHT, (smr_rect *)askew(rects), rects + 1), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_robust_lock_window(WIDTH, HEIGHT, rects, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
 }
 
 /* A frame that lock and update refuse alike. */
@@ -214,7 +203,6 @@ static void frames(void)
     smr_robust_tracker *tracker = good_tracker();
     smr_rect target = rect(10, 10, 12, 12);
     smr_frame frame = good_frame();
-    smr_image image;
     EXPECT(smr_robust_lock(tracker, &frame, &target), SMR_OK);
 #define REFUSED_FRAME(change, wanted) \
     frame = good_frame(); \
@@ -227,24 +215,36 @@ static void frames(void)
     REFUSED_FRAME(frame.size = (size_t)PTRDIFF_MAX + 1, SMR_ERROR_FRAME_TOO_LARGE);
     REFUSED_FRAME(frame.x = 1, SMR_ERROR_OUTSIDE_FRAME);
 
-    EXPECT(smr_robust_early_template(tracker, &image), SMR_OK);
-    frame.pixels = image.pixels;
-    frame.width = image.width;
-    frame.height = image.height;
-    frame.stride = image.width;
-    frame.size = (size_t)image.width * image.height;
+    frame = good_frame();
+    frame.pixels = storage.bytes;
     refused(tracker, &frame, SMR_ERROR_FRAME_OVERLAPS_TRACKER);
     frame.pixels = storage.bytes + SMR_ROBUST_TRACKER_SIZE - 1;
     refused(tracker, &frame, SMR_ERROR_FRAME_OVERLAPS_TRACKER);
+}
+
+/* The part of the frame that a window covers. */
+static smr_frame part_of_frame(const smr_rect *window)
+{
+    smr_frame frame = good_frame();
+    frame.pixels = pixels + (size_t)window->y * WIDTH + (size_t)window->x;
+    frame.x = (uint16_t)window->x;
+    frame.y = (uint16_t)window->y;
+    frame.width = window->width;
+    frame.height = window->height;
+    frame.size = (size_t)(window->height - 1) * WIDTH + window->width;
+    return frame;
 }
 
 static void boxes(void)
 {
     smr_robust_tracker *tracker = good_tracker();
     smr_frame frame = good_frame();
-    smr_rect target;
-#define REFUSED_BOX(x, y, width, height, wanted) \
-    target = rect(x, y, width, height); \
+    smr_rect target, window;
+#define REFUSED_BOX(left, top, across, down, wanted) \
+    target = rect(left, top, across, down); \
+    window = rect(-7, -7, 7, 7); \
+    EXPECT(smr_robust_lock_window(WIDTH, HEIGHT, &target, &window), wanted); \
+    HOLD((window.x == -7) == ((wanted) != SMR_OK)); \
     EXPECT(smr_robust_lock(tracker, &frame, &target), wanted)
     REFUSED_BOX(5, 5, 0, 6, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(5, 5, 6, 0, SMR_ERROR_BOX_EMPTY);
@@ -253,54 +253,70 @@ static void boxes(void)
     REFUSED_BOX(INT32_MAX, INT32_MIN, UINT16_MAX, UINT16_MAX, SMR_ERROR_BOX_OUTSIDE_FRAME);
     REFUSED_BOX(0, 0, WIDTH, HEIGHT, SMR_OK);
     REFUSED_BOX(0, 0, 1, 1, SMR_OK);
-    frame.pixels += 10;
-    frame.size -= 10;
-    frame.width -= 10;
-    frame.x = 10;
-    REFUSED_BOX(9, 5, 6, 6, SMR_ERROR_BOX_NOT_IN_MEMORY);
-    REFUSED_BOX(11, 5, 6, 6, SMR_OK);
+}
+
+/* The lock window is what lock reads: with it there is a lock, with a column or a row less there is none. */
+static void surroundings(void)
+{
+    smr_robust_tracker *tracker = good_tracker();
+    smr_frame frame;
+    smr_rect target = rect(26, 22, 8, 8), window;
+    EXPECT(smr_robust_lock_window(WIDTH, HEIGHT, &target, &window), SMR_OK);
+    HOLD(window.x > 0 && window.y > 0 && window.x + window.width < WIDTH && window.y + window.height < HEIGHT);
+    frame = part_of_frame(&window);
+    EXPECT(smr_robust_lock(tracker, &frame, &target), SMR_OK);
+    frame.width--;
+    EXPECT(smr_robust_lock(tracker, &frame, &target), SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY);
+    frame.width++;
+    frame.height--;
+    EXPECT(smr_robust_lock(tracker, &frame, &target), SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY);
 }
 
 static void order(void)
 {
     smr_robust_tracker *tracker = good_tracker();
     smr_frame frame = good_frame();
-    smr_rect target = rect(24, 20, 12, 12), window = rect(-7, -7, 7, 7);
+    smr_rect target = rect(26, 22, 8, 8), window = rect(-7, -7, 7, 7);
     smr_robust_answer answer;
     smr_image image;
-    uint16_t alpha = 777;
     memset(&answer, 0x5A, sizeof answer);
+    memset(&image, 0x5A, sizeof image);
     EXPECT(smr_robust_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_robust_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_robust_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_robust_slow_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_robust_early_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_robust_alpha(tracker, &alpha), SMR_ERROR_NOT_LOCKED);
-    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && alpha == 777);
+    EXPECT(smr_robust_early_template(tracker, copied, sizeof copied, &image), SMR_ERROR_NOT_LOCKED);
+    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && image.width == 0x5A5A);
 
     EXPECT(smr_robust_lock(tracker, &frame, &target), SMR_OK);
     frame.height = frame.full_height = HEIGHT - 1;
     EXPECT(smr_robust_update(tracker, &frame, &answer), SMR_ERROR_FRAME_SIZE_CHANGED);
 
-    frame = good_frame();
     EXPECT(smr_robust_window(tracker, &window), SMR_OK);
     HOLD(window.x > 0 && window.y >= 0 && window.width < WIDTH && window.x + window.width <= WIDTH);
-    frame.pixels = pixels + (size_t)window.y * WIDTH + (size_t)window.x;
-    frame.x = (uint16_t)window.x;
-    frame.y = (uint16_t)window.y;
-    frame.height = window.height;
-    frame.size = (size_t)(window.height - 1) * WIDTH + window.width;
-    frame.width = (uint16_t)(window.width - 1);
+    frame = part_of_frame(&window);
+    frame.width--;
     EXPECT(smr_robust_update(tracker, &frame, &answer), SMR_ERROR_WINDOW_NOT_IN_MEMORY);
     HOLD(answer.bbox.x == 0x5A5A5A5A);
-    frame.width = window.width;
+    frame.width++;
     EXPECT(smr_robust_update(tracker, &frame, &answer), SMR_OK);
-    HOLD(answer.bbox.x == 24 && answer.bbox.y == 20 && answer.bbox.width == 12 && answer.bbox.height == 12);
-    HOLD(answer.state == SMR_ROBUST_TRACKING && answer.ratio == 65535 && answer.found_again == 0);
-    EXPECT(smr_robust_template(tracker, &image), SMR_OK);
-    HOLD(image.width == 24 && image.height == 24);
-    EXPECT(smr_robust_alpha(tracker, &alpha), SMR_OK);
-    HOLD(alpha == answer.alpha);
+    HOLD(answer.bbox.x == 26 && answer.bbox.y == 22 && answer.bbox.width == 8 && answer.bbox.height == 8);
+    HOLD(answer.state == SMR_ROBUST_TRACKING && answer.ratio > 65000 && answer.found_again == 0);
+}
+
+/* The early template is copied: into enough memory, and no further. */
+static void early_templates(void)
+{
+    smr_robust_tracker *tracker = good_tracker();
+    smr_frame frame = good_frame();
+    smr_rect target = rect(26, 22, 8, 8);
+    smr_image image;
+    EXPECT(smr_robust_lock(tracker, &frame, &target), SMR_OK);
+    memset(copied, 0x5A, sizeof copied);
+    memset(&image, 0x5A, sizeof image);
+    EXPECT(smr_robust_early_template(tracker, copied, 16 * 16 - 1, &image), SMR_ERROR_BUFFER_TOO_SMALL);
+    HOLD(copied[0] == 0x5A && image.width == 0x5A5A);
+    EXPECT(smr_robust_early_template(tracker, copied, 16 * 16, &image), SMR_OK);
+    HOLD(image.pixels == copied && image.width == 16 && image.height == 16); /* a grid of half pixels */
+    HOLD(copied[16 * 16] == 0x5A && memchr(copied, 0x5A, 16 * 16) != copied);
 }
 
 int main(void)
@@ -316,7 +332,9 @@ int main(void)
     pointers();
     frames();
     boxes();
+    surroundings();
     order();
+    early_templates();
     printf("robust_misuse: %u claims, %u failed\n", tried, failed);
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -70,7 +70,7 @@ mod tests {
     /// How well a template of 16x16 pixels agrees with what is seen in its place, with pixels of one level around it.
     fn agreement(template: &[u8], seen: &[u8], around: u8) -> u16 {
         let mut early = Early::new();
-        early.start(template);
+        early.start(template.iter().copied());
         let mut view = std::vec![around; 18 * 18];
         for (row, seen) in view.chunks_mut(18).skip(1).zip(seen.chunks(16)) {
             row[1..17].copy_from_slice(seen);

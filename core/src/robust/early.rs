@@ -17,9 +17,9 @@ impl Early {
     }
 
     /// Begins with `patch`, or with as much of it as there is room for.
-    pub(super) fn start(&mut self, patch: &[u8]) {
+    pub(super) fn start(&mut self, patch: impl Iterator<Item = u8>) {
         self.fine.clear();
-        for &pixel in patch.iter().take(MOST_PIXELS) {
+        for pixel in patch.take(MOST_PIXELS) {
             let _ = self.fine.push(u16::from(pixel) << 8);
         }
     }
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn it_comes_within_two_gray_levels_of_what_it_learns() {
         let mut early = Early::new();
-        early.start(&[0, 255]);
+        early.start([0, 255].into_iter());
         assert!(early.pixels().eq([0, 255]));
         for _ in 0..20_000 {
             early.learn([255, 0].into_iter());

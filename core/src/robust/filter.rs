@@ -117,7 +117,10 @@ impl Filter {
         let largest = self.weights.iter().map(|weight| weight.unsigned_abs()).max().unwrap_or(0);
         let shift = shift_to(largest.into(), CODED);
         desk.coded.clear();
-        desk.coded.extend(self.weights.iter().map(|&weight| code(weight.into(), shift)));
+        for &weight in &self.weights {
+            // Cannot fail: there is room for as many. Not extend, which has a path to a panic.
+            let _ = desk.coded.push(code(weight.into(), shift));
+        }
         shift
     }
 

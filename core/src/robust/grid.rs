@@ -53,7 +53,8 @@ impl Grid {
         // Even, so that the template's middle is the window's.
         let pixels = |size: u16, cells: u16| {
             let side = 2 * (((u64::from(size) << 12) + step) / (2 * step));
-            side.clamp(4, (cells * CELL).into())
+            // Not clamp, which could be a panic where it is folded.
+            side.min((cells * CELL).into()).max(4)
         };
         let (columns, rows) =
             fitting(pixels(target.width, across) / 2, pixels(target.height, down) / 2, MOST_PIXELS as u64 / 4);

@@ -173,9 +173,7 @@ impl Tracker {
         }
         let track = Track::new(bounds, target);
         track.place.view(&track.grid).sample(frame, &mut self.view);
-        self.lit.clear();
-        self.lit.extend(middle(&track.grid, &self.view));
-        self.early.start(&self.lit);
+        self.early.start(middle(&track.grid, &self.view));
         self.filter.start(&track.grid);
         self.see(frame, &track.grid, track.place);
         for _ in 0..FIRST_STEPS {

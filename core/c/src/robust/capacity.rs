@@ -1,16 +1,9 @@
-//! How much a robust tracker holds, and the storage which that takes.
+//! The storage that a robust tracker takes.
 
 use super::tracker::smr_robust_tracker;
 
-/// `SMR_ROBUST_PIXELS` of the header.
-pub(super) const PIXELS: usize = 1024;
-
-/// `SMR_ROBUST_WINDOW` of the header.
-pub(super) const WINDOW: usize = 12288;
-
-/// `SMR_ROBUST_TRACKER_SIZE` of the header: two bytes a pixel of the window, nine a pixel of the template, 1940 for what the
-/// search keeps of its offsets, and what the fixed fields take with some to spare.
-pub const ROBUST_STORAGE_SIZE: usize = 2 * WINDOW + 9 * PIXELS + 1940 + size_of::<[usize; 32]>() + 148;
+/// `SMR_ROBUST_TRACKER_SIZE` of the header: what its scratch memory, its filter and its templates take, and some to spare.
+pub const ROBUST_STORAGE_SIZE: usize = 76016 + size_of::<[usize; 26]>();
 
 /// `SMR_ROBUST_TRACKER_ALIGN` of the header.
 pub const ROBUST_STORAGE_ALIGN: usize = 8;

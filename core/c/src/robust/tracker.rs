@@ -1,6 +1,6 @@
 //! The robust tracker in storage of the caller: making it, and every call on it.
 
-use super::capacity::{PIXELS, ROBUST_STORAGE_SIZE, WINDOW};
+use super::capacity::ROBUST_STORAGE_SIZE;
 use super::types::{smr_robust_answer, smr_robust_config};
 use crate::pointer::{self, Out};
 use crate::status::{smr_status, status_of};
@@ -8,7 +8,7 @@ use crate::types::{smr_frame, smr_image, smr_rect};
 use core::ffi::c_void;
 use core::ptr::{self, addr_of};
 use smr_core::robust::Tracker;
-use smr_core::{Frame, Image};
+use smr_core::{Frame, Rect};
 
 /// Follows one target whose size, light and view may change. Lives in storage that the caller gives to #smr_robust_init;
 /// needs no clean-up.
@@ -17,7 +17,7 @@ use smr_core::{Frame, Image};
 pub struct smr_robust_tracker {
     /// [`mark_of`] its own address, so that other memory is not taken for a tracker.
     mark: usize,
-    tracker: Tracker<PIXELS, WINDOW>,
+    tracker: Tracker,
 }
 
 /// What a tracker at `address` is marked with. Never 0, whatever the alignment; and not the paper's tracker's.
@@ -33,15 +33,14 @@ pub extern "C" fn smr_robust_tracker_size() -> usize {
     ROBUST_STORAGE_SIZE
 }
 
-/// Makes a robust tracker without a target.
+/// Makes a robust tracker without a target. Takes about 5 KB of stack.
 ///
 /// @param storage  Memory for the tracker, such as an #smr_robust_storage; aligned to #SMR_ROBUST_TRACKER_ALIGN. It must
 ///                 stay where it is, untouched, as long as the tracker is used; then it may be used for anything.
 /// @param size     Bytes at `storage`; at least #smr_robust_tracker_size.
 /// @param config   Is copied.
 /// @param tracker  Is set to the tracker, or to NULL if there is none.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
-///                 #SMR_ERROR_ZERO_DENOMINATOR or #SMR_ERROR_NOTHING_COUNTS (`k`, where it has a meaning).
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_STORAGE_TOO_SMALL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_robust_init(
     storage: *mut c_void,
@@ -73,21 +72,54 @@ unsafe fn init(
         return Err(smr_status::SMR_ERROR_STORAGE_TOO_SMALL);
     }
     // SAFETY: as the caller says.
-    let config = unsafe { pointer::read(config)?.config()? };
+    let config = unsafe { pointer::read(config)?.config() };
     out.write(smr_robust_tracker { mark: mark_of(storage), tracker: Tracker::new(config) });
     Ok(storage)
 }
 
-/// Starts on the target in a box, at any time; whatever was followed before is forgotten. Only the pixels of the box and one
-/// more on each side are read. Takes about 8 KB of stack.
+/// The pixels of a frame that #smr_robust_lock reads for a target. Firmware may read out just these.
+///
+/// @param full_width   Width of the full frame.
+/// @param full_height  Height of the full frame.
+/// @param target       The box, wholly inside the frame, of any size.
+/// @param window       Is set to the rectangle, always inside the frame; left alone after an error.
+/// @return             #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_BOX_EMPTY or #SMR_ERROR_BOX_OUTSIDE_FRAME.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_robust_lock_window(
+    full_width: u16,
+    full_height: u16,
+    target: *const smr_rect,
+    window: *mut smr_rect,
+) -> smr_status {
+    // SAFETY: as the header asks of the caller.
+    status_of(unsafe { lock_window(Rect::new(0, 0, full_width, full_height), target, window) })
+}
+
+unsafe fn lock_window(bounds: Rect, target: *const smr_rect, window: *mut smr_rect) -> Result<(), smr_status> {
+    // SAFETY: as the caller of `smr_robust_lock_window` says, of each.
+    let (target, out) = unsafe { (Rect::from(pointer::read(target)?), Out::new(window)?) };
+    if target.is_empty() {
+        return Err(smr_status::SMR_ERROR_BOX_EMPTY);
+    }
+    if !bounds.contains(target) {
+        return Err(smr_status::SMR_ERROR_BOX_OUTSIDE_FRAME);
+    }
+    out.write(Tracker::lock_window(bounds, target).into());
+    Ok(())
+}
+
+/// Starts on the target in a box, at any time; whatever was followed before is forgotten. Takes about 4 KB of stack.
+///
+/// Of the frame only the pixels in #smr_robust_lock_window are read: the target and its surroundings.
+/// Cost: about that of five calls of #smr_robust_update.
 ///
 /// @param tracker  Made by #smr_robust_init.
-/// @param frame    The frame, or a part of it that covers the box and, as far as the frame goes, the pixels next to it.
+/// @param frame    The frame, or a part of it that covers #smr_robust_lock_window.
 /// @param target   The box, wholly inside the frame, of any size.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
 ///                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_BOX_EMPTY,
-///                 #SMR_ERROR_BOX_OUTSIDE_FRAME or #SMR_ERROR_BOX_NOT_IN_MEMORY. After an error the tracker goes on with
-///                 what it had.
+///                 #SMR_ERROR_BOX_OUTSIDE_FRAME or #SMR_ERROR_SURROUNDINGS_NOT_IN_MEMORY. After an error the tracker goes on
+///                 with what it had.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_robust_lock(
     tracker: *mut smr_robust_tracker,
@@ -108,12 +140,12 @@ unsafe fn lock(
     Ok(tracker.lock(&frame, target.into())?)
 }
 
-/// Looks for the target in the next frame. Takes about 8 KB of stack.
+/// Looks for the target in the next frame. Takes about 6 KB of stack.
 ///
 /// Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
-/// Cost: two searches of 65x65 offsets over the template's pixels, of which the most are left out where the target is seen
-/// clearly, and at most 156,800 comparisons for the cells; while the target is lost or doubtful, one product more for each
-/// offset and each of a quarter of the template's pixels.
+/// Cost, for a filter of W weights (at most 2000) and a template of P pixels (at most #SMR_ROBUST_PIXELS): 307 W products to
+/// look for the target and its size; then, to learn, up to 2028 W products, or, while it is lost, 289 W products to look
+/// elsewhere; and 9 P comparisons for each look.
 ///
 /// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
 /// @param frame    The frame, or a part of it that covers #smr_robust_window.
@@ -143,7 +175,8 @@ unsafe fn update(
     Ok(())
 }
 
-/// The pixels of the frame that the next #smr_robust_update may read. Firmware may read out just these.
+/// The pixels of the frame that the next #smr_robust_update may read. Firmware may read out just these. While the target is
+/// uncertain or lost, the place where it is looked for next is in it, too.
 ///
 /// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
 /// @param window   Is set to the rectangle, always inside the frame; left alone after an error.
@@ -154,60 +187,46 @@ pub unsafe extern "C" fn smr_robust_window(tracker: *const smr_robust_tracker, w
     status_of(unsafe { ask(tracker, window, |tracker| tracker.window().map(smr_rect::from)) })
 }
 
-/// The last patch on the grid.
-///
-/// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
-/// @param image    Is set to the pixels, in the tracker's storage: they are good until the next call of #smr_robust_lock
-///                 or #smr_robust_update on this tracker, and may only be read. Left alone after an error.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_robust_template(tracker: *const smr_robust_tracker, image: *mut smr_image) -> smr_status {
-    // SAFETY: as the header asks of the caller, who gives memory for an smr_image.
-    status_of(unsafe { ask(tracker, image, |tracker| tracker.template().map(pixels_of)) })
-}
-
-/// The running mean of the patches, which is compared beside the last one.
-///
-/// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
-/// @param image    As for #smr_robust_template.
-/// @return         As #smr_robust_template.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_robust_slow_template(
-    tracker: *const smr_robust_tracker,
-    image: *mut smr_image,
-) -> smr_status {
-    // SAFETY: as the header asks of the caller, who gives memory for an smr_image.
-    status_of(unsafe { ask(tracker, image, |tracker| tracker.slow_template().map(pixels_of)) })
-}
-
 /// The early template, by which the track is verified.
 ///
 /// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
-/// @param image    As for #smr_robust_template.
-/// @return         As #smr_robust_template.
+/// @param pixels   Memory for its pixels, outside of the tracker's storage: they are copied there, row by row, without gaps.
+/// @param size     Bytes at `pixels`; #SMR_ROBUST_PIXELS are always enough.
+/// @param image    Is set to the pixels and their shape. After an error it is left alone, and so are the pixels.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_NOT_LOCKED or
+///                 #SMR_ERROR_BUFFER_TOO_SMALL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_robust_early_template(
     tracker: *const smr_robust_tracker,
+    pixels: *mut u8,
+    size: usize,
     image: *mut smr_image,
 ) -> smr_status {
-    // SAFETY: as the header asks of the caller, who gives memory for an smr_image.
-    status_of(unsafe { ask(tracker, image, |tracker| tracker.early_template().map(pixels_of)) })
+    // SAFETY: as the header asks of the caller.
+    status_of(unsafe { early_template(tracker, pixels, size, image) })
 }
 
-/// alpha of the next #smr_robust_update.
-///
-/// @param tracker  Made by #smr_robust_init, locked by #smr_robust_lock.
-/// @param alpha    Is set to alpha in gray levels, rounded up (0..256); left alone after an error.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_robust_alpha(tracker: *const smr_robust_tracker, alpha: *mut u16) -> smr_status {
-    // SAFETY: as the header asks of the caller, who gives memory for a uint16_t.
-    status_of(unsafe { ask(tracker, alpha, |tracker| tracker.grid().map(|_| tracker.alpha())) })
-}
-
-/// A template's, which is stored without gaps.
-fn pixels_of(template: Image<'_>) -> smr_image {
-    smr_image { pixels: template.row(0).as_ptr(), width: template.width(), height: template.height() }
+unsafe fn early_template(
+    tracker: *const smr_robust_tracker,
+    pixels: *mut u8,
+    size: usize,
+    image: *mut smr_image,
+) -> Result<(), smr_status> {
+    pointer::check(pixels)?;
+    // SAFETY: as the caller of `smr_robust_early_template` says, of both. The tracker is not written through this borrow.
+    let (tracker, out) = unsafe { (borrow(tracker.cast_mut())?, Out::new(image)?) };
+    let (Some(grid), Some(template)) = (tracker.grid(), tracker.early_template()) else {
+        return Err(smr_status::SMR_ERROR_NOT_LOCKED);
+    };
+    if size < template.len() {
+        return Err(smr_status::SMR_ERROR_BUFFER_TOO_SMALL);
+    }
+    for (at, pixel) in template.enumerate() {
+        // SAFETY: the caller says that there is memory for `size` pixels, which are not fewer.
+        unsafe { pixels.add(at).write(pixel) }
+    }
+    out.write(smr_image { pixels, width: grid.columns, height: grid.rows });
+    Ok(())
 }
 
 /// Writes what `question` answers; no answer means that there is no target yet.
@@ -217,7 +236,7 @@ fn pixels_of(template: Image<'_>) -> smr_image {
 unsafe fn ask<T>(
     tracker: *const smr_robust_tracker,
     out: *mut T,
-    question: impl FnOnce(&Tracker<PIXELS, WINDOW>) -> Option<T>,
+    question: impl FnOnce(&Tracker) -> Option<T>,
 ) -> Result<(), smr_status> {
     // SAFETY: as the caller says, of both. The tracker is not written through this borrow.
     let (tracker, out) = unsafe { (borrow(tracker.cast_mut())?, Out::new(out)?) };
@@ -229,7 +248,7 @@ unsafe fn ask<T>(
 ///
 /// # Safety
 /// A `tracker` that is not NULL points to memory of the size of one, and nobody else uses it as long as the result lives.
-unsafe fn borrow<'a>(tracker: *mut smr_robust_tracker) -> Result<&'a mut Tracker<PIXELS, WINDOW>, smr_status> {
+unsafe fn borrow<'a>(tracker: *mut smr_robust_tracker) -> Result<&'a mut Tracker, smr_status> {
     pointer::check(tracker)?;
     // SAFETY: neither NULL nor misaligned, and there is memory. Only the mark is read, and every usize is one.
     let mark = unsafe { addr_of!((*tracker).mark).read() };

@@ -2,35 +2,31 @@
 
 use crate::pointer;
 use crate::status::{smr_status, status_of};
-use crate::types::{smr_fraction, smr_peak, smr_rect};
-use smr_core::robust::{Answer, Config, FineRect, State, ThresholdRule};
+use crate::types::smr_rect;
+use smr_core::robust::{Answer, Config, FineRect, State};
+use smr_core::similarity::Backend;
 
 /// The parts of the robust tracker. Fill it with #smr_robust_config_default first, then change what is to be changed.
 ///
-/// Each switch is 0 to leave the part out; the tracker then does what the paper's does in its place. Else the part is there.
+/// Each of the first six is 0 to leave the part out, else the part is there.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_robust_config {
-    /// Small targets are enlarged, up to twice; without, the grid is never finer than the frame.
-    pub enlarging: u8,
-    /// alpha follows the template's contrast; without, the paper's rule: k * (largest change of a pixel of the template).
-    pub contrast: u8,
-    /// k of the paper's rule; more than 0. Without meaning if `contrast` is not 0.
-    pub k: smr_fraction,
-    /// A running mean of the patches is compared beside the last one.
-    pub slow_template: u8,
-    /// The early template, in the light of the last patch, has a say in where the target is.
-    pub anchor: u8,
-    /// Positions are finer than a pixel of the grid.
-    pub sub_pixel: u8,
+    /// A target that moves is expected to go on. Without, it is expected where it was.
+    pub velocity: u8,
+    /// Places far from where the target is expected must answer more clearly.
+    pub near: u8,
     /// The box follows the target's size.
-    pub cells: u8,
-    /// An early template is asked, part by part, if it is still the target; without, the state is always #SMR_ROBUST_TRACKING.
+    pub size: u8,
+    /// An early template tells whether it is still the target. Without, the state is always #SMR_ROBUST_TRACKING.
     pub verification: u8,
-    /// A lost or doubtful target is looked for all over the frame; needs `verification`.
+    /// What does not agree with the early template is not learned; needs `verification`.
+    pub caution: u8,
+    /// A lost target is looked for all over the frame; needs `verification`.
     pub sweep: u8,
-    /// Offsets that cannot matter are left out; it changes nothing but the time.
-    pub pruning: u8,
+    /// 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
+    /// (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
+    pub plain_loop: u8,
 }
 
 /// What the robust tracker holds of its target after a frame.
@@ -41,8 +37,8 @@ pub enum smr_robust_state {
     SMR_ROBUST_TRACKING = 0,
     /// It hardly agrees: the target is partly hidden or changes quickly, or something else is followed.
     SMR_ROBUST_UNCERTAIN = 1,
-    /// It has not agreed for some frames: the target is not seen. The box is what is followed
-    /// meanwhile; it is believed again only when the early template agrees clearly.
+    /// It has not agreed for some frames: the target is not seen. The box is what is followed meanwhile. Nothing is learned
+    /// from it, and the target is looked for elsewhere.
     SMR_ROBUST_LOST = 2,
 }
 
@@ -70,18 +66,17 @@ pub struct smr_robust_answer {
     pub bbox: smr_rect,
     /// Whether the box is to be believed.
     pub state: smr_robust_state,
-    /// How well the early template agrees, in units of 1/65535: the fourth least ratio of its 16 parts. Without verification,
-    /// how well the templates match.
+    /// How much speaks for it, 0 to 65535: a running mean of the early template's agreement, two thirds, and of the filter's
+    /// response, one third. Below 15733 the target is lost, below 26666 it is uncertain.
+    pub confidence: u16,
+    /// How well the early template agrees in this frame, in units of 1/65535: the fourth least ratio of its 16 parts.
     pub ratio: u16,
-    /// The threshold that this frame was scored with, in gray levels (0..256): a pixel counted if it differed by less.
-    pub alpha: u16,
+    /// The filter's response at the place, in units of 1/16384: about 1 where the target looks as it did.
+    pub response: i32,
     /// The target's size against that of the box that was locked on, in units of 1/65536.
     pub scale: u32,
-    /// The best offset on the grid, from the window's first, (32, 32) being the last position; and the scores of the last
-    /// patch, twice, of the slow template, and of the anchor, twice, in units of 1/65535 of a fully similar pixel.
-    pub peak: smr_peak,
-    /// Comparisons of bytes that it took, at most, and products of the sweep.
-    pub comparisons: u32,
+    /// Products of the filter and comparisons of the template that it took.
+    pub work: u32,
     /// 1 if the sweep found the target, in this frame; else 0.
     pub found_again: u8,
 }
@@ -100,49 +95,27 @@ pub unsafe extern "C" fn smr_robust_config_default(config: *mut smr_robust_confi
 impl smr_robust_config {
     fn all_parts() -> Self {
         let config = Config::robust();
-        let (contrast, k) = match config.threshold {
-            ThresholdRule::Contrast => (true, smr_core::Config::paper().k),
-            ThresholdRule::LargestChange(k) => (false, k),
-        };
         Self {
-            enlarging: config.enlarging.into(),
-            contrast: contrast.into(),
-            k: k.into(),
-            slow_template: config.slow_template.into(),
-            anchor: config.anchor.into(),
-            sub_pixel: config.sub_pixel.into(),
-            cells: config.cells.into(),
+            velocity: config.velocity.into(),
+            near: config.near.into(),
+            size: config.size.into(),
             verification: config.verification.into(),
+            caution: config.caution.into(),
             sweep: config.sweep.into(),
-            pruning: config.pruning.into(),
+            plain_loop: (config.backend == Some(Backend::Scalar)).into(),
         }
     }
 
-    pub(super) fn config(&self) -> Result<Config, smr_status> {
+    pub(super) fn config(&self) -> Config {
         let mut config = Config::robust();
-        config.enlarging = self.enlarging != 0;
-        config.threshold = self.threshold()?;
-        config.slow_template = self.slow_template != 0;
-        config.anchor = self.anchor != 0;
-        config.sub_pixel = self.sub_pixel != 0;
-        config.cells = self.cells != 0;
+        config.velocity = self.velocity != 0;
+        config.near = self.near != 0;
+        config.size = self.size != 0;
         config.verification = self.verification != 0;
+        config.caution = self.caution != 0;
         config.sweep = self.sweep != 0;
-        config.pruning = self.pruning != 0;
-        Ok(config)
-    }
-
-    fn threshold(&self) -> Result<ThresholdRule, smr_status> {
-        if self.contrast != 0 {
-            return Ok(ThresholdRule::Contrast);
-        }
-        if self.k.denominator == 0 {
-            return Err(smr_status::SMR_ERROR_ZERO_DENOMINATOR);
-        }
-        if self.k.numerator == 0 {
-            return Err(smr_status::SMR_ERROR_NOTHING_COUNTS);
-        }
-        Ok(ThresholdRule::LargestChange(self.k.into()))
+        config.backend = (self.plain_loop != 0).then_some(Backend::Scalar);
+        config
     }
 }
 
@@ -168,11 +141,11 @@ impl From<Answer> for smr_robust_answer {
             fine: answer.fine.into(),
             bbox: answer.bbox.into(),
             state: answer.state.into(),
+            confidence: answer.confidence,
             ratio: answer.ratio,
-            alpha: answer.alpha,
+            response: answer.response,
             scale: answer.scale,
-            peak: answer.peak.into(),
-            comparisons: answer.comparisons,
+            work: answer.work,
             found_again: answer.found_again.into(),
         }
     }
@@ -191,34 +164,38 @@ mod tests {
 
     #[test]
     fn all_parts_come_back_as_they_were() {
-        let back = smr_robust_config::all_parts().config().unwrap();
+        let back = smr_robust_config::all_parts().config();
         assert_eq!(printed(&back), printed(&Config::robust()));
-        // Only the table and the backend are left to the library.
+        // Only the table is left to the library, and which backend but the plain loop.
         let fields = printed(&back).matches(": ").count();
-        assert_eq!(fields, 10, "has Config a new part? Then smr_robust_config needs it too");
+        assert_eq!(fields, 7, "has Config a new part? Then smr_robust_config needs it too");
     }
 
     #[test]
     fn every_switch_leaves_out_its_own_part() {
         type Switch = fn(&mut smr_robust_config) -> &mut u8;
-        let switches: [(&str, Switch); 9] = [
-            ("enlarging: false", |config| &mut config.enlarging),
-            ("threshold: LargestChange(Fraction { numerator: 1, denominator: 4 })", |config| &mut config.contrast),
-            ("slow_template: false", |config| &mut config.slow_template),
-            ("anchor: false", |config| &mut config.anchor),
-            ("sub_pixel: false", |config| &mut config.sub_pixel),
-            ("cells: false", |config| &mut config.cells),
+        let switches: [(&str, Switch); 6] = [
+            ("velocity: false", |config| &mut config.velocity),
+            ("near: false", |config| &mut config.near),
+            ("size: false", |config| &mut config.size),
             ("verification: false", |config| &mut config.verification),
+            ("caution: false", |config| &mut config.caution),
             ("sweep: false", |config| &mut config.sweep),
-            ("pruning: false", |config| &mut config.pruning),
         ];
         for (wanted, switch) in switches {
             let mut config = smr_robust_config::all_parts();
             *switch(&mut config) = 0;
-            let text = printed(&config.config().unwrap());
+            let text = printed(&config.config());
             assert!(text.contains(wanted), "{wanted}: {text}");
-            let others = text.matches("false").count() + text.matches("LargestChange").count();
-            assert_eq!(others, 1, "{wanted}: {text}");
+            assert_eq!(text.matches("false").count(), 1, "{wanted}: {text}");
         }
+    }
+
+    #[test]
+    fn the_plain_loop_is_chosen_by_its_switch() {
+        let mut config = smr_robust_config::all_parts();
+        assert_eq!(config.config().backend, None);
+        config.plain_loop = 1;
+        assert_eq!(config.config().backend, Some(Backend::Scalar));
     }
 }

@@ -34,7 +34,7 @@ pub(super) fn responses<const N: usize>(cells: &[i8], layout: Layout, weights: &
         let from = cells.get(number * stride..).unwrap_or_default();
         wide.iter_mut().zip(from).take(used).for_each(|(wide, &cell)| *wide = cell.into());
         // The rows of weights that lie on this row of cells at some offset.
-        for (y, weights) in weights.chunks_exact(row).enumerate() {
+        for (y, weights) in weights.chunks_exact(row.max(1)).enumerate() {
             let Some(out) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| out.get_mut(y)) else { continue };
             let (mut at, cells) = (0, row / STEP);
             while at < span {
@@ -73,7 +73,7 @@ pub(super) fn gather<const N: usize>(cells: &[i8], layout: Layout, errors: &[[i1
         for ((both, &upper), &lower) in both.iter_mut().zip(upper).zip(lower) {
             *both = pair(i16::from(upper).cast_unsigned(), i16::from(lower).cast_unsigned());
         }
-        for (y, sums) in sums.chunks_exact_mut(row).enumerate() {
+        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             // The errors at the offsets where this row of sums lies on the two rows of cells.
             let of = |number: usize| number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y));
             let (first, second) = (of(number), of(number + 1));
