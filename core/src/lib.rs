@@ -24,7 +24,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! // Room for a template of 256 pixels and for a search window of 33 offsets on each axis: +-16 pixels.
-//! let mut config = Config::paper();
+//! let mut config = Config::camera();
 //! config.window = smr_core::Radius { x: 12, y: 12 };
 //! config.window_limit = smr_core::Radius { x: 16, y: 16 };
 //! let mut tracker = Tracker::<256, 33>::new(config)?;
@@ -85,6 +85,6 @@ mod tracker;
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
-pub use config::{Config, ConfigError, Fraction, Gate, Radius, RunnerUp};
+pub use config::{Config, ConfigError, Fraction, Gate, Margins, Radius, RunnerUp};
 pub use image::{Frame, FrameError, Image, ImageError, Rect};
 pub use tracker::{Answer, LockError, State, Tracker, Update, UpdateError};

@@ -2,18 +2,19 @@
 
 use crate::config::{Config, ConfigError, Fraction, RunnerUp};
 use crate::image::{Frame, Image, Rect};
-use crate::search::{Found, Peak, Scene, Search, Window};
+use crate::search::{Found, Peak, Scene, Search, Wanted, Window};
 use crate::similarity::{self, Backend, Scorer, Table};
 use crate::template::Template;
+use core::cmp::Ordering;
 use core::fmt;
 
 /// What the tracker holds of its target after a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The target was found, wholly inside the frame; its patch is the new template.
+    /// The target was found inside the picture. Its patch is the new template if it lies in [`Config::update_zone`].
     Tracking,
-    /// The target was found, partly outside the frame; the template is kept.
+    /// The target was found, but not inside the picture, as [`Config::edge`] says.
     Leaving,
     /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha
     /// are kept, and the window grows with every further frame.
@@ -53,7 +54,7 @@ pub struct Answer {
 /// #     (window.y..window.bottom()).flat_map(|y| (window.x..window.right()).map(move |x| pixel(x, y))).collect()
 /// # }
 /// # fn main() -> Result<(), Box<dyn core::error::Error>> {
-/// let mut config = Config::paper();
+/// let mut config = Config::camera();
 /// config.window = Radius { x: 8, y: 8 };
 /// config.window_limit = config.window;
 /// let mut tracker = Tracker::<64, 17>::new(config)?;
@@ -96,6 +97,8 @@ struct Track {
     target: Rect,
     bounds: Rect,
     state: State,
+    /// A box that was not inside the picture has been the best: returning takes more, until a lost target is found again.
+    edge: bool,
     /// Frames since the target was last believed.
     lost_for: u16,
 }
@@ -134,7 +137,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
         self.template.start(patch, &self.config);
         self.begun = false;
-        self.track = Some(Track { target, bounds, state: State::Tracking, lost_for: 0 });
+        self.track = Some(Track { target, bounds, state: State::Tracking, edge: false, lost_for: 0 });
         Ok(())
     }
 
@@ -162,7 +165,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// # use smr_core::{Config, Frame, Image, Rect, Tracker};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// # let mut tracker = Tracker::<256, 161>::new(Config::paper())?;
+    /// # let mut tracker = Tracker::<256, 161>::new(Config::camera())?;
     /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
     /// let mut update = tracker.begin(&frame)?;
     /// while !update.step(10_000) {
@@ -245,7 +248,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
             return false;
         }
         match search.found(&self.window) {
-            Some(Found { peak, runner_up: None }) if self.track.asks_for_runner_up(self.track.at(&peak).1, config) => {
+            Some(Found { peak, runner_up: None }) if self.track.asks_for_more(&peak, config) => {
                 search.begin_runner_up(&scene, config.neighbourhood);
                 false
             }
@@ -277,8 +280,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
         let Tracker { search, template, config, begun, .. } = &mut *self.tracker;
         let Some(template) = template.image() else { return };
         let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
-        let certainly = self.track.asks_for_runner_up(State::Tracking, config);
-        search.begin(&scene, config.pruning, certainly.then_some(config.neighbourhood));
+        search.begin(&scene, config.pruning, self.track.wanted(State::Tracking, config));
         *begun = true;
     }
 }
@@ -335,7 +337,8 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold) = (track.target.area(), self.template.threshold());
         let track = track.after(&found, &self.config);
-        if track.state == State::Tracking
+        if track.state != State::Lost
+            && self.config.update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)
         {
             self.template.update(patch, &self.config);
@@ -364,42 +367,58 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
 impl Track {
     /// What is known after a frame in which `found` was found.
     fn after(self, found: &Found, config: &Config) -> Self {
-        let (target, state) = self.at(&found.peak);
+        let (target, state) = self.at(&found.peak, config);
+        let was_lost = self.state == State::Lost;
+        let edge = self.edge || (!was_lost && state == State::Leaving);
         if self.believes(found, state, config) {
-            Self { target, state, lost_for: 0, ..self }
+            Self { target, state, edge: edge && !was_lost, lost_for: 0, ..self }
         } else {
-            Self { state: State::Lost, lost_for: self.lost_for.saturating_add(1), ..self }
+            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..self }
         }
     }
 
     /// The box at `peak`, and the state of a target that is there.
-    fn at(&self, peak: &Peak) -> (Rect, State) {
+    fn at(&self, peak: &Peak, config: &Config) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
-        (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
+        (target, if config.edge.kept_by(target, self.bounds) { State::Tracking } else { State::Leaving })
     }
 
     /// The gate: does the peak stand out clearly enough to go on to `state`?
     fn believes(&self, found: &Found, state: State, config: &Config) -> bool {
-        let peak = found.peak.score;
-        // Where the runner-up was not looked for it decides nothing.
+        let (gate, peak) = (&config.gate, found.peak.score);
+        // Where it is not known it is less than the peak, and nothing more is asked.
         let runner_up = found.runner_up.unwrap_or(0);
-        let lead = u32::from(config.gate.lead) * u32::from(Table::ONE);
-        let leads = self.state == State::Lost && peak.saturating_sub(runner_up) >= lead;
-        leads || (peak > 0 && self.gate(state, config).reached_by(peak, runner_up))
+        let leads = peak.saturating_sub(runner_up) > u32::from(gate.lead) * u32::from(Table::ONE);
+        let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
+        stands_out && ratio(peak, self.target.area()) >= gate.least_ratio
     }
 
-    /// Whether the gate's decision to go on to `state` depends on the runner-up, or it is wanted anyway.
-    fn asks_for_runner_up(&self, state: State, config: &Config) -> bool {
-        config.runner_up == RunnerUp::Always || self.gate(state, config).can_be_missed()
+    /// What must be known to decide whether to go on to `state`.
+    fn wanted(&self, state: State, config: &Config) -> Wanted {
+        let ratio = self.ratio(state, config);
+        match ratio.numerator.cmp(&ratio.denominator) {
+            _ if config.runner_up == RunnerUp::Always => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Greater => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Equal => Wanted::Equals(config.neighbourhood),
+            Ordering::Less => Wanted::Peak,
+        }
     }
 
-    /// How many times the runner-up a peak must be to go on to `state`.
-    const fn gate(&self, state: State, config: &Config) -> Fraction {
+    /// Whether the decision on `peak` takes more than was looked for from the beginning.
+    fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
+        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak, config).1, config)) {
+            (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
+            (first, then) => first != then,
+        }
+    }
+
+    /// How many times the runner-up a peak must exceed to go on to `state`.
+    const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
             (State::Lost, _) => config.gate.lost,
             (_, State::Leaving) => config.gate.leaving,
-            (State::Leaving, _) => config.gate.returning,
-            (State::Tracking, _) => config.gate.tracking,
+            _ if self.edge => config.gate.returning,
+            _ => config.gate.tracking,
         }
     }
 }
@@ -475,7 +494,7 @@ mod tests {
     type Small = Tracker<256, 41>;
 
     fn small_config() -> Config {
-        let mut config = Config::paper();
+        let mut config = Config::camera();
         config.window = Radius { x: 10, y: 10 };
         config.window_limit = Radius { x: 20, y: 20 };
         config
@@ -538,7 +557,7 @@ mod tests {
         fn bounded<const PIXELS: usize, const SPAN: usize>(name: &str) {
             let size = size_of::<Tracker<PIXELS, SPAN>>();
             println!("Tracker<{PIXELS}, {SPAN}>: {size} bytes ({name})");
-            assert!(size <= 2 * PIXELS + 20 * SPAN + 320, "{name}: {size} bytes");
+            assert!(size <= 2 * PIXELS + 20 * SPAN + 360, "{name}: {size} bytes");
         }
         bounded::<1024, 33>("32x32 pixels, +-16");
         bounded::<4096, 33>("64x64 pixels, +-16");
@@ -740,7 +759,7 @@ mod tests {
     #[test]
     fn a_configuration_is_checked_when_the_tracker_is_built() {
         let refused = |change: fn(&mut Config)| {
-            let mut config = Config::paper();
+            let mut config = Config::camera();
             change(&mut config);
             Small::new(config).err()
         };
@@ -790,7 +809,7 @@ mod tests {
     fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
         let pixels = vec![200; 256 * 256];
         let frame = Frame::whole(Image::new(&pixels, 256, 256)?);
-        let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::paper() };
+        let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::camera() };
         let mut tracker = std::boxed::Box::new(Tracker::<65536, 3>::new(config).unwrap());
         tracker.lock(&frame, frame.bounds()).unwrap();
         let answer = tracker.update(&frame).unwrap();

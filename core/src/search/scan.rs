@@ -6,7 +6,7 @@
 
 use super::leaders::Leaders;
 use super::ranges::{Ranges, SIDE, Tile};
-use super::{Found, Peak, Window};
+use super::{Found, Peak, Wanted, Window};
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{self, Scorer};
 
@@ -84,10 +84,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         Self { leaders: Leaders::new(), ranges: Ranges::new(), tile, stage: Stage::Done, pruning: false, work: 0 }
     }
 
-    /// Starts anew. Without pruning every offset is scored to its last pixel; with a neighbourhood the runner-up is
-    /// looked for, too.
-    pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, neighbourhood: Option<u16>) {
-        self.leaders.reset(&scene.window, neighbourhood);
+    /// Starts anew. Without pruning every offset is scored to its last pixel.
+    pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, wanted: Wanted) {
+        self.leaders.reset(&scene.window, wanted);
         self.pruning = pruning;
         self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };
     }
@@ -95,7 +94,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// Goes through the window once more, for the runner-up; the peak is known.
     pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
         let peak = self.leaders.best();
-        self.leaders.reset(&scene.window, Some(neighbourhood));
+        self.leaders.reset(&scene.window, Wanted::RunnerUp(neighbourhood));
         if let Some(peak) = peak {
             self.leaders.note(&scene.window, peak);
         }

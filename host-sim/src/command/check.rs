@@ -78,7 +78,7 @@ impl Check {
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
         let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(self.most())));
         let report = match self.tracker.preset() {
-            Preset::Paper => {
+            Preset::Paper | Preset::Camera => {
                 let (config, numbers) = (self.tracker.config()?, self.tracker.reference_numbers());
                 let mut run = check::Check::lock(&name, config, numbers, &first, target)?;
                 self.walk(frames, &progress, |frame| run.update(frame).map(|()| run.report().holds()))?;

@@ -11,9 +11,11 @@ use std::str::FromStr;
 /// Which tracker follows the target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// The paper's tracker
+    /// The paper's tracker, to the letter
     #[default]
     Paper,
+    /// The paper's tracker for cameras: a bounded window, the template updated up to the edge
+    Camera,
     /// The tracker that goes beyond the paper: holds when light, size and view change
     Robust,
 }
@@ -22,7 +24,7 @@ pub enum Preset {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Tracker")]
 pub struct TrackerOptions {
-    /// Which tracker; of the options below, `robust` takes --backend, --exhaustive and --without, `paper` all others
+    /// Which tracker; of the options below, `robust` takes --backend, --exhaustive and --without, `paper` and `camera` all others
     #[arg(long, value_enum, default_value = "paper")]
     config: Preset,
     /// Parts of the robust tracker to leave out; several are separated by commas
@@ -31,7 +33,8 @@ pub struct TrackerOptions {
     /// Search window to each side, in pixels [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
-    /// Where the window of a lost target stops to grow; at least --window [default: 80x70]
+    /// Where the window of a lost target stops to grow; at least --window [default: at the end of
+    /// the padded frame; camera: 80x70]
     #[arg(long, value_name = "XxY")]
     window_limit: Option<Pair>,
     /// Pixels by which that window grows a frame, on each side [default: 1]
@@ -113,12 +116,12 @@ fn backend(text: &str) -> Result<Backend> {
 }
 
 impl TrackerOptions {
-    /// The paper's configuration with the options put in.
+    /// The configuration of the paper's tracker with the options put in.
     pub fn config(&self) -> Result<Config> {
-        if self.config == Preset::Paper && !self.without.is_empty() {
+        if self.config != Preset::Robust && !self.without.is_empty() {
             bail!("--without leaves out parts of the robust tracker: --config robust is missing");
         }
-        let mut config = Config::paper();
+        let mut config = if self.config == Preset::Camera { Config::camera() } else { Config::paper() };
         if let Some(Pair(x, y)) = self.window {
             config.window = Radius { x, y };
         }
@@ -147,7 +150,7 @@ impl TrackerOptions {
     /// What all methods are built from.
     pub fn configs(&self) -> Result<Configs> {
         let robust = match self.preset() {
-            Preset::Paper => None,
+            Preset::Paper | Preset::Camera => None,
             Preset::Robust => Some(self.robust()?),
         };
         Ok(Configs { paper: self.config()?, robust })
@@ -189,12 +192,12 @@ impl TrackerOptions {
 
     /// The same for the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
-        let mut numbers = Numbers::paper();
+        let mut numbers = if self.config == Preset::Camera { Numbers::camera() } else { Numbers::paper() };
         if let Some(Pair(x, y)) = self.window {
             numbers.window = (x.into(), y.into());
         }
         if let Some(Pair(x, y)) = self.window_limit {
-            numbers.window_limit = (x.into(), y.into());
+            numbers.window_limit = Some((x.into(), y.into()));
         }
         if let Some(Ratio(k)) = self.k {
             numbers.k = (k.numerator.into(), k.denominator.into());
@@ -222,7 +225,9 @@ impl PaperOnly {
     pub fn check(&self, command: &str) -> Result<()> {
         match self.config {
             Preset::Paper => Ok(()),
-            Preset::Robust => bail!("{command} is for the paper's tracker only: expected --config paper"),
+            Preset::Camera | Preset::Robust => {
+                bail!("{command} is for the paper's tracker only: expected --config paper")
+            }
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct Vectors {
 impl Vectors {
     pub fn run(self) -> Result<Outcome> {
         let text = match self.config {
-            Preset::Paper => vectors::text(),
+            Preset::Paper | Preset::Camera => vectors::text(), // one file for both: each case has its own numbers
             Preset::Robust => vectors::robust::text(),
         };
         match &self.out {
