@@ -106,7 +106,7 @@ impl Margins {
 pub struct Gate {
     /// While the target stays inside the picture.
     pub tracking: Fraction,
-    /// When the box at the peak is not inside the picture, as [`Config::edge`] says.
+    /// When the box at the peak is partly outside the picture.
     pub leaving: Fraction,
     /// When the box at the peak is inside, but one has not been before: until a lost target is found again.
     pub returning: Fraction,
@@ -154,10 +154,6 @@ pub struct Config {
     pub window_limit: Radius,
     /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
     pub neighbourhood: u16,
-    /// What a box keeps from the edges of the picture to count as inside: a target that does not is [`State::Leaving`].
-    ///
-    /// [`State::Leaving`]: crate::State::Leaving
-    pub edge: Margins,
     /// What a box keeps from the edges of the picture for its patch to become the template. Elsewhere an accepted peak moves
     /// the box; template and alpha stay.
     pub update_zone: Margins,
@@ -206,7 +202,6 @@ impl Config {
             growth: 1,
             window_limit: Radius { x: u16::MAX, y: u16::MAX },
             neighbourhood: 8,
-            edge: Margins { left: 0, top: 0, right: 1, bottom: 1 }, // x + w <= W - 1
             update_zone: Margins { left: 20, top: 20, right: 2, bottom: 2 }, // x + w < W - 1
             gate: Gate {
                 tracking: Fraction::new(1, 1),
@@ -234,7 +229,6 @@ impl Config {
         let gate = Gate { tracking: Fraction::new(0, 1), ..paper.gate };
         Self {
             window_limit: Radius { x: 80, y: 70 },
-            edge: Margins::NONE,
             update_zone: Margins::NONE,
             gate,
             ..paper

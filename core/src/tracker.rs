@@ -14,7 +14,7 @@ use core::fmt;
 pub enum State {
     /// The target was found inside the picture. Its patch is the new template if it lies in [`Config::update_zone`].
     Tracking,
-    /// The target was found, but not inside the picture, as [`Config::edge`] says.
+    /// The target was found, partly outside the picture; the template is kept.
     Leaving,
     /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha
     /// are kept, and the window grows with every further frame.
@@ -97,7 +97,7 @@ struct Track {
     target: Rect,
     bounds: Rect,
     state: State,
-    /// A box that was not inside the picture has been the best: returning takes more, until a lost target is found again.
+    /// A box partly outside the picture has been the best: returning takes more, until a lost target is found again.
     edge: bool,
     /// Frames since the target was last believed.
     lost_for: u16,
@@ -367,7 +367,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
 impl Track {
     /// What is known after a frame in which `found` was found.
     fn after(self, found: &Found, config: &Config) -> Self {
-        let (target, state) = self.at(&found.peak, config);
+        let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
         let edge = self.edge || (!was_lost && state == State::Leaving);
         if self.believes(found, state, config) {
@@ -378,9 +378,9 @@ impl Track {
     }
 
     /// The box at `peak`, and the state of a target that is there.
-    fn at(&self, peak: &Peak, config: &Config) -> (Rect, State) {
+    fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
-        (target, if config.edge.kept_by(target, self.bounds) { State::Tracking } else { State::Leaving })
+        (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
 
     /// The gate: does the peak stand out clearly enough to go on to `state`?
@@ -406,7 +406,7 @@ impl Track {
 
     /// Whether the decision on `peak` takes more than was looked for from the beginning.
     fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
-        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak, config).1, config)) {
+        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
             (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
             (first, then) => first != then,
         }

@@ -38,8 +38,8 @@ fn paper() -> Case {
     Case { name: "paper", numbers: Numbers::paper(), size, target: (18, 12, 9, 8), frames }
 }
 
-/// The paper's zone and its gate at the edge: the template is updated in the zone alone; a box that touches the right edge is
-/// not inside; what has left takes more to return, in every frame, until it was lost and found again.
+/// The paper's zone and its gate at the edge: the template is updated in the zone alone; what has left takes more to return,
+/// in every frame, until it was lost and found again.
 fn edges() -> Case {
     let path = [
         (24, 20), (22, 21), (21, 20), (20, 20), (19, 20), (20, 19), (20, 22), (20, 23), (37, 21), (38, 21),
@@ -73,7 +73,6 @@ fn other_numbers() -> Case {
     numbers.growth = 2;
     numbers.window_limit = Some((12, 9));
     numbers.neighbourhood = 3;
-    numbers.inside = (1, 2, 3, 4);
     numbers.zone = (4, 3, 5, 6);
     numbers.least_alpha = 9.0;
     numbers.gate.tracking = (21.0, 20.0);
@@ -163,7 +162,6 @@ impl Numbers {
             growth,
             window_limit,
             neighbourhood,
-            inside,
             zone,
             least_alpha,
             gate,
@@ -182,7 +180,6 @@ impl Numbers {
             format!("growth {growth}"),
             format!("window_limit {} {}", window_limit.0, window_limit.1),
             format!("neighbourhood {neighbourhood}"),
-            format!("edge {}", margins(*inside)),
             format!("update_zone {}", margins(*zone)),
             format!("gate_tracking {}", ratio(gate.tracking)),
             format!("gate_leaving {}", ratio(gate.border)),

@@ -155,7 +155,6 @@ impl<'a> Reader<'a> {
             "k" => config.k = words.fraction()?,
             "first_threshold" => config.first_threshold = words.number()?,
             "least_threshold" => config.least_threshold = words.number()?,
-            "edge" => config.edge = words.margins()?,
             "update_zone" => config.update_zone = words.margins()?,
             "gate_least_ratio" => config.gate.least_ratio = words.number()?,
             "padding" => config.padding = words.number()?,

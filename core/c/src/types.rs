@@ -83,7 +83,7 @@ pub struct smr_rect {
 pub struct smr_gate {
     /// While the target stays inside the picture.
     pub tracking: smr_fraction,
-    /// When the box at the peak is not inside the picture, as `edge` of #smr_config says.
+    /// When the box at the peak is partly outside the picture.
     pub leaving: smr_fraction,
     /// When the box at the peak is inside, but one has not been before: until a lost target is found again.
     pub returning: smr_fraction,
@@ -122,8 +122,6 @@ pub struct smr_config {
     pub window_limit: smr_radius,
     /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
     pub neighbourhood: u16,
-    /// What a box keeps from the edges of the picture to count as inside: one that does not is #SMR_LEAVING.
-    pub edge: smr_margins,
     /// What a box keeps from the edges of the picture for its patch to become the template.
     pub update_zone: smr_margins,
     /// When a frame is believed.
@@ -166,7 +164,7 @@ pub struct smr_frame {
 pub enum smr_state {
     /// The target was found inside the picture. Its patch is the new template if it lies in `update_zone` of #smr_config.
     SMR_TRACKING = 0,
-    /// The target was found, but not inside the picture, as `edge` of #smr_config says.
+    /// The target was found, partly outside the picture; the template is kept.
     SMR_LEAVING = 1,
     /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha are
     /// kept, and the window grows with every further frame.
@@ -261,7 +259,6 @@ impl From<Config> for smr_config {
             growth: config.growth,
             window_limit: config.window_limit.into(),
             neighbourhood: config.neighbourhood,
-            edge: config.edge.into(),
             update_zone: config.update_zone.into(),
             gate: config.gate.into(),
             runner_up_always: (config.runner_up == RunnerUp::Always).into(),
@@ -285,7 +282,6 @@ impl smr_config {
         config.growth = self.growth;
         config.window_limit = self.window_limit.into();
         config.neighbourhood = self.neighbourhood;
-        config.edge = self.edge.into();
         config.update_zone = self.update_zone.into();
         config.gate = self.gate.into();
         config.runner_up = if self.runner_up_always == 0 { RunnerUp::WhenItDecides } else { RunnerUp::Always };
@@ -440,7 +436,7 @@ mod tests {
         let (_, numbers) = paper.split_once("] }").expect("the table stands first");
         assert_eq!(
             numbers.matches(": ").count(),
-            42,
+            37,
             "has Config a new number? Then smr_config needs it too: {numbers}"
         );
     }
@@ -469,7 +465,6 @@ mod tests {
             growth: next(),
             window_limit: radius(next),
             neighbourhood: next(),
-            edge: margins(next),
             update_zone: margins(next),
             gate: smr_gate {
                 tracking: fraction(next),
@@ -487,7 +482,7 @@ mod tests {
         let words = printed.split(|character: char| !character.is_ascii_digit());
         let printed: std::vec::Vec<u16> = words.filter_map(|word| word.parse().ok()).collect();
         assert!(format!("{:?}", unsafe { config.config() }.unwrap()).contains("runner_up: Always"));
-        assert_eq!(printed, (1..=29).collect::<std::vec::Vec<_>>());
+        assert_eq!(printed, (1..=25).collect::<std::vec::Vec<_>>());
     }
 
     #[test]

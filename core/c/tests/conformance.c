@@ -207,7 +207,6 @@ static int set(smr_config *config, smr_table *table, const char *keyword)
     PAIR("gate_lost", config->gate.lost, fraction)
     PAIR("window", config->window, radius)
     PAIR("window_limit", config->window_limit, radius)
-    PAIR("edge", config->edge, margins)
     PAIR("update_zone", config->update_zone, margins)
     return 0;
 }

@@ -67,7 +67,6 @@ fn the_header_and_the_library_agree_on_every_size() {
         growth,
         window_limit,
         neighbourhood,
-        edge,
         update_zone,
         gate,
         runner_up_always

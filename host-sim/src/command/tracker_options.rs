@@ -52,6 +52,12 @@ pub struct TrackerOptions {
     /// The runner-up is more than this many pixels away from the peak [default: 8]
     #[arg(long)]
     neighbourhood: Option<u16>,
+    /// The least alpha after an update, in gray levels [default: none]
+    #[arg(long, value_name = "LEVELS")]
+    least_alpha: Option<u8>,
+    /// The least similarity matching ratio of a peak that is believed, as N/M [default: none]
+    #[arg(long, value_name = "N/M")]
+    least_ratio: Option<Ratio>,
     /// How scores are computed; changes nothing but the time [default: the fastest that
     /// this machine has]
     #[arg(long, value_name = "NAME", value_parser = backend)]
@@ -136,6 +142,10 @@ impl TrackerOptions {
             // The configuration wants a table for the life of the program; this is the one place that makes one.
             config.table = Box::leak(Box::new(table));
         }
+        config.least_threshold = self.least_alpha.unwrap_or(config.least_threshold);
+        if let Some(ratio) = &self.least_ratio {
+            config.gate.least_ratio = ratio.of_one().context("--least-ratio")?;
+        }
         config.growth = self.growth.unwrap_or(config.growth);
         config.backend = self.backend;
         config.pruning = !self.exhaustive;
@@ -185,6 +195,8 @@ impl TrackerOptions {
             (self.scale.is_some(), "--scale"),
             (self.padding.is_some(), "--padding"),
             (self.neighbourhood.is_some(), "--neighbourhood"),
+            (self.least_alpha.is_some(), "--least-alpha"),
+            (self.least_ratio.is_some(), "--least-ratio"),
             (self.runner_up_always, "--runner-up-always"),
         ];
         given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
@@ -202,6 +214,10 @@ impl TrackerOptions {
         if let Some(Ratio(k)) = self.k {
             numbers.k = (k.numerator.into(), k.denominator.into());
         }
+        if let Some(ratio) = self.least_ratio.as_ref().and_then(|ratio| ratio.of_one().ok()) {
+            numbers.gate.least_ratio = ratio.into();
+        }
+        numbers.least_alpha = self.least_alpha.map_or(numbers.least_alpha, f64::from);
         numbers.runner_up_always = self.runner_up_always;
         numbers.scale = self.scale.map_or(numbers.scale, f64::from);
         numbers.growth = self.growth.map_or(numbers.growth, i64::from);
@@ -248,6 +264,15 @@ impl FromStr for Pair {
 /// `1/4`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Ratio(Fraction);
+
+impl Ratio {
+    /// In units of 1/65535, rounded down.
+    fn of_one(&self) -> Result<u16> {
+        let Fraction { numerator, denominator } = self.0;
+        let units = (u32::from(u16::MAX) * u32::from(numerator)).checked_div(denominator.into());
+        units.and_then(|units| u16::try_from(units).ok()).ok_or_else(|| anyhow!("expected a fraction from 0 to 1, like 1/4"))
+    }
+}
 
 impl FromStr for Ratio {
     type Err = anyhow::Error;

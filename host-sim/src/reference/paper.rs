@@ -32,9 +32,7 @@ pub struct Numbers {
     pub window_limit: Option<(i64, i64)>,
     /// The runner-up is more than this far from the peak.
     pub neighbourhood: i64,
-    /// A box is inside the picture if x >= .0, y >= .1, x + w <= W - .2 and y + h <= H - .3
-    pub inside: (i64, i64, i64, i64),
-    /// The template is updated where the box does the same with these numbers.
+    /// The template is updated if the box has x >= .0, y >= .1, x + w <= W - .2 and y + h <= H - .3
     pub zone: (i64, i64, i64, i64),
     /// alpha is not below this after an update, in gray levels.
     pub least_alpha: f64,
@@ -73,7 +71,6 @@ impl Numbers {
             growth: 1,
             window_limit: None,
             neighbourhood: 8,
-            inside: (0, 0, 1, 1),
             zone: (20, 20, 2, 2), // x + w < W - 1 is x + w <= W - 2
             least_alpha: 0.0,
             gate: GateNumbers {
@@ -92,7 +89,6 @@ impl Numbers {
     pub fn camera() -> Self {
         let mut numbers = Self::paper();
         numbers.window_limit = Some((80, 70));
-        numbers.inside = (0, 0, 0, 0);
         numbers.zone = (0, 0, 0, 0);
         numbers.gate.tracking = (0.0, 1.0);
         numbers
@@ -227,7 +223,7 @@ impl Reference {
         let runner_up = self.best_outside_neighbourhood(&scores, peak.0);
         let alpha = self.alpha;
 
-        let over_border = !self.keeps(self.numbers.inside, peak.0);
+        let over_border = !self.keeps((0, 0, 0, 0), peak.0);
         let needed = self.needed_ratio(over_border);
         let as_large = needed.0 == needed.1 && peak.1 > 0.0 && peak.1 == runner_up;
         let runner_up_asked = needed.0 > needed.1 || as_large || self.numbers.runner_up_always;
