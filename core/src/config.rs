@@ -227,12 +227,7 @@ impl Config {
     pub const fn camera() -> Self {
         let paper = Self::paper();
         let gate = Gate { tracking: Fraction::new(0, 1), ..paper.gate };
-        Self {
-            window_limit: Radius { x: 80, y: 70 },
-            update_zone: Margins::NONE,
-            gate,
-            ..paper
-        }
+        Self { window_limit: Radius { x: 80, y: 70 }, update_zone: Margins::NONE, gate, ..paper }
     }
 
     /// # Errors

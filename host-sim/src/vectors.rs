@@ -42,8 +42,25 @@ fn paper() -> Case {
 /// in every frame, until it was lost and found again.
 fn edges() -> Case {
     let path = [
-        (24, 20), (22, 21), (21, 20), (20, 20), (19, 20), (20, 19), (20, 22), (20, 23), (37, 21), (38, 21),
-        (38, 10), (39, 10), (38, 11), (30, 12), (25, 20), (60, 60), (60, 60), (26, 21), (27, 20),
+        (24, 20),
+        (22, 21),
+        (21, 20),
+        (20, 20),
+        (19, 20),
+        (20, 19),
+        (20, 22),
+        (20, 23),
+        (37, 21),
+        (38, 21),
+        (38, 10),
+        (39, 10),
+        (38, 11),
+        (30, 12),
+        (25, 20),
+        (60, 60),
+        (60, 60),
+        (26, 21),
+        (27, 20),
     ];
     let size = (48, 32);
     let frames = scenes(size, (9, 8), &path);
@@ -52,7 +69,8 @@ fn edges() -> Case {
 
 /// The camera's numbers: the template is updated up to the edge, alpha has a floor, and a peak below the least ratio is none.
 fn camera() -> Case {
-    let path = [(18, 12), (18, 12), (10, 14), (1, 15), (0, 15), (-3, 14), (1, 14), (60, 60), (60, 60), (4, 12), (33, 20)];
+    let path =
+        [(18, 12), (18, 12), (10, 14), (1, 15), (0, 15), (-3, 14), (1, 14), (60, 60), (60, 60), (4, 12), (33, 20)];
     let size = (44, 30);
     let mut frames = scenes(size, (9, 8), &path);
     // A still scene, then a little more light.

@@ -267,7 +267,6 @@ impl From<Config> for smr_config {
 }
 
 impl smr_config {
-
     /// # Safety
     /// As for [`table::given`], of `self.table`.
     pub(crate) unsafe fn config(&self) -> Result<Config, smr_status> {

@@ -2,8 +2,8 @@
 
 use smr::{
     PIXELS, ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, SPAN, STORAGE_ALIGN, STORAGE_SIZE, smr_answer, smr_config,
-    smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins, smr_peak, smr_radius, smr_rect, smr_robust_answer,
-    smr_robust_config, smr_robust_state, smr_state, smr_status, smr_table,
+    smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins, smr_peak, smr_radius, smr_rect,
+    smr_robust_answer, smr_robust_config, smr_robust_state, smr_state, smr_status, smr_table,
 };
 use std::fmt::Write as _;
 use std::mem::offset_of;

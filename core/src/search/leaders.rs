@@ -105,11 +105,13 @@ impl<const SPAN: usize> Leaders<SPAN> {
     pub(super) fn note(&mut self, window: &Window, candidate: Peak) {
         match (&mut self.beside, &self.best) {
             (Beside::Nothing, _) => {}
-            (Beside::Equals(equals), best) => match best.map_or(Ordering::Greater, |best| candidate.score.cmp(&best.score)) {
-                Ordering::Less => {}
-                Ordering::Equal => equals.add(&candidate),
-                Ordering::Greater => *equals = Equals::of(equals.neighbourhood, &candidate),
-            },
+            (Beside::Equals(equals), best) => {
+                match best.map_or(Ordering::Greater, |best| candidate.score.cmp(&best.score)) {
+                    Ordering::Less => {}
+                    Ordering::Equal => equals.add(&candidate),
+                    Ordering::Greater => *equals = Equals::of(equals.neighbourhood, &candidate),
+                }
+            }
             (Beside::RunnerUp { neighbourhood, floor }, best) => {
                 if let Some(best) = best
                     && candidate.is_further_than(2 * u32::from(*neighbourhood), best)

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The recordings; `synthetic` and `periodic` if none is given
+    /// The recordings; `synthetic`, `periodic` and `border` if none is given
     #[arg(value_name = "SEQ", default_values = sequence::CHECKED)]
     sequences: Vec<PathBuf>,
     /// Compare only the first N frames after the one that is locked on

@@ -270,7 +270,9 @@ impl Ratio {
     fn of_one(&self) -> Result<u16> {
         let Fraction { numerator, denominator } = self.0;
         let units = (u32::from(u16::MAX) * u32::from(numerator)).checked_div(denominator.into());
-        units.and_then(|units| u16::try_from(units).ok()).ok_or_else(|| anyhow!("expected a fraction from 0 to 1, like 1/4"))
+        units
+            .and_then(|units| u16::try_from(units).ok())
+            .ok_or_else(|| anyhow!("expected a fraction from 0 to 1, like 1/4"))
     }
 }
 
