@@ -222,7 +222,9 @@ impl Config {
     /// Beside [`Config::paper`]:
     /// - The window of a lost target grows by at most 20 pixels on each side, so the cost of a frame at most doubles. A
     ///   `SPAN` of 161 holds it.
-    /// - The template is updated up to the edge of the picture, and a peak inside the picture is always followed.
+    /// - The template is updated up to the edge of the picture, and a peak inside the picture need not exceed the runner-up.
+    /// - alpha is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed: after a
+    ///   still scene a slight change of light would otherwise move the box to anywhere.
     #[must_use]
     pub const fn camera() -> Self {
         let paper = Self::paper();

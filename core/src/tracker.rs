@@ -235,9 +235,10 @@ pub struct Update<'a, const PIXELS: usize, const SPAN: usize> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
-    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most four times the
-    /// template's pixels, or twice the pixels of a row of [`Tracker::window`]. True when nothing is left to do but
-    /// [`Update::finish`].
+    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most the template's
+    /// pixels or twice the pixels of a row of [`Tracker::window`], whichever is more, and seven for each of `SPAN` offsets.
+    /// With 0 it does as much as with 1, so that it comes to an end. True when nothing is left to do but
+    /// [`Update::finish`], which goes through the template once more.
     #[inline(never)] // one copy in flash
     pub fn step(&mut self, work: u32) -> bool {
         let Tracker { search, template, config, .. } = &mut *self.tracker;
@@ -257,7 +258,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     }
 
     /// How many comparisons of bytes have been made since the update was begun or resumed, at most: what could be left out
-    /// of a score is counted, too.
+    /// of a score is counted, too, and so is each word of the working memory that is gone through.
     #[must_use]
     pub const fn work(&self) -> u64 {
         self.work
@@ -616,16 +617,47 @@ mod tests {
         }
     }
 
+    /// Templates and windows of every proportion, up to the largest that the tracker holds, where nothing can be excluded and
+    /// where much can.
     #[test]
-    fn a_step_does_little_more_than_it_was_asked_for() {
-        let mut tracker = locked_at(20, 20);
-        let scene = scene(2, 25, 24);
-        let frame = scene.frame();
-        let mut update = tracker.begin(&frame).unwrap();
-        let mut before = 0;
-        while !update.step(500) {
-            assert!(update.work() - before <= 500 + 4 * 144);
-            before = update.work();
+    fn a_step_does_no_more_than_it_promises() {
+        const SPAN: usize = 300;
+        let (a, b) = (Scene::noise(300, 280, 3), Scene::noise(300, 280, 9));
+        let constant = Scene { pixels: vec![9; 300 * 280], ..Scene::noise(300, 280, 1) };
+        let mut tracker = std::boxed::Box::new(Tracker::<256, SPAN>::new(Config::camera()).unwrap());
+        for (width, height, radius, always) in [
+            (16, 16, (16, 16), true),
+            (16, 16, (149, 149), false),
+            (256, 1, (149, 149), true),
+            (1, 256, (149, 149), true),
+            (1, 1, (149, 149), true),
+            (8, 4, (149, 3), true),
+            (5, 7, (2, 149), false),
+        ] {
+            let window = Radius { x: radius.0, y: radius.1 };
+            let runner_up = if always { RunnerUp::Always } else { RunnerUp::WhenItDecides };
+            tracker.config = Config { window, window_limit: window, runner_up, ..Config::paper() };
+            for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
+                tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
+                let row = u64::from(tracker.window().unwrap().width);
+                let template = u64::from(width) * u64::from(height);
+                for asked in [0, 1, 5000] {
+                    let most = u64::from(asked).max(1) + template.max(2 * row) + 7 * SPAN as u64;
+                    let frame = second.frame();
+                    let mut update = tracker.begin(&frame).unwrap();
+                    let mut before = 0;
+                    loop {
+                        let done = update.step(asked);
+                        let made = update.work() - before;
+                        assert!(made <= most, "{width}x{height} {radius:?} {asked}: {made} of {most}");
+                        before = update.work();
+                        if done {
+                            break;
+                        }
+                        assert!(made > 0, "it goes on");
+                    }
+                }
+            }
         }
     }
 

@@ -221,7 +221,8 @@ pub struct smr_image {
 /// Fills a configuration with the values for cameras: the paper's with a bounded window, so that time and memory are, too.
 ///
 /// Beside #smr_config_paper the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of 161 holds
-/// it), the template is updated up to the edge of the picture, and a peak inside the picture is always followed.
+/// it), the template is updated up to the edge of the picture, a peak inside the picture need not exceed the runner-up, alpha
+/// is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.

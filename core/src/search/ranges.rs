@@ -72,10 +72,14 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Self { bytes: Vec::new(), reach: Vec::new(), shape }
     }
 
+    /// Clears the memory. Not in `new`, which would move so many zeroes about; after the first time there is nothing to do.
+    pub(super) fn reserve(&mut self) {
+        // Neither can fail.
+        let _ = (self.bytes.resize(PIXELS, 0), self.reach.resize(SPAN, [0; 3]));
+    }
+
     /// Divides a window for a template. False if it cannot be: a window of less than four rows or columns has no groups.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
-        // Once; the first time rather than in `new`, which would move so many zeroes about. Neither can fail.
-        let _ = (self.bytes.resize(PIXELS, 0), self.reach.resize(SPAN, [0; 3]));
         let shape = Shape::of(template, window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
         shape.is_some()

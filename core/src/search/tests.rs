@@ -199,7 +199,9 @@ proptest! {
         let pixels = u64::from(case.template.0) * u64::from(case.template.1);
         // A sixteenth for ranges, a 32nd each for the descent and the scouts; the groups; the start.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
-        let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4);
+        // Words of the working memory: of both axes, and of each group in each pass.
+        let words = 2 * (columns + rows) as u64 + 8 * groups;
+        let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4) + words;
         prop_assert!(work <= most, "{work} of {}", offsets * pixels);
     }
 }

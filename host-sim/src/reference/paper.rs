@@ -85,12 +85,15 @@ impl Numbers {
         }
     }
 
-    /// The same with a bounded window, the template updated up to the edge, and nothing asked of a peak inside the picture.
+    /// The same with a bounded window, the template updated up to the edge, floors for alpha and for the score, and no more
+    /// asked of a peak inside the picture.
     pub fn camera() -> Self {
         let mut numbers = Self::paper();
         numbers.window_limit = Some((80, 70));
         numbers.zone = (0, 0, 0, 0);
         numbers.gate.tracking = (0.0, 1.0);
+        numbers.gate.least_ratio = (UNITS / 20.0).floor();
+        numbers.least_alpha = 10.0;
         numbers
     }
 }
