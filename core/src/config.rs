@@ -228,8 +228,9 @@ impl Config {
     #[must_use]
     pub const fn camera() -> Self {
         let paper = Self::paper();
-        let gate = Gate { tracking: Fraction::new(0, 1), ..paper.gate };
-        Self { window_limit: Radius { x: 80, y: 70 }, update_zone: Margins::NONE, gate, ..paper }
+        let gate = Gate { tracking: Fraction::new(0, 1), least_ratio: Table::ONE / 20, ..paper.gate };
+        let window_limit = Radius { x: 80, y: 70 };
+        Self { least_threshold: 10, window_limit, update_zone: Margins::NONE, gate, ..paper }
     }
 
     /// # Errors
