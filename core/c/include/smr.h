@@ -282,7 +282,7 @@ enum smr_state
    */
   SMR_TRACKING = 0,
   /**
-   * The target was found, but not inside the picture, as `edge` of #smr_config says.
+   * The target was found, partly outside the picture; the template is kept.
    */
   SMR_LEAVING = 1,
   /**
@@ -605,7 +605,7 @@ typedef struct smr_gate {
    */
   struct smr_fraction tracking;
   /**
-   * When the box at the peak is not inside the picture, as `edge` of #smr_config says.
+   * When the box at the peak is partly outside the picture.
    */
   struct smr_fraction leaving;
   /**
@@ -671,10 +671,6 @@ typedef struct smr_config {
    * The runner-up is the best score more than this many pixels away from the peak, in x or in y.
    */
   uint16_t neighbourhood;
-  /**
-   * What a box keeps from the edges of the picture to count as inside: one that does not is #SMR_LEAVING.
-   */
-  struct smr_margins edge;
   /**
    * What a box keeps from the edges of the picture for its patch to become the template.
    */
@@ -950,8 +946,9 @@ smr_status smr_begin(struct smr_tracker *tracker,
  *
  * @param tracker  As for #smr_begin.
  * @param frame    The same frame, with the same pixels.
- * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most four times the template's
- *                 pixels, or twice the pixels of a row of #smr_window.
+ * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most the template's pixels or
+ *                 twice the pixels of a row of #smr_window, whichever is more, and seven for each of #SMR_SPAN offsets.
+ *                 0 is taken for 1.
  * @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
  * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
  */
@@ -1014,7 +1011,8 @@ const char *smr_version(void);
  * Fills a configuration with the values for cameras: the paper's with a bounded window, so that time and memory are, too.
  *
  * Beside #smr_config_paper the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of 161 holds
- * it), the template is updated up to the edge of the picture, and a peak inside the picture is always followed.
+ * it), the template is updated up to the edge of the picture, a peak inside the picture need not exceed the runner-up, alpha
+ * is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
