@@ -2,7 +2,7 @@
 //!
 //! The target's last appearance, the **template**, is compared with every **offset** of a **search window** around its
 //! last position. A pixel counts only if it differs by less than the **threshold** (alpha) and then adds its
-//! **similarity** exp(-difference): *how well* the target is matched is asked, *how badly* is not, so a hand passing in
+//! **similarity** exp(-difference / 255): *how well* the target is matched is asked, *how badly* is not, so a hand passing in
 //! front of it costs only the pixels it hides. The offset with the largest **score** is the **peak**; its patch becomes
 //! the next template. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching
 //! Ratio" (VISAPP 2013).

@@ -178,6 +178,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
+    #[inline(always)] // the update is made where it stays: it is half a kilobyte where a table is in it
     pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         let (track, window) = self.prepare(frame)?;
         let mut update = self.update_of(frame, track, window);
@@ -191,6 +192,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// [`UpdateError::NotBegun`] if there is none: it was finished, or the tracker has locked since. The others as for
     /// [`Tracker::begin`]. That `frame` holds the same pixels as before is up to the caller: of two frames the answer would
     /// be neither's.
+    #[inline(always)] // as `begin`
     pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         if !self.begun {
             return Err(UpdateError::NotBegun);
@@ -266,6 +268,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
 
     /// Does what is left, and gives the answer.
     #[must_use]
+    #[inline(always)] // as `begin`
     pub fn finish(mut self) -> Answer {
         self.run()
     }

@@ -29,6 +29,9 @@
  *   call. A tracker pointer comes from #smr_init or #smr_robust_init.
  * - **Threads and interrupts.** There are no globals: calls on different trackers may overlap in time, calls on one
  *   may not.
+ * - **Where pixels may be.** On Cortex-M4, M7, M33 and up words of pixels are loaded from any address. Normal memory allows
+ *   that; Device memory, which external RAM is (0xA0000000 to 0xDFFFFFFF) until the MPU says otherwise, faults. Set up the MPU,
+ *   or `plain_loop` of #smr_config.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
  * This file is written by cbindgen from core/c/src: change it there.
@@ -679,6 +682,11 @@ typedef struct smr_config {
    * When a frame is believed.
    */
   struct smr_gate gate;
+  /**
+   * 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
+   * (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
+   */
+  uint8_t plain_loop;
   /**
    * 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
    * time.

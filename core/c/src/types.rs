@@ -5,6 +5,7 @@ use crate::status::{smr_status, status_of};
 use crate::table::{self, smr_table};
 use core::ffi::{CStr, c_char};
 use smr_core::search::Peak;
+use smr_core::similarity::Backend;
 use smr_core::{Answer, Config, Fraction, Frame, Gate, Image, Margins, Radius, Rect, RunnerUp, State};
 
 /// Version of this header, major.minor.patch: a program can compare it with #smr_version.
@@ -126,6 +127,9 @@ pub struct smr_config {
     pub update_zone: smr_margins,
     /// When a frame is believed.
     pub gate: smr_gate,
+    /// 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
+    /// (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
+    pub plain_loop: u8,
     /// 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
     /// time.
     pub runner_up_always: u8,
@@ -262,6 +266,7 @@ impl From<Config> for smr_config {
             neighbourhood: config.neighbourhood,
             update_zone: config.update_zone.into(),
             gate: config.gate.into(),
+            plain_loop: (config.backend == Some(Backend::Scalar)).into(),
             runner_up_always: (config.runner_up == RunnerUp::Always).into(),
         }
     }
@@ -284,6 +289,7 @@ impl smr_config {
         config.neighbourhood = self.neighbourhood;
         config.update_zone = self.update_zone.into();
         config.gate = self.gate.into();
+        config.backend = (self.plain_loop != 0).then_some(Backend::Scalar);
         config.runner_up = if self.runner_up_always == 0 { RunnerUp::WhenItDecides } else { RunnerUp::Always };
         Ok(config)
     }
@@ -432,7 +438,7 @@ mod tests {
             assert_eq!(format!("{back:?}"), format!("{config:?}"));
         }
         // A number that `Config` gains would come back by itself, from `Config::paper`, without C being able to set it.
-        // Only the backend and pruning are left to the library: they change no answer.
+        // Only pruning is left to the library, and which backend but the plain loop: they change no answer.
         let (_, numbers) = paper.split_once("] }").expect("the table stands first");
         assert_eq!(
             numbers.matches(": ").count(),
@@ -474,6 +480,7 @@ mod tests {
                 lead: next(),
                 least_ratio: next(),
             },
+            plain_loop: 0,
             runner_up_always: 1,
         };
         // SAFETY: no table is given.

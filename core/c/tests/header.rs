@@ -69,6 +69,7 @@ fn the_header_and_the_library_agree_on_every_size() {
         neighbourhood,
         update_zone,
         gate,
+        plain_loop,
         runner_up_always
     });
     source += &layout!(smr_frame { pixels, size, stride, width, height, x, y, full_width, full_height });
