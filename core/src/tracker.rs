@@ -151,11 +151,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        // Not `begin` and `finish`, between which an update would be moved: it is half a kilobyte where a table is in it.
-        let (track, window) = self.prepare(frame)?;
-        let mut update = self.update_of(frame, track, window);
-        update.begin();
-        Ok(update.run())
+        Ok(self.begin(frame)?.finish())
     }
 
     /// The same update in steps of a bounded amount of work, for those who have a deadline; the answer does not depend on
@@ -178,12 +174,11 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     ///
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
-    #[inline(always)] // the update is made where it stays: it is half a kilobyte where a table is in it
     pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         let (track, window) = self.prepare(frame)?;
-        let mut update = self.update_of(frame, track, window);
-        update.begin();
-        Ok(update)
+        self.search.begin(&window, self.config.pruning, track.wanted(State::Tracking, &self.config));
+        self.begun = true;
+        Ok(Update { tracker: self, frame: *frame, window, track, work: 0 })
     }
 
     /// Takes up an update that was begun and dropped before it was finished: for those who cannot keep it, C for one.
@@ -192,13 +187,12 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// [`UpdateError::NotBegun`] if there is none: it was finished, or the tracker has locked since. The others as for
     /// [`Tracker::begin`]. That `frame` holds the same pixels as before is up to the caller: of two frames the answer would
     /// be neither's.
-    #[inline(always)] // as `begin`
     pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         if !self.begun {
             return Err(UpdateError::NotBegun);
         }
         let (track, window) = self.prepare(frame)?;
-        Ok(self.update_of(frame, track, window))
+        Ok(Update { tracker: self, frame: *frame, window, track, work: 0 })
     }
 
     #[inline(never)] // one copy in flash
@@ -214,13 +208,6 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         }
         Ok((track, window))
     }
-
-    #[inline(always)] // made where it stays
-    fn update_of<'a>(&'a mut self, frame: &Frame<'a>, track: Track, window: Window) -> Update<'a, PIXELS, SPAN> {
-        let backend = self.config.backend.unwrap_or_else(Backend::best);
-        let scorer = Scorer::new(backend, self.config.table, self.template.threshold());
-        Update { tracker: self, frame: *frame, window, scorer, track, work: 0 }
-    }
 }
 
 /// An update under way, from [`Tracker::begin`].
@@ -231,7 +218,6 @@ pub struct Update<'a, const PIXELS: usize, const SPAN: usize> {
     tracker: &'a mut Tracker<PIXELS, SPAN>,
     frame: Frame<'a>,
     window: Window,
-    scorer: Scorer,
     track: Track,
     work: u64,
 }
@@ -244,8 +230,11 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     pub fn step(&mut self, work: u32) -> bool {
         let Tracker { search, template, config, .. } = &mut *self.tracker;
+        // Made here, and not kept in the update: where it holds a table of half a kilobyte every move of it would be a copy.
+        let backend = config.backend.unwrap_or_else(Backend::best);
+        let scorer = Scorer::new(backend, config.table, template.threshold());
         let Some(template) = template.image() else { return true };
-        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
+        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &scorer };
         self.work = self.work.saturating_add(search.step(&scene, work).into());
         if !search.is_done() {
             return false;
@@ -268,7 +257,6 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
 
     /// Does what is left, and gives the answer.
     #[must_use]
-    #[inline(always)] // as `begin`
     pub fn finish(mut self) -> Answer {
         self.run()
     }
@@ -278,14 +266,6 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
         self.tracker.begun = false;
         let found = self.tracker.search.found(&self.window).unwrap_or(NOTHING);
         self.tracker.decide(&self.frame, self.track, found)
-    }
-
-    fn begin(&mut self) {
-        let Tracker { search, template, config, begun, .. } = &mut *self.tracker;
-        let Some(template) = template.image() else { return };
-        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
-        search.begin(&scene, config.pruning, self.track.wanted(State::Tracking, config));
-        *begun = true;
     }
 }
 

@@ -32,6 +32,8 @@
  * - **Where pixels may be.** On Cortex-M4, M7, M33 and up words of pixels are loaded from any address. Normal memory allows
  *   that; Device memory, which external RAM is (0xA0000000 to 0xDFFFFFFF) until the MPU says otherwise, faults. Set up the MPU,
  *   or `plain_loop` of #smr_config.
+ * - **Stack.** Measured on a Cortex-M4, with all that is called: #smr_update, #smr_step and #smr_finish 2.5 KB, #smr_table_init
+ *   1.9 KB, every other call less than 512 bytes; on a robust tracker #smr_robust_update 6.9 KB, #smr_robust_lock 5.2 KB.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
  * This file is written by cbindgen from core/c/src: change it there.
@@ -868,7 +870,7 @@ smr_status smr_robust_config_default(struct smr_robust_config *config);
 const char *smr_status_name(int32_t status);
 
 /**
- * Fills a table for #smr_config. Takes about 2 KB of stack, all other calls less than 1 KB, except those on a robust tracker that say more.
+ * Fills a table for #smr_config. Takes about 2 KB of stack.
  *
  * @param table  Memory for the table. Trackers that are configured with it read it in every update: it must stay
  *               where it is, unchanged, as long as any of them is used.

@@ -531,7 +531,7 @@ fn find<const WINDOW: usize>(
     let target = Rect::new(CENTRE.x, CENTRE.y, template.width(), template.height());
     let offsets = Window::new(target, Radius { x: RADIUS, y: RADIUS }, frame.bounds(), 0);
     let scene = Scene { frame, template, window: offsets, scorer };
-    search.begin(&scene, pruning, Wanted::Peak);
+    search.begin(&scene.window, pruning, Wanted::Peak);
     let mut work = 0;
     while !search.is_done() {
         work += search.step(&scene, u32::MAX);

@@ -228,7 +228,7 @@ fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], hi
 #[cold]
 #[inline(never)] // no part of the usual case, which is inlined
 fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
-    const PART: usize = 64;
+    const PART: usize = 32; // the copy is on the stack
     let mut x = x;
     for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
         let mut copy = [[0; PART + SIDE - 1]; SIDE];
@@ -243,6 +243,6 @@ fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mu
             }
         }
         scorer.spread(&copy.each_ref().map(<[u8; PART + SIDE - 1]>::as_slice), low, high);
-        x = x.saturating_add(64);
+        x = x.saturating_add(32);
     }
 }

@@ -102,8 +102,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Starts anew. Without pruning every offset is scored to its last pixel.
-    pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, wanted: Wanted) {
-        self.leaders.reset(&scene.window, wanted);
+    pub(crate) fn begin(&mut self, window: &Window, pruning: bool, wanted: Wanted) {
+        self.leaders.reset(window, wanted);
         self.ranges.reserve();
         self.pruning = pruning;
         self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };

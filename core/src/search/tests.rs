@@ -145,7 +145,7 @@ fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, 
     let scorer = Scorer::new(backend, case.scale, case.threshold);
     let scene = Scene { frame, template, window: case.window, scorer: &scorer };
     let mut search = Search::<PIXELS, 128>::new();
-    search.begin(&scene, way.pruning, if way.afterwards { Wanted::Peak } else { way.wanted });
+    search.begin(&scene.window, way.pruning, if way.afterwards { Wanted::Peak } else { way.wanted });
     let mut work = 0;
     let mut run = |search: &mut Search<PIXELS, 128>| {
         while !search.is_done() {
