@@ -11,8 +11,8 @@ use std::path::Path;
 /// What it is called, on the command line and in tables.
 pub const NAME: &str = "border";
 
-const WIDTH: i32 = 112;
-const HEIGHT: i32 = 84;
+const WIDTH: u16 = 112;
+const HEIGHT: u16 = 84;
 const TARGET: (i32, i32) = (24, 28);
 const TWIN: (i32, i32) = (30, 20);
 
@@ -59,8 +59,11 @@ pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
                 (None, None) => hash((x, y), 2),
             }
         };
-        let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
-        GrayFrame { width: WIDTH.unsigned_abs() as u16, height: HEIGHT.unsigned_abs() as u16, pixels }
+        let pixels = (0..i32::from(HEIGHT))
+            .flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y)))
+            .map(|(x, y)| pixel(x, y))
+            .collect();
+        GrayFrame { width: WIDTH, height: HEIGHT, pixels }
     })
 }
 
