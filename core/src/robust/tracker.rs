@@ -11,7 +11,7 @@ use super::trust::{self, Trust};
 use super::{RADIUS, Search, light, peak, threshold};
 use crate::Radius;
 use crate::image::{Frame, Image, Rect};
-use crate::search::{Peak, Scene, Window};
+use crate::search::{Peak, Scene, Wanted, Window};
 use crate::similarity::{Backend, Scorer, Table};
 use core::cmp::Reverse;
 use core::fmt;
@@ -531,7 +531,7 @@ fn find<const WINDOW: usize>(
     let target = Rect::new(CENTRE.x, CENTRE.y, template.width(), template.height());
     let offsets = Window::new(target, Radius { x: RADIUS, y: RADIUS }, frame.bounds(), 0);
     let scene = Scene { frame, template, window: offsets, scorer };
-    search.begin(&scene, pruning, None);
+    search.begin(&scene.window, pruning, Wanted::Peak);
     let mut work = 0;
     while !search.is_done() {
         work += search.step(&scene, u32::MAX);
