@@ -37,7 +37,7 @@ mod firmware {
     fn main() -> ! {
         // The paper's numbers, with a smaller window: its cost is offsets times pixels. It does not grow when the target
         // is lost, or SPAN would have to be larger.
-        let mut config = Config::paper();
+        let mut config = Config::camera();
         config.window = Radius { x: 8, y: 8 };
         config.window_limit = config.window;
 

@@ -150,6 +150,10 @@ impl<'a> Image<'a> {
             return Err(ImageError::SliceTooShort);
         };
         match last_row.checked_add(width as usize) {
+            // Of a single row the stride says nothing: without it, later arithmetic cannot overflow.
+            Some(needed) if needed <= pixels.len() && height == 1 => {
+                Ok(Self { pixels, width, height, stride: width as usize })
+            }
             Some(needed) if needed <= pixels.len() => Ok(Self { pixels, width, height, stride }),
             _ => Err(ImageError::SliceTooShort),
         }
@@ -206,7 +210,12 @@ impl<'a> Image<'a> {
     pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
         let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
         let height = u16::try_from(rows).ok().filter(|&rows| rows > 0)?;
-        Some(Self { pixels: self.pixels.get(first * self.stride..)?, height, stride: self.stride * step, ..*self })
+        Some(Self {
+            pixels: self.pixels.get(first * self.stride..)?,
+            height,
+            stride: self.stride.saturating_mul(step),
+            ..*self
+        })
     }
 
     /// A picture of this shape in other bytes; `None` if they are fewer.
@@ -325,6 +334,11 @@ mod tests {
         assert_eq!(Image::with_stride(&pixels, 4, 3, 5).unwrap_err(), ImageError::SliceTooShort);
         assert_eq!(Image::with_stride(&pixels, 1, 65535, usize::MAX).unwrap_err(), ImageError::SliceTooShort);
         assert!(Image::with_stride(&pixels, 2, 3, 5).is_ok(), "the last row may end with its last pixel");
+        let row = Image::with_stride(&pixels, 4, 1, usize::MAX).unwrap();
+        assert_eq!(
+            row.every(0, 2).and_then(|row| row.crop(Rect::new(1, 0, 2, 1))).map(|row| row.row(0).len()),
+            Some(2)
+        );
         assert!(Image::with_stride(&pixels, 4, 1, usize::MAX).is_ok(), "one row needs no stride");
     }
 

@@ -2,7 +2,7 @@
 //!
 //! The target's last appearance, the **template**, is compared with every **offset** of a **search window** around its
 //! last position. A pixel counts only if it differs by less than the **threshold** (alpha) and then adds its
-//! **similarity** exp(-difference): *how well* the target is matched is asked, *how badly* is not, so a hand passing in
+//! **similarity** exp(-difference / 255): *how well* the target is matched is asked, *how badly* is not, so a hand passing in
 //! front of it costs only the pixels it hides. The offset with the largest **score** is the **peak**; its patch becomes
 //! the next template. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching
 //! Ratio" (VISAPP 2013).
@@ -24,7 +24,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! // Room for a template of 256 pixels and for a search window of 33 offsets on each axis: +-16 pixels.
-//! let mut config = Config::paper();
+//! let mut config = Config::camera();
 //! config.window = smr_core::Radius { x: 12, y: 12 };
 //! config.window_limit = smr_core::Radius { x: 16, y: 16 };
 //! let mut tracker = Tracker::<256, 33>::new(config)?;
@@ -86,6 +86,6 @@ mod tracker;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-pub use config::{Config, ConfigError, Fraction, Gate, Radius, RunnerUp};
+pub use config::{Config, ConfigError, Fraction, Gate, Margins, Radius, RunnerUp};
 pub use image::{Frame, FrameError, Image, ImageError, Rect};
 pub use tracker::{Answer, LockError, State, Tracker, Update, UpdateError};

@@ -47,7 +47,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
             old.iter_mut().zip(new).for_each(|(old, &new)| *old = new);
         }
         if largest > 0 {
-            self.threshold = threshold(largest, config);
+            self.threshold = threshold(largest, config).max(config.least_threshold.into());
         }
     }
 

@@ -2,18 +2,19 @@
 
 use crate::config::{Config, ConfigError, Fraction, RunnerUp};
 use crate::image::{Frame, Image, Rect};
-use crate::search::{Found, Peak, Scene, Search, Window};
+use crate::search::{Found, Peak, Scene, Search, Wanted, Window};
 use crate::similarity::{self, Backend, Scorer, Table};
 use crate::template::Template;
+use core::cmp::Ordering;
 use core::fmt;
 
 /// What the tracker holds of its target after a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The target was found, wholly inside the frame; its patch is the new template.
+    /// The target was found inside the picture. Its patch is the new template if it lies in [`Config::update_zone`].
     Tracking,
-    /// The target was found, partly outside the frame; the template is kept.
+    /// The target was found, partly outside the picture; the template is kept.
     Leaving,
     /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha
     /// are kept, and the window grows with every further frame.
@@ -53,7 +54,7 @@ pub struct Answer {
 /// #     (window.y..window.bottom()).flat_map(|y| (window.x..window.right()).map(move |x| pixel(x, y))).collect()
 /// # }
 /// # fn main() -> Result<(), Box<dyn core::error::Error>> {
-/// let mut config = Config::paper();
+/// let mut config = Config::camera();
 /// config.window = Radius { x: 8, y: 8 };
 /// config.window_limit = config.window;
 /// let mut tracker = Tracker::<64, 17>::new(config)?;
@@ -96,6 +97,8 @@ struct Track {
     target: Rect,
     bounds: Rect,
     state: State,
+    /// A box partly outside the picture has been the best: returning takes more, until a lost target is found again.
+    edge: bool,
     /// Frames since the target was last believed.
     lost_for: u16,
 }
@@ -134,7 +137,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
         self.template.start(patch, &self.config);
         self.begun = false;
-        self.track = Some(Track { target, bounds, state: State::Tracking, lost_for: 0 });
+        self.track = Some(Track { target, bounds, state: State::Tracking, edge: false, lost_for: 0 });
         Ok(())
     }
 
@@ -148,11 +151,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// # Errors
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        // Not `begin` and `finish`, between which an update would be moved: it is half a kilobyte where a table is in it.
-        let (track, window) = self.prepare(frame)?;
-        let mut update = self.update_of(frame, track, window);
-        update.begin();
-        Ok(update.run())
+        Ok(self.begin(frame)?.finish())
     }
 
     /// The same update in steps of a bounded amount of work, for those who have a deadline; the answer does not depend on
@@ -162,7 +161,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// # use smr_core::{Config, Frame, Image, Rect, Tracker};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// # let mut tracker = Tracker::<256, 161>::new(Config::paper())?;
+    /// # let mut tracker = Tracker::<256, 161>::new(Config::camera())?;
     /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
     /// let mut update = tracker.begin(&frame)?;
     /// while !update.step(10_000) {
@@ -177,9 +176,9 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     /// [`UpdateError`]; the tracker is then as it was before.
     pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, PIXELS, SPAN>, UpdateError> {
         let (track, window) = self.prepare(frame)?;
-        let mut update = self.update_of(frame, track, window);
-        update.begin();
-        Ok(update)
+        self.search.begin(&window, self.config.pruning, track.wanted(State::Tracking, &self.config));
+        self.begun = true;
+        Ok(Update { tracker: self, frame: *frame, window, track, work: 0 })
     }
 
     /// Takes up an update that was begun and dropped before it was finished: for those who cannot keep it, C for one.
@@ -193,7 +192,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
             return Err(UpdateError::NotBegun);
         }
         let (track, window) = self.prepare(frame)?;
-        Ok(self.update_of(frame, track, window))
+        Ok(Update { tracker: self, frame: *frame, window, track, work: 0 })
     }
 
     #[inline(never)] // one copy in flash
@@ -209,13 +208,6 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
         }
         Ok((track, window))
     }
-
-    #[inline(always)] // made where it stays
-    fn update_of<'a>(&'a mut self, frame: &Frame<'a>, track: Track, window: Window) -> Update<'a, PIXELS, SPAN> {
-        let backend = self.config.backend.unwrap_or_else(Backend::best);
-        let scorer = Scorer::new(backend, self.config.table, self.template.threshold());
-        Update { tracker: self, frame: *frame, window, scorer, track, work: 0 }
-    }
 }
 
 /// An update under way, from [`Tracker::begin`].
@@ -226,26 +218,29 @@ pub struct Update<'a, const PIXELS: usize, const SPAN: usize> {
     tracker: &'a mut Tracker<PIXELS, SPAN>,
     frame: Frame<'a>,
     window: Window,
-    scorer: Scorer,
     track: Track,
     work: u64,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
-    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most four times the
-    /// template's pixels, or twice the pixels of a row of [`Tracker::window`]. True when nothing is left to do but
-    /// [`Update::finish`].
+    /// Goes on until `work` comparisons of bytes have been made, and a few more to come to a stop: at most the template's
+    /// pixels or twice the pixels of a row of [`Tracker::window`], whichever is more, and seven for each of `SPAN` offsets.
+    /// With 0 it does as much as with 1, so that it comes to an end. True when nothing is left to do but
+    /// [`Update::finish`], which goes through the template once more.
     #[inline(never)] // one copy in flash
     pub fn step(&mut self, work: u32) -> bool {
         let Tracker { search, template, config, .. } = &mut *self.tracker;
+        // Made here, and not kept in the update: where it holds a table of half a kilobyte every move of it would be a copy.
+        let backend = config.backend.unwrap_or_else(Backend::best);
+        let scorer = Scorer::new(backend, config.table, template.threshold());
         let Some(template) = template.image() else { return true };
-        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
+        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &scorer };
         self.work = self.work.saturating_add(search.step(&scene, work).into());
         if !search.is_done() {
             return false;
         }
         match search.found(&self.window) {
-            Some(Found { peak, runner_up: None }) if self.track.asks_for_runner_up(self.track.at(&peak).1, config) => {
+            Some(Found { peak, runner_up: None }) if self.track.asks_for_more(&peak, config) => {
                 search.begin_runner_up(&scene, config.neighbourhood);
                 false
             }
@@ -254,7 +249,7 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
     }
 
     /// How many comparisons of bytes have been made since the update was begun or resumed, at most: what could be left out
-    /// of a score is counted, too.
+    /// of a score is counted, too, and so is each word of the working memory that is gone through.
     #[must_use]
     pub const fn work(&self) -> u64 {
         self.work
@@ -271,15 +266,6 @@ impl<const PIXELS: usize, const SPAN: usize> Update<'_, PIXELS, SPAN> {
         self.tracker.begun = false;
         let found = self.tracker.search.found(&self.window).unwrap_or(NOTHING);
         self.tracker.decide(&self.frame, self.track, found)
-    }
-
-    fn begin(&mut self) {
-        let Tracker { search, template, config, begun, .. } = &mut *self.tracker;
-        let Some(template) = template.image() else { return };
-        let scene = Scene { frame: self.frame, template, window: self.window, scorer: &self.scorer };
-        let certainly = self.track.asks_for_runner_up(State::Tracking, config);
-        search.begin(&scene, config.pruning, certainly.then_some(config.neighbourhood));
-        *begun = true;
     }
 }
 
@@ -335,7 +321,8 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<PIXELS, SPAN> {
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold) = (track.target.area(), self.template.threshold());
         let track = track.after(&found, &self.config);
-        if track.state == State::Tracking
+        if track.state != State::Lost
+            && self.config.update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)
         {
             self.template.update(patch, &self.config);
@@ -365,10 +352,12 @@ impl Track {
     /// What is known after a frame in which `found` was found.
     fn after(self, found: &Found, config: &Config) -> Self {
         let (target, state) = self.at(&found.peak);
+        let was_lost = self.state == State::Lost;
+        let edge = self.edge || (!was_lost && state == State::Leaving);
         if self.believes(found, state, config) {
-            Self { target, state, lost_for: 0, ..self }
+            Self { target, state, edge: edge && !was_lost, lost_for: 0, ..self }
         } else {
-            Self { state: State::Lost, lost_for: self.lost_for.saturating_add(1), ..self }
+            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..self }
         }
     }
 
@@ -380,26 +369,40 @@ impl Track {
 
     /// The gate: does the peak stand out clearly enough to go on to `state`?
     fn believes(&self, found: &Found, state: State, config: &Config) -> bool {
-        let peak = found.peak.score;
-        // Where the runner-up was not looked for it decides nothing.
+        let (gate, peak) = (&config.gate, found.peak.score);
+        // Where it is not known it is less than the peak, and nothing more is asked.
         let runner_up = found.runner_up.unwrap_or(0);
-        let lead = u32::from(config.gate.lead) * u32::from(Table::ONE);
-        let leads = self.state == State::Lost && peak.saturating_sub(runner_up) >= lead;
-        leads || (peak > 0 && self.gate(state, config).reached_by(peak, runner_up))
+        let leads = peak.saturating_sub(runner_up) > u32::from(gate.lead) * u32::from(Table::ONE);
+        let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
+        stands_out && ratio(peak, self.target.area()) >= gate.least_ratio
     }
 
-    /// Whether the gate's decision to go on to `state` depends on the runner-up, or it is wanted anyway.
-    fn asks_for_runner_up(&self, state: State, config: &Config) -> bool {
-        config.runner_up == RunnerUp::Always || self.gate(state, config).can_be_missed()
+    /// What must be known to decide whether to go on to `state`.
+    fn wanted(&self, state: State, config: &Config) -> Wanted {
+        let ratio = self.ratio(state, config);
+        match ratio.numerator.cmp(&ratio.denominator) {
+            _ if config.runner_up == RunnerUp::Always => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Greater => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Equal => Wanted::Equals(config.neighbourhood),
+            Ordering::Less => Wanted::Peak,
+        }
     }
 
-    /// How many times the runner-up a peak must be to go on to `state`.
-    const fn gate(&self, state: State, config: &Config) -> Fraction {
+    /// Whether the decision on `peak` takes more than was looked for from the beginning.
+    fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
+        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
+            (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
+            (first, then) => first != then,
+        }
+    }
+
+    /// How many times the runner-up a peak must exceed to go on to `state`.
+    const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
             (State::Lost, _) => config.gate.lost,
             (_, State::Leaving) => config.gate.leaving,
-            (State::Leaving, _) => config.gate.returning,
-            (State::Tracking, _) => config.gate.tracking,
+            _ if self.edge => config.gate.returning,
+            _ => config.gate.tracking,
         }
     }
 }
@@ -475,7 +478,7 @@ mod tests {
     type Small = Tracker<256, 41>;
 
     fn small_config() -> Config {
-        let mut config = Config::paper();
+        let mut config = Config::camera();
         config.window = Radius { x: 10, y: 10 };
         config.window_limit = Radius { x: 20, y: 20 };
         config
@@ -538,7 +541,7 @@ mod tests {
         fn bounded<const PIXELS: usize, const SPAN: usize>(name: &str) {
             let size = size_of::<Tracker<PIXELS, SPAN>>();
             println!("Tracker<{PIXELS}, {SPAN}>: {size} bytes ({name})");
-            assert!(size <= 2 * PIXELS + 20 * SPAN + 320, "{name}: {size} bytes");
+            assert!(size <= 2 * PIXELS + 20 * SPAN + 360, "{name}: {size} bytes");
         }
         bounded::<1024, 33>("32x32 pixels, +-16");
         bounded::<4096, 33>("64x64 pixels, +-16");
@@ -597,16 +600,47 @@ mod tests {
         }
     }
 
+    /// Templates and windows of every proportion, up to the largest that the tracker holds, where nothing can be excluded and
+    /// where much can.
     #[test]
-    fn a_step_does_little_more_than_it_was_asked_for() {
-        let mut tracker = locked_at(20, 20);
-        let scene = scene(2, 25, 24);
-        let frame = scene.frame();
-        let mut update = tracker.begin(&frame).unwrap();
-        let mut before = 0;
-        while !update.step(500) {
-            assert!(update.work() - before <= 500 + 4 * 144);
-            before = update.work();
+    fn a_step_does_no_more_than_it_promises() {
+        const SPAN: usize = 300;
+        let (a, b) = (Scene::noise(300, 280, 3), Scene::noise(300, 280, 9));
+        let constant = Scene { pixels: vec![9; 300 * 280], ..Scene::noise(300, 280, 1) };
+        let mut tracker = std::boxed::Box::new(Tracker::<256, SPAN>::new(Config::camera()).unwrap());
+        for (width, height, radius, always) in [
+            (16, 16, (16, 16), true),
+            (16, 16, (149, 149), false),
+            (256, 1, (149, 149), true),
+            (1, 256, (149, 149), true),
+            (1, 1, (149, 149), true),
+            (8, 4, (149, 3), true),
+            (5, 7, (2, 149), false),
+        ] {
+            let window = Radius { x: radius.0, y: radius.1 };
+            let runner_up = if always { RunnerUp::Always } else { RunnerUp::WhenItDecides };
+            tracker.config = Config { window, window_limit: window, runner_up, ..Config::paper() };
+            for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
+                tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
+                let row = u64::from(tracker.window().unwrap().width);
+                let template = u64::from(width) * u64::from(height);
+                for asked in [0, 1, 5000] {
+                    let most = u64::from(asked).max(1) + template.max(2 * row) + 7 * SPAN as u64;
+                    let frame = second.frame();
+                    let mut update = tracker.begin(&frame).unwrap();
+                    let mut before = 0;
+                    loop {
+                        let done = update.step(asked);
+                        let made = update.work() - before;
+                        assert!(made <= most, "{width}x{height} {radius:?} {asked}: {made} of {most}");
+                        before = update.work();
+                        if done {
+                            break;
+                        }
+                        assert!(made > 0, "it goes on");
+                    }
+                }
+            }
         }
     }
 
@@ -740,7 +774,7 @@ mod tests {
     #[test]
     fn a_configuration_is_checked_when_the_tracker_is_built() {
         let refused = |change: fn(&mut Config)| {
-            let mut config = Config::paper();
+            let mut config = Config::camera();
             change(&mut config);
             Small::new(config).err()
         };
@@ -790,7 +824,7 @@ mod tests {
     fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
         let pixels = vec![200; 256 * 256];
         let frame = Frame::whole(Image::new(&pixels, 256, 256)?);
-        let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::paper() };
+        let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::camera() };
         let mut tracker = std::boxed::Box::new(Tracker::<65536, 3>::new(config).unwrap());
         tracker.lock(&frame, frame.bounds()).unwrap();
         let answer = tracker.update(&frame).unwrap();

@@ -21,8 +21,8 @@ struct Case {
 /// All vectors as text.
 pub fn text() -> String {
     let header = "# Made by `host-sim vectors` from the float reference. The form: README.md beside this file.\n";
-    let mut text = format!("{header}smr-vectors 2\n");
-    for case in [paper(), other_numbers(), ties(), one_pixel()] {
+    let mut text = format!("{header}smr-vectors 3\n");
+    for case in [paper(), edges(), camera(), other_numbers(), ties(), one_pixel()] {
         case.write(&mut text);
     }
     text
@@ -38,6 +38,48 @@ fn paper() -> Case {
     Case { name: "paper", numbers: Numbers::paper(), size, target: (18, 12, 9, 8), frames }
 }
 
+/// The paper's zone and its gate at the edge: the template is updated in the zone alone; what has left takes more to return,
+/// in every frame, until it was lost and found again.
+fn edges() -> Case {
+    let path = [
+        (24, 20),
+        (22, 21),
+        (21, 20),
+        (20, 20),
+        (19, 20),
+        (20, 19),
+        (20, 22),
+        (20, 23),
+        (37, 21),
+        (38, 21),
+        (38, 10),
+        (39, 10),
+        (38, 11),
+        (30, 12),
+        (25, 20),
+        (60, 60),
+        (60, 60),
+        (26, 21),
+        (27, 20),
+    ];
+    let size = (48, 32);
+    let frames = scenes(size, (9, 8), &path);
+    Case { name: "edges", numbers: Numbers::paper(), size, target: (24, 20, 9, 8), frames }
+}
+
+/// The camera's numbers: the template is updated up to the edge, alpha has a floor, and a peak below the least ratio is none.
+fn camera() -> Case {
+    let path =
+        [(18, 12), (18, 12), (10, 14), (1, 15), (0, 15), (-3, 14), (1, 14), (60, 60), (60, 60), (4, 12), (33, 20)];
+    let size = (44, 30);
+    let mut frames = scenes(size, (9, 8), &path);
+    // A still scene, then a little more light.
+    let brighter = |frame: &[u8], by: u8| frame.iter().map(|pixel| pixel.saturating_add(by)).collect::<Vec<_>>();
+    frames[1] = brighter(&frames[0], 1);
+    frames.insert(2, brighter(&frames[0], 3));
+    Case { name: "camera", numbers: Numbers::camera(), size, target: (18, 12, 9, 8), frames }
+}
+
 /// Every number another one.
 fn other_numbers() -> Case {
     let mut numbers = Numbers::paper();
@@ -47,13 +89,16 @@ fn other_numbers() -> Case {
     numbers.padding = 5;
     numbers.window = (7, 6);
     numbers.growth = 2;
-    numbers.window_limit = (12, 9);
+    numbers.window_limit = Some((12, 9));
     numbers.neighbourhood = 3;
+    numbers.zone = (4, 3, 5, 6);
+    numbers.least_alpha = 9.0;
     numbers.gate.tracking = (21.0, 20.0);
     numbers.gate.border = (23.0, 20.0);
     numbers.gate.been_at_border = (5.0, 4.0);
     numbers.gate.lost = (3.0, 2.0);
     numbers.gate.lead = 40.0;
+    numbers.gate.least_ratio = 12000.0;
     let path =
         [(15, 10), (17, 9), (19, 12), (60, 60), (60, 60), (22, 9), (26, 12), (31, 14), (33, 14), (36, 15), (30, 13)];
     // The padding of 5 ends at 34: the target goes beyond it.
@@ -135,24 +180,31 @@ impl Numbers {
             growth,
             window_limit,
             neighbourhood,
+            zone,
+            least_alpha,
             gate,
             runner_up_always,
         } = self;
         let ratio = |(numerator, denominator): (f64, f64)| format!("{numerator} {denominator}");
+        let margins = |(left, top, right, bottom): (i64, i64, i64, i64)| format!("{left} {top} {right} {bottom}");
+        let window_limit = window_limit.unwrap_or((u16::MAX.into(), u16::MAX.into()));
         vec![
             format!("scale {scale}"),
             format!("k {}", ratio(*k)),
             format!("first_threshold {}", first_alpha.ceil()),
+            format!("least_threshold {}", least_alpha.ceil()),
             format!("padding {padding}"),
             format!("window {} {}", window.0, window.1),
             format!("growth {growth}"),
             format!("window_limit {} {}", window_limit.0, window_limit.1),
             format!("neighbourhood {neighbourhood}"),
+            format!("update_zone {}", margins(*zone)),
             format!("gate_tracking {}", ratio(gate.tracking)),
             format!("gate_leaving {}", ratio(gate.border)),
             format!("gate_returning {}", ratio(gate.been_at_border)),
             format!("gate_lost {}", ratio(gate.lost)),
             format!("gate_lead {}", gate.lead),
+            format!("gate_least_ratio {}", gate.least_ratio),
             format!("runner_up_always {}", u8::from(*runner_up_always)),
         ]
     }

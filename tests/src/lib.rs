@@ -14,7 +14,7 @@ pub use robust::{ROBUST, ROBUST_FRAME_PIXELS, RobustExpected, RobustLine, Robust
 struct Readme;
 
 use smr_core::similarity::Table;
-use smr_core::{Answer, Config, Fraction, Radius, Rect, RunnerUp, State, Tracker};
+use smr_core::{Answer, Config, Fraction, Margins, Radius, Rect, RunnerUp, State, Tracker};
 
 /// The vectors.
 pub const CONFORMANCE: &str = include_str!("../vectors/conformance.txt");
@@ -122,7 +122,7 @@ impl<'a> Reader<'a> {
     pub fn next(&mut self) -> Option<Result<Line<'a>, &'a str>> {
         loop {
             let line = self.lines.next()?;
-            if !(line.is_empty() || line.starts_with('#') || line == "smr-vectors 2") {
+            if !(line.is_empty() || line.starts_with('#') || line == "smr-vectors 3") {
                 return Some(self.read(line).ok_or(line));
             }
         }
@@ -159,6 +159,9 @@ impl<'a> Reader<'a> {
             }
             "k" => config.k = words.fraction()?,
             "first_threshold" => config.first_threshold = words.number()?,
+            "least_threshold" => config.least_threshold = words.number()?,
+            "update_zone" => config.update_zone = words.margins()?,
+            "gate_least_ratio" => config.gate.least_ratio = words.number()?,
             "padding" => config.padding = words.number()?,
             "window" => config.window = words.radius()?,
             "growth" => config.growth = words.number()?,
@@ -195,6 +198,10 @@ impl<'a> Words<'a> {
 
     fn radius(&mut self) -> Option<Radius> {
         Some(Radius { x: self.number()?, y: self.number()? })
+    }
+
+    fn margins(&mut self) -> Option<Margins> {
+        Some(Margins { left: self.number()?, top: self.number()?, right: self.number()?, bottom: self.number()? })
     }
 
     fn answer(&mut self) -> Option<Expected<'a>> {

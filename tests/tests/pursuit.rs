@@ -206,7 +206,7 @@ struct Step {
 impl Loop {
     /// Locked on a target straight ahead.
     fn locked() -> Self {
-        let mut config = Config::paper();
+        let mut config = Config::camera();
         config.window = Radius { x: 12, y: 12 };
         config.window_limit = Radius { x: 32, y: 32 };
         // The paper's gate of 1.0 believes whatever is inside the frame. Something that hides the target is to be told

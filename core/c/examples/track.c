@@ -83,7 +83,7 @@ int main(void)
     smr_tracker *tracker;
     smr_frame frame;
 
-    must(smr_config_paper(&config), "smr_config_paper");
+    must(smr_config_camera(&config), "smr_config_camera");
     config.window.x = config.window.y = 12;
     config.window_limit.x = config.window_limit.y = 24;
     must(smr_init(&storage, sizeof storage, &config, &tracker), "smr_init");

@@ -11,7 +11,7 @@
  * smr_tracker *tracker;
  * smr_answer answer;
  *
- * smr_config_paper(&config);
+ * smr_config_camera(&config);
  * if (smr_init(&storage, sizeof storage, &config, &tracker) != SMR_OK) { ... }
  * if (smr_lock(tracker, &first_frame, &target) != SMR_OK) { ... }
  * while (next(&frame)) {
@@ -29,6 +29,11 @@
  *   call. A tracker pointer comes from #smr_init or #smr_robust_init.
  * - **Threads and interrupts.** There are no globals: calls on different trackers may overlap in time, calls on one
  *   may not.
+ * - **Where pixels may be.** On Cortex-M4, M7, M33 and up words of pixels are loaded from any address. Normal memory allows
+ *   that; Device memory, which external RAM is (0xA0000000 to 0xDFFFFFFF) until the MPU says otherwise, faults. Set up the MPU,
+ *   or `plain_loop` of #smr_config.
+ * - **Stack.** Measured on a Cortex-M4, with all that is called: #smr_update, #smr_step and #smr_finish 2.5 KB, #smr_table_init
+ *   1.9 KB, every other call less than 512 bytes; on a robust tracker #smr_robust_update 6.9 KB, #smr_robust_lock 5.2 KB.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
  * This file is written by cbindgen from core/c/src: change it there.
@@ -61,7 +66,7 @@
 
 /** Size of a tracker's storage in bytes, a constant expression. A program linked to the library can ask #smr_tracker_size. */
 #define SMR_TRACKER_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 28 * sizeof(size_t) + 96)
+    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 28 * sizeof(size_t) + 136)
 
 /** Alignment of a tracker's storage in bytes, a constant expression. */
 #define SMR_TRACKER_ALIGN (sizeof(size_t))
@@ -81,7 +86,7 @@ typedef char smr_storage_is_as_large_as_stated[sizeof(smr_storage) == SMR_TRACKE
 #define SMR_ROBUST_PIXELS 1600
 
 /** Size of a robust tracker's storage in bytes, a constant expression; #smr_robust_tracker_size says the same. */
-#define SMR_ROBUST_TRACKER_SIZE (76016 + 26 * sizeof(size_t))
+#define SMR_ROBUST_TRACKER_SIZE (46592 + 22 * sizeof(size_t))
 
 /** Alignment of a robust tracker's storage in bytes, a constant expression. */
 #define SMR_ROBUST_TRACKER_ALIGN 8
@@ -283,11 +288,11 @@ enum smr_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The target was found, wholly inside the frame; its patch is the new template.
+   * The target was found inside the picture. Its patch is the new template if it lies in `update_zone` of #smr_config.
    */
   SMR_TRACKING = 0,
   /**
-   * The target was found, partly outside the frame; the template is kept.
+   * The target was found, partly outside the picture; the template is kept.
    */
   SMR_LEAVING = 1,
   /**
@@ -547,19 +552,44 @@ typedef struct smr_radius {
 } smr_radius;
 
 /**
- * How clearly the peak must stand above the runner-up before a frame is believed: the least ratio of the two scores.
+ * How many pixels a box keeps from each edge of the picture.
+ */
+typedef struct smr_margins {
+  /**
+   * Columns to the left of the box.
+   */
+  uint16_t left;
+  /**
+   * Rows above it.
+   */
+  uint16_t top;
+  /**
+   * Columns to the right of it.
+   */
+  uint16_t right;
+  /**
+   * Rows below it.
+   */
+  uint16_t bottom;
+} smr_margins;
+
+/**
+ * How clearly the peak must stand above the runner-up before a frame is believed.
+ *
+ * The first four are ratios of the two scores that the peak must exceed. A ratio below 1 demands nothing of a peak that
+ * scores at all.
  */
 typedef struct smr_gate {
   /**
-   * From a box inside the frame to a box inside the frame.
+   * While the target stays inside the picture.
    */
   struct smr_fraction tracking;
   /**
-   * When the box at the peak is partly outside the frame.
+   * When the box at the peak is partly outside the picture.
    */
   struct smr_fraction leaving;
   /**
-   * From a box that was partly outside to one inside.
+   * When the box at the peak is inside, but one has not been before: until a lost target is found again.
    */
   struct smr_fraction returning;
   /**
@@ -567,13 +597,19 @@ typedef struct smr_gate {
    */
   struct smr_fraction lost;
   /**
-   * The other way to be found again: peak and runner-up this many fully similar pixels apart.
+   * The other way to be believed, in every state: the peak is more than this many fully similar pixels above the
+   * runner-up.
    */
   uint16_t lead;
+  /**
+   * The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. 0 demands
+   * nothing, which is the paper's.
+   */
+  uint16_t least_ratio;
 } smr_gate;
 
 /**
- * The numbers of the method. Fill it with #smr_config_paper first, then change what is to be changed.
+ * The numbers of the method. Fill it with #smr_config_camera (or #smr_config_paper) first, then change what is to be changed.
  */
 typedef struct smr_config {
   /**
@@ -589,6 +625,11 @@ typedef struct smr_config {
    * alpha before the first update, in gray levels: a pixel counts if its difference is below it. At least 1.
    */
   uint8_t first_threshold;
+  /**
+   * The least alpha after an update, in gray levels. 0 and 1 are the same, and the paper's: after a still scene a slight
+   * change of light then leaves no pixel that counts.
+   */
+  uint8_t least_threshold;
   /**
    * Width of the virtual border of zeroes around the frame, in pixels: how far a box may leave the picture.
    */
@@ -611,9 +652,18 @@ typedef struct smr_config {
    */
   uint16_t neighbourhood;
   /**
+   * What a box keeps from the edges of the picture for its patch to become the template.
+   */
+  struct smr_margins update_zone;
+  /**
    * When a frame is believed.
    */
   struct smr_gate gate;
+  /**
+   * 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
+   * (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
+   */
+  uint8_t plain_loop;
   /**
    * 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
    * time.
@@ -803,7 +853,7 @@ smr_status smr_robust_config_default(struct smr_robust_config *config);
 const char *smr_status_name(int32_t status);
 
 /**
- * Fills a table for #smr_config. Takes about 2 KB of stack, all other calls less than 1 KB, except those on a robust tracker that say more.
+ * Fills a table for #smr_config. Takes about 2 KB of stack.
  *
  * @param table  Memory for the table. Trackers that are configured with it read it in every update: it must stay
  *               where it is, unchanged, as long as any of them is used.
@@ -889,8 +939,9 @@ smr_status smr_begin(struct smr_tracker *tracker,
  *
  * @param tracker  As for #smr_begin.
  * @param frame    The same frame, with the same pixels.
- * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most four times the template's
- *                 pixels, or twice the pixels of a row of #smr_window.
+ * @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most the template's pixels or
+ *                 twice the pixels of a row of #smr_window, whichever is more, and seven for each of #SMR_SPAN offsets.
+ *                 0 is taken for 1.
  * @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
  * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
  */
@@ -950,7 +1001,22 @@ smr_status smr_alpha(const struct smr_tracker *tracker,
 const char *smr_version(void);
 
 /**
+ * Fills a configuration with the values for cameras: the paper's with a bounded window, so that time and memory are, too.
+ *
+ * Beside #smr_config_paper the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of 161 holds
+ * it), the template is updated up to the edge of the picture, a peak inside the picture need not exceed the runner-up, alpha
+ * is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed.
+ *
+ * @param config  Memory for the configuration.
+ * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+ */
+smr_status smr_config_camera(struct smr_config *config);
+
+/**
  * Fills a configuration with the values of the paper and its authors' program, for frames of about 320x240.
+ *
+ * The window of a lost target grows until it is the padded frame: #SMR_SPAN must be at least frame + 40 - box + 1 on each
+ * axis, or #smr_lock answers #SMR_ERROR_WINDOW_TOO_LARGE. For firmware see #smr_config_camera.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.

@@ -11,7 +11,7 @@ pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 /// `SMR_TRACKER_SIZE` of the header: two bytes a pixel, five words an offset, and what the fixed fields take with some to
 /// spare.
 pub const STORAGE_SIZE: usize =
-    2 * PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 28]>() + 96;
+    2 * PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 28]>() + 136;
 
 /// `SMR_TRACKER_ALIGN` of the header.
 pub const STORAGE_ALIGN: usize = size_of::<usize>();

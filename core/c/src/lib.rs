@@ -47,6 +47,7 @@ pub use tracker::{
     smr_update, smr_window,
 };
 pub use types::{
-    SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_answer, smr_config, smr_config_paper, smr_fraction,
-    smr_frame, smr_gate, smr_image, smr_peak, smr_radius, smr_rect, smr_state, smr_version,
+    SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_answer, smr_config, smr_config_camera,
+    smr_config_paper, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins, smr_peak, smr_radius, smr_rect,
+    smr_state, smr_version,
 };

@@ -17,7 +17,7 @@ pub struct smr_table {
 const _: () = assert!(size_of::<Table>() == size_of::<smr_table>());
 const _: () = assert!(align_of::<Table>() == align_of::<smr_table>());
 
-/// Fills a table for #smr_config. Takes about 2 KB of stack, all other calls less than 1 KB, except those on a robust tracker that say more.
+/// Fills a table for #smr_config. Takes about 2 KB of stack.
 ///
 /// @param table  Memory for the table. Trackers that are configured with it read it in every update: it must stay
 ///               where it is, unchanged, as long as any of them is used.

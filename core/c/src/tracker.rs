@@ -161,8 +161,9 @@ unsafe fn begin(tracker: *mut smr_tracker, frame: *const smr_frame) -> Result<()
 ///
 /// @param tracker  As for #smr_begin.
 /// @param frame    The same frame, with the same pixels.
-/// @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most four times the template's
-///                 pixels, or twice the pixels of a row of #smr_window.
+/// @param work     Comparisons of bytes to be made; a few more are, to come to a stop: at most the template's pixels or
+///                 twice the pixels of a row of #smr_window, whichever is more, and seven for each of #SMR_SPAN offsets.
+///                 0 is taken for 1.
 /// @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
 /// @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
 #[unsafe(no_mangle)]

@@ -5,7 +5,8 @@ use crate::status::{smr_status, status_of};
 use crate::table::{self, smr_table};
 use core::ffi::{CStr, c_char};
 use smr_core::search::Peak;
-use smr_core::{Answer, Config, Fraction, Frame, Gate, Image, Radius, Rect, RunnerUp, State};
+use smr_core::similarity::Backend;
+use smr_core::{Answer, Config, Fraction, Frame, Gate, Image, Margins, Radius, Rect, RunnerUp, State};
 
 /// Version of this header, major.minor.patch: a program can compare it with #smr_version.
 pub const SMR_VERSION_MAJOR: u32 = 0;
@@ -46,6 +47,20 @@ pub struct smr_radius {
     pub y: u16,
 }
 
+/// How many pixels a box keeps from each edge of the picture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_margins {
+    /// Columns to the left of the box.
+    pub left: u16,
+    /// Rows above it.
+    pub top: u16,
+    /// Columns to the right of it.
+    pub right: u16,
+    /// Rows below it.
+    pub bottom: u16,
+}
+
 /// A rectangle in whole pixels of the full frame. It may reach outside the frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -60,23 +75,30 @@ pub struct smr_rect {
     pub height: u16,
 }
 
-/// How clearly the peak must stand above the runner-up before a frame is believed: the least ratio of the two scores.
+/// How clearly the peak must stand above the runner-up before a frame is believed.
+///
+/// The first four are ratios of the two scores that the peak must exceed. A ratio below 1 demands nothing of a peak that
+/// scores at all.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_gate {
-    /// From a box inside the frame to a box inside the frame.
+    /// While the target stays inside the picture.
     pub tracking: smr_fraction,
-    /// When the box at the peak is partly outside the frame.
+    /// When the box at the peak is partly outside the picture.
     pub leaving: smr_fraction,
-    /// From a box that was partly outside to one inside.
+    /// When the box at the peak is inside, but one has not been before: until a lost target is found again.
     pub returning: smr_fraction,
     /// To be found again when lost, wherever that is.
     pub lost: smr_fraction,
-    /// The other way to be found again: peak and runner-up this many fully similar pixels apart.
+    /// The other way to be believed, in every state: the peak is more than this many fully similar pixels above the
+    /// runner-up.
     pub lead: u16,
+    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. 0 demands
+    /// nothing, which is the paper's.
+    pub least_ratio: u16,
 }
 
-/// The numbers of the method. Fill it with #smr_config_paper first, then change what is to be changed.
+/// The numbers of the method. Fill it with #smr_config_camera (or #smr_config_paper) first, then change what is to be changed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
@@ -87,6 +109,9 @@ pub struct smr_config {
     pub k: smr_fraction,
     /// alpha before the first update, in gray levels: a pixel counts if its difference is below it. At least 1.
     pub first_threshold: u8,
+    /// The least alpha after an update, in gray levels. 0 and 1 are the same, and the paper's: after a still scene a slight
+    /// change of light then leaves no pixel that counts.
+    pub least_threshold: u8,
     /// Width of the virtual border of zeroes around the frame, in pixels: how far a box may leave the picture.
     pub padding: u16,
     /// The search window around the last position.
@@ -98,8 +123,13 @@ pub struct smr_config {
     pub window_limit: smr_radius,
     /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
     pub neighbourhood: u16,
+    /// What a box keeps from the edges of the picture for its patch to become the template.
+    pub update_zone: smr_margins,
     /// When a frame is believed.
     pub gate: smr_gate,
+    /// 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
+    /// (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
+    pub plain_loop: u8,
     /// 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
     /// time.
     pub runner_up_always: u8,
@@ -136,9 +166,9 @@ pub struct smr_frame {
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target was found, wholly inside the frame; its patch is the new template.
+    /// The target was found inside the picture. Its patch is the new template if it lies in `update_zone` of #smr_config.
     SMR_TRACKING = 0,
-    /// The target was found, partly outside the frame; the template is kept.
+    /// The target was found, partly outside the picture; the template is kept.
     SMR_LEAVING = 1,
     /// The peak did not stand out as the gate demands. The box is the last one that was believed, template and alpha are
     /// kept, and the window grows with every further frame.
@@ -192,7 +222,25 @@ pub struct smr_image {
     pub height: u16,
 }
 
+/// Fills a configuration with the values for cameras: the paper's with a bounded window, so that time and memory are, too.
+///
+/// Beside #smr_config_paper the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of 161 holds
+/// it), the template is updated up to the edge of the picture, a peak inside the picture need not exceed the runner-up, alpha
+/// is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed.
+///
+/// @param config  Memory for the configuration.
+/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_status {
+    // SAFETY: the caller gives memory for an smr_config.
+    let out = unsafe { pointer::Out::new(config) };
+    status_of(out.map(|out| out.write(Config::camera().into())))
+}
+
 /// Fills a configuration with the values of the paper and its authors' program, for frames of about 320x240.
+///
+/// The window of a lost target grows until it is the padded frame: #SMR_SPAN must be at least frame + 40 - box + 1 on each
+/// axis, or #smr_lock answers #SMR_ERROR_WINDOW_TOO_LARGE. For firmware see #smr_config_camera.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -200,26 +248,31 @@ pub struct smr_image {
 pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status {
     // SAFETY: the caller gives memory for an smr_config.
     let out = unsafe { pointer::Out::new(config) };
-    status_of(out.map(|out| out.write(smr_config::paper())))
+    status_of(out.map(|out| out.write(Config::paper().into())))
+}
+
+/// With the library's own table: another one has no address that C could give.
+impl From<Config> for smr_config {
+    fn from(config: Config) -> Self {
+        Self {
+            table: core::ptr::null(),
+            k: config.k.into(),
+            first_threshold: config.first_threshold,
+            least_threshold: config.least_threshold,
+            padding: config.padding,
+            window: config.window.into(),
+            growth: config.growth,
+            window_limit: config.window_limit.into(),
+            neighbourhood: config.neighbourhood,
+            update_zone: config.update_zone.into(),
+            gate: config.gate.into(),
+            plain_loop: (config.backend == Some(Backend::Scalar)).into(),
+            runner_up_always: (config.runner_up == RunnerUp::Always).into(),
+        }
+    }
 }
 
 impl smr_config {
-    fn paper() -> Self {
-        let paper = Config::paper();
-        Self {
-            table: core::ptr::null(),
-            k: paper.k.into(),
-            first_threshold: paper.first_threshold,
-            padding: paper.padding,
-            window: paper.window.into(),
-            growth: paper.growth,
-            window_limit: paper.window_limit.into(),
-            neighbourhood: paper.neighbourhood,
-            gate: paper.gate.into(),
-            runner_up_always: (paper.runner_up == RunnerUp::Always).into(),
-        }
-    }
-
     /// # Safety
     /// As for [`table::given`], of `self.table`.
     pub(crate) unsafe fn config(&self) -> Result<Config, smr_status> {
@@ -228,12 +281,15 @@ impl smr_config {
         config.table = unsafe { table::given(self.table)? };
         config.k = self.k.into();
         config.first_threshold = self.first_threshold;
+        config.least_threshold = self.least_threshold;
         config.padding = self.padding;
         config.window = self.window.into();
         config.growth = self.growth;
         config.window_limit = self.window_limit.into();
         config.neighbourhood = self.neighbourhood;
+        config.update_zone = self.update_zone.into();
         config.gate = self.gate.into();
+        config.backend = (self.plain_loop != 0).then_some(Backend::Scalar);
         config.runner_up = if self.runner_up_always == 0 { RunnerUp::WhenItDecides } else { RunnerUp::Always };
         Ok(config)
     }
@@ -285,6 +341,20 @@ impl From<smr_radius> for Radius {
     }
 }
 
+impl From<Margins> for smr_margins {
+    fn from(margins: Margins) -> Self {
+        let Margins { left, top, right, bottom } = margins;
+        Self { left, top, right, bottom }
+    }
+}
+
+impl From<smr_margins> for Margins {
+    fn from(margins: smr_margins) -> Self {
+        let smr_margins { left, top, right, bottom } = margins;
+        Self { left, top, right, bottom }
+    }
+}
+
 impl From<Rect> for smr_rect {
     fn from(rect: Rect) -> Self {
         Self { x: rect.x, y: rect.y, width: rect.width, height: rect.height }
@@ -305,6 +375,7 @@ impl From<Gate> for smr_gate {
             returning: gate.returning.into(),
             lost: gate.lost.into(),
             lead: gate.lead,
+            least_ratio: gate.least_ratio,
         }
     }
 }
@@ -317,6 +388,7 @@ impl From<smr_gate> for Gate {
             returning: gate.returning.into(),
             lost: gate.lost.into(),
             lead: gate.lead,
+            least_ratio: gate.least_ratio,
         }
     }
 }
@@ -358,50 +430,57 @@ mod tests {
     use std::format;
 
     #[test]
-    fn the_papers_configuration_comes_back_as_it_was() {
+    fn a_configuration_comes_back_as_it_was() {
         let paper = format!("{:?}", Config::paper());
-        // SAFETY: no table is given.
-        let back = unsafe { smr_config::paper().config() }.unwrap();
-        assert_eq!(format!("{back:?}"), paper);
+        for config in [Config::paper(), Config::camera()] {
+            // SAFETY: no table is given.
+            let back = unsafe { smr_config::from(config).config() }.unwrap();
+            assert_eq!(format!("{back:?}"), format!("{config:?}"));
+        }
         // A number that `Config` gains would come back by itself, from `Config::paper`, without C being able to set it.
-        // Only the backend and pruning are left to the library: they change no answer.
+        // Only pruning is left to the library, and which backend but the plain loop: they change no answer.
         let (_, numbers) = paper.split_once("] }").expect("the table stands first");
         assert_eq!(
             numbers.matches(": ").count(),
-            30,
+            37,
             "has Config a new number? Then smr_config needs it too: {numbers}"
         );
     }
 
     #[test]
     fn every_number_of_the_configuration_goes_to_its_place() {
+        // In the order in which `Config` declares them, and prints them: the fields of a literal are evaluated as written.
         let mut numbers = 1..;
-        let mut next = || numbers.next().unwrap();
-        let mut pair = || (next(), next());
-        let fraction = |(numerator, denominator)| smr_fraction { numerator, denominator };
-        let radius = |(x, y)| smr_radius { x, y };
-        // In the order in which `Config` declares them, and prints them.
-        let k = fraction(pair());
-        let (first_threshold, padding) = pair();
-        let window = radius(pair());
-        let (growth, limit_x) = pair();
-        let (limit_y, neighbourhood) = pair();
+        let next = &mut || numbers.next().unwrap();
+        fn fraction(next: &mut dyn FnMut() -> u16) -> smr_fraction {
+            smr_fraction { numerator: next(), denominator: next() }
+        }
+        fn radius(next: &mut dyn FnMut() -> u16) -> smr_radius {
+            smr_radius { x: next(), y: next() }
+        }
+        fn margins(next: &mut dyn FnMut() -> u16) -> smr_margins {
+            smr_margins { left: next(), top: next(), right: next(), bottom: next() }
+        }
         let config = smr_config {
             table: core::ptr::null(),
-            k,
-            first_threshold: u8::try_from(first_threshold).unwrap(),
-            padding,
-            window,
-            growth,
-            window_limit: radius((limit_x, limit_y)),
-            neighbourhood,
+            k: fraction(next),
+            first_threshold: u8::try_from(next()).unwrap(),
+            least_threshold: u8::try_from(next()).unwrap(),
+            padding: next(),
+            window: radius(next),
+            growth: next(),
+            window_limit: radius(next),
+            neighbourhood: next(),
+            update_zone: margins(next),
             gate: smr_gate {
-                tracking: fraction(pair()),
-                leaving: fraction(pair()),
-                returning: fraction(pair()),
-                lost: fraction(pair()),
-                lead: pair().0,
+                tracking: fraction(next),
+                leaving: fraction(next),
+                returning: fraction(next),
+                lost: fraction(next),
+                lead: next(),
+                least_ratio: next(),
             },
+            plain_loop: 0,
             runner_up_always: 1,
         };
         // SAFETY: no table is given.
@@ -410,7 +489,7 @@ mod tests {
         let words = printed.split(|character: char| !character.is_ascii_digit());
         let printed: std::vec::Vec<u16> = words.filter_map(|word| word.parse().ok()).collect();
         assert!(format!("{:?}", unsafe { config.config() }.unwrap()).contains("runner_up: Always"));
-        assert_eq!(printed, (1..=19).collect::<std::vec::Vec<_>>());
+        assert_eq!(printed, (1..=25).collect::<std::vec::Vec<_>>());
     }
 
     #[test]

@@ -74,7 +74,7 @@ static void track(smr_rect target, int at_the_end)
     smr_frame frame;
     smr_answer answer;
     unsigned number;
-    must(smr_config_paper(&config));
+    must(smr_config_camera(&config));
     config.window.x = config.window.y = 9;
     config.window_limit.x = config.window_limit.y = 14;
     must(smr_init(&storage, sizeof storage, &config, &tracker));

@@ -105,6 +105,16 @@ static smr_fraction fraction(void)
     return value;
 }
 
+static smr_margins margins(void)
+{
+    smr_margins margins;
+    margins.left = (uint16_t)number(10);
+    margins.top = (uint16_t)number(10);
+    margins.right = (uint16_t)number(10);
+    margins.bottom = (uint16_t)number(10);
+    return margins;
+}
+
 static smr_radius radius(void)
 {
     smr_radius value;
@@ -183,10 +193,12 @@ static int set(smr_config *config, smr_table *table, const char *keyword)
         return 1;
     }
     NUMBER("first_threshold", config->first_threshold, uint8_t)
+    NUMBER("least_threshold", config->least_threshold, uint8_t)
     NUMBER("padding", config->padding, uint16_t)
     NUMBER("growth", config->growth, uint16_t)
     NUMBER("neighbourhood", config->neighbourhood, uint16_t)
     NUMBER("gate_lead", config->gate.lead, uint16_t)
+    NUMBER("gate_least_ratio", config->gate.least_ratio, uint16_t)
     NUMBER("runner_up_always", config->runner_up_always, uint8_t)
     PAIR("k", config->k, fraction)
     PAIR("gate_tracking", config->gate.tracking, fraction)
@@ -195,6 +207,7 @@ static int set(smr_config *config, smr_table *table, const char *keyword)
     PAIR("gate_lost", config->gate.lost, fraction)
     PAIR("window", config->window, radius)
     PAIR("window_limit", config->window_limit, radius)
+    PAIR("update_zone", config->update_zone, margins)
     return 0;
 }
 
@@ -317,7 +330,7 @@ static void run(unsigned *cases, unsigned *compared)
         if (keyword[0] == '\0' || keyword[0] == '#') {
             skip_line(last);
         } else if (strcmp(keyword, "smr-vectors") == 0) {
-            if (number(10) != 2) {
+            if (number(10) != 3) {
                 stop("another version of the vectors");
             }
         } else if (strcmp(keyword, "case") == 0) {

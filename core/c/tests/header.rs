@@ -2,8 +2,8 @@
 
 use smr::{
     PIXELS, ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, SPAN, STORAGE_ALIGN, STORAGE_SIZE, smr_answer, smr_config,
-    smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_peak, smr_radius, smr_rect, smr_robust_answer,
-    smr_robust_config, smr_robust_state, smr_state, smr_status, smr_table,
+    smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins, smr_peak, smr_radius, smr_rect,
+    smr_robust_answer, smr_robust_config, smr_robust_state, smr_state, smr_status, smr_table,
 };
 use std::fmt::Write as _;
 use std::mem::offset_of;
@@ -55,17 +55,21 @@ fn the_header_and_the_library_agree_on_every_size() {
     source += &layout!(smr_fraction { numerator, denominator });
     source += &layout!(smr_radius { x, y });
     source += &layout!(smr_rect { x, y, width, height });
-    source += &layout!(smr_gate { tracking, leaving, returning, lost, lead });
+    source += &layout!(smr_gate { tracking, leaving, returning, lost, lead, least_ratio });
+    source += &layout!(smr_margins { left, top, right, bottom });
     source += &layout!(smr_config {
         table,
         k,
         first_threshold,
+        least_threshold,
         padding,
         window,
         growth,
         window_limit,
         neighbourhood,
+        update_zone,
         gate,
+        plain_loop,
         runner_up_always
     });
     source += &layout!(smr_frame { pixels, size, stride, width, height, x, y, full_width, full_height });

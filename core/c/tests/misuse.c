@@ -56,7 +56,7 @@ static smr_frame good_frame(void)
 static smr_config good_config(void)
 {
     smr_config config;
-    EXPECT(smr_config_paper(&config), SMR_OK);
+    EXPECT(smr_config_camera(&config), SMR_OK);
     config.window.x = config.window.y = 5;
     config.window_limit.x = config.window_limit.y = 8;
     return config;
@@ -120,6 +120,8 @@ static void configurations(void)
     static smr_table empty;
     smr_config several[2], config = good_config();
     smr_tracker *tracker = NULL;
+    EXPECT(smr_config_camera(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_camera((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_config_paper(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_paper((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
 #define REFUSED(change, wanted) \

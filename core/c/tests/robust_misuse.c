@@ -153,7 +153,7 @@ static void no_trackers(void)
     memset(&storage, 0xFF, sizeof storage);
     no_tracker(tracker, SMR_ERROR_NOT_INITIALISED);
     /* The paper's tracker is another one. */
-    EXPECT(smr_config_paper(&config), SMR_OK);
+    EXPECT(smr_config_camera(&config), SMR_OK);
     if (sizeof papers <= sizeof zeroes) {
         EXPECT(smr_init(&zeroes, sizeof zeroes, &config, &other), SMR_OK);
         no_tracker((smr_robust_tracker *)(void *)other, SMR_ERROR_NOT_INITIALISED);

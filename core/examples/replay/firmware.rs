@@ -66,7 +66,7 @@ fn replay(buffer: &mut [u8], timer: SYST, answers: &mut HostFile, at: &mut u32) 
     write(answers, &[1, VERSION, pixels, span, RADIUS.into(), room, size, CALIBRATION, ticks])?;
 
     let mut recording = Recording::open()?;
-    let mut config = Config::paper();
+    let mut config = Config::camera();
     config.window = Radius { x: RADIUS, y: RADIUS };
     config.window_limit = config.window;
     let mut tracker = Replayed::new(config).map_err(|_| Refusal::NoLock)?;

@@ -36,7 +36,7 @@
 //! };
 //! let mut pursuit = Pursuit::new(config, pan_pin, tilt_pin, led_pin)?;
 //!
-//! let mut config = Config::paper();
+//! let mut config = Config::camera();
 //! config.window = Radius { x: 8, y: 8 };
 //! config.window_limit = Radius { x: 16, y: 16 };
 //! let mut tracker = Tracker::<256, 33>::new(config)?;

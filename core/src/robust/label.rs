@@ -7,7 +7,7 @@ use super::responses::SPAN;
 /// 1.0, as labels and responses have it.
 pub(super) const ONE: i32 = 1 << 14;
 /// Entries of the table for each standard deviation.
-const FINE: i64 = 32;
+const FINE: u16 = 32;
 /// Five standard deviations; beyond, the label is 0.
 const ENTRIES: usize = 5 * FINE as usize;
 
@@ -26,7 +26,7 @@ impl Bell {
     pub(super) fn of(grid: &Grid) -> Self {
         // In 1/256 cell: 0.1 * sqrt(pixels / 16) * 256 = 6.4 * sqrt(pixels).
         let sigma = (u64::from(grid.pixels()) * 4096 / 100).isqrt().max(1);
-        Self { narrow: (FINE << 20) / i64::try_from(sigma).unwrap_or(1) }
+        Self { narrow: (i64::from(FINE) << 20) / i64::try_from(sigma).unwrap_or(1) }
     }
 
     /// At so much from the target on one axis, in units of 1/256 cell; the label is the product of both axes' parts.

@@ -110,7 +110,9 @@ fn the_largest_blocks_of_means() {
 #[test]
 fn black_and_white_in_turns() {
     let board = |side: usize, turn: usize| -> Vec<u8> {
-        (0..160 * 120).map(|at| if (at % 160 / side + at / 160 / side + turn) % 2 == 0 { 0 } else { 255 }).collect()
+        (0..160 * 120)
+            .map(|at| if (at % 160 / side + at / 160 / side + turn).is_multiple_of(2) { 0 } else { 255 })
+            .collect()
     };
     for side in [1, 2, 3, 4, 8, 20] {
         let mut both = Both::lock(160, 120, &board(side, 0), Rect::new(60, 40, 40, 40));
@@ -188,7 +190,7 @@ fn a_target_that_moves_by_whole_pixels_keeps_its_size_and_its_box() {
     let (mut scales, mut worst) = ((u32::MAX, 0), 1.0_f64);
     // Along an ellipse, at most three pixels a frame.
     let at = |frame: f64| {
-        let turn = frame * 6.283 / 150.0;
+        let turn = frame * std::f64::consts::TAU / 150.0;
         ((20.0 + 60.0 * (1.0 - turn.cos())) as usize, (30.0 + 60.0 * turn.sin().abs()) as usize)
     };
     for frame in 1..=300 {

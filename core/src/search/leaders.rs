@@ -7,31 +7,69 @@
 //! 3. A score at or below the floor is neither above the peak nor above the runner-up, which the pair's scores or larger
 //!    ones decide; and those have been noted.
 
-use super::{Found, Maxima, Peak, Window};
+use super::{Found, Maxima, Peak, Wanted, Window};
+use core::cmp::Ordering;
 
 pub(super) struct Leaders<const SPAN: usize> {
     best: Option<Peak>,
-    /// `None` if only the peak is wanted.
-    runner_up: Option<Apart>,
+    beside: Beside,
     maxima: Maxima<SPAN>,
 }
 
-/// How far the runner-up is from the peak, and what is known of it.
+/// What is looked for beside the peak, and what is known of it.
 #[derive(Clone, Copy)]
-struct Apart {
+enum Beside {
+    Nothing,
+    Equals(Equals),
+    RunnerUp { neighbourhood: u16, floor: u32 },
+}
+
+/// The box around the offsets that score as much as the peak. Its sides pass through some of them, so it tells whether one
+/// is outside the peak's neighbourhood.
+#[derive(Clone, Copy)]
+struct Equals {
     neighbourhood: u16,
-    floor: u32,
+    left: i32,
+    right: i32,
+    top: i32,
+    bottom: i32,
+}
+
+impl Equals {
+    const fn of(neighbourhood: u16, peak: &Peak) -> Self {
+        Self { neighbourhood, left: peak.x, right: peak.x, top: peak.y, bottom: peak.y }
+    }
+
+    fn add(&mut self, other: &Peak) {
+        (self.left, self.right) = (self.left.min(other.x), self.right.max(other.x));
+        (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
+    }
+
+    /// Whichever of them is the peak, another is outside its neighbourhood.
+    fn are_apart(&self) -> bool {
+        self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
+    }
+
+    fn are_outside(&self, peak: &Peak) -> bool {
+        let columns = peak.x.abs_diff(self.left).max(self.right.abs_diff(peak.x));
+        let rows = peak.y.abs_diff(self.top).max(self.bottom.abs_diff(peak.y));
+        columns.max(rows) > self.neighbourhood.into()
+    }
 }
 
 impl<const SPAN: usize> Leaders<SPAN> {
     pub(super) const fn new() -> Self {
-        Self { best: None, runner_up: None, maxima: Maxima::new() }
+        Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }
 
-    /// Forgets everything. With a neighbourhood, the runner-up outside it is looked for, too.
-    pub(super) fn reset(&mut self, window: &Window, neighbourhood: Option<u16>) {
+    /// Forgets everything.
+    pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         self.best = None;
-        self.runner_up = neighbourhood.map(|neighbourhood| Apart { neighbourhood, floor: 0 });
+        self.beside = match wanted {
+            Wanted::Peak => Beside::Nothing,
+            Wanted::Equals(neighbourhood) => Beside::Equals(Equals::of(neighbourhood, &Peak { x: 0, y: 0, score: 0 })),
+            Wanted::RunnerUp(neighbourhood) => Beside::RunnerUp { neighbourhood, floor: 0 },
+        };
         self.maxima.reset(window);
     }
 
@@ -42,12 +80,20 @@ impl<const SPAN: usize> Leaders<SPAN> {
     /// The least score with which some offset could still change the result.
     pub(super) fn needed(&self) -> u32 {
         let best = self.best.map_or(0, |best| best.score);
-        self.runner_up.map_or(best, |runner_up| best.min(runner_up.floor.saturating_add(1)))
+        match self.beside {
+            Beside::RunnerUp { floor, .. } => best.min(floor.saturating_add(1)),
+            _ => best,
+        }
     }
 
     /// The least score with which the offset at (`x`, `y`) could.
     pub(super) fn needed_at(&self, window: &Window, x: i32, y: i32) -> u32 {
         let needed = self.needed();
+        if let Beside::Equals(equals) = &self.beside
+            && !equals.are_apart()
+        {
+            return needed;
+        }
         // As good as the peak is not enough for who loses the tie.
         let ties = self.best.is_some_and(|best| {
             best.score == needed && window.rank(&Peak { x, y, score: needed }) < window.rank(&best)
@@ -57,13 +103,23 @@ impl<const SPAN: usize> Leaders<SPAN> {
 
     /// Takes note of a score.
     pub(super) fn note(&mut self, window: &Window, candidate: Peak) {
-        if let (Some(runner_up), Some(best)) = (&mut self.runner_up, &self.best)
-            && candidate.is_further_than(2 * u32::from(runner_up.neighbourhood), best)
-        {
-            runner_up.floor = runner_up.floor.max(candidate.score.min(best.score));
-        }
-        if self.runner_up.is_some() {
-            self.maxima.note(window, &candidate);
+        match (&mut self.beside, &self.best) {
+            (Beside::Nothing, _) => {}
+            (Beside::Equals(equals), best) => {
+                match best.map_or(Ordering::Greater, |best| candidate.score.cmp(&best.score)) {
+                    Ordering::Less => {}
+                    Ordering::Equal => equals.add(&candidate),
+                    Ordering::Greater => *equals = Equals::of(equals.neighbourhood, &candidate),
+                }
+            }
+            (Beside::RunnerUp { neighbourhood, floor }, best) => {
+                if let Some(best) = best
+                    && candidate.is_further_than(2 * u32::from(*neighbourhood), best)
+                {
+                    *floor = candidate.score.min(best.score).max(*floor);
+                }
+                self.maxima.note(window, &candidate);
+            }
         }
         if self.best.is_none_or(|best| window.rank(&candidate) > window.rank(&best)) {
             self.best = Some(candidate);
@@ -72,19 +128,22 @@ impl<const SPAN: usize> Leaders<SPAN> {
 
     /// Looks for pairs among all that has been noted; `note` sees only those with the peak.
     pub(super) fn look_for_pairs(&mut self) {
-        if let Some(runner_up) = &mut self.runner_up {
-            let distance = 2 * usize::from(runner_up.neighbourhood);
-            runner_up.floor = runner_up.floor.max(self.maxima.both_reach(distance));
+        if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
+            *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
         }
     }
 
     pub(super) const fn looks_for_runner_up(&self) -> bool {
-        self.runner_up.is_some()
+        matches!(self.beside, Beside::RunnerUp { .. })
     }
 
     pub(super) fn found(&self, window: &Window) -> Option<Found> {
         let peak = self.best?;
-        let runner_up = self.runner_up.map(|runner_up| self.maxima.outside(window, &peak, runner_up.neighbourhood));
+        let runner_up = match &self.beside {
+            Beside::Nothing => None,
+            Beside::Equals(equals) => (peak.score > 0 && equals.are_outside(&peak)).then_some(peak.score),
+            Beside::RunnerUp { neighbourhood, .. } => Some(self.maxima.outside(window, &peak, *neighbourhood)),
+        };
         Some(Found { peak, runner_up })
     }
 }

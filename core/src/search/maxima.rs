@@ -55,13 +55,24 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     }
 }
 
-/// The largest number that an entry and another, more than `distance` behind it, both reach.
+/// The largest number that an entry and another, more than `distance` behind it, both reach. Looks at each entry once.
+///
+/// From both ends inwards: of the entries passed so far on each side the largest is known, and they are far enough apart.
+/// No pair that takes the smaller of the two does better than they do, so its side goes on.
 fn pair(maxima: &[u32], distance: usize) -> u32 {
-    let mut before = 0;
+    let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
+    let (mut first, mut last) = (0, maxima.len().saturating_sub(1));
+    let (mut before, mut behind) = (at(first), at(last));
     let mut both = 0;
-    for (&maximum, behind) in maxima.iter().zip((distance + 1..).map_while(|from| maxima.get(from..))) {
-        before = maximum.max(before);
-        both = both.max(before.min(largest(behind)));
+    while last.saturating_sub(first) > distance {
+        both = before.min(behind).max(both);
+        if before <= behind {
+            first += 1;
+            before = at(first).max(before);
+        } else {
+            last -= 1;
+            behind = at(last).max(behind);
+        }
     }
     both
 }
@@ -77,4 +88,19 @@ fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
 #[inline(never)] // one copy in flash
 fn largest(maxima: &[u32]) -> u32 {
     maxima.iter().copied().max().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_pair_is_the_best_of_all_pairs(maxima in prop::collection::vec(0u32..9, 0..24), distance in 0usize..12) {
+            let apart = |i: usize| maxima.iter().skip(i + distance + 1).max().copied();
+            let best = (0..maxima.len()).filter_map(|i| Some(maxima[i].min(apart(i)?))).max().unwrap_or(0);
+            prop_assert_eq!(pair(&maxima, distance), best);
+        }
+    }
 }

@@ -28,14 +28,25 @@ pub struct Peak {
     pub score: u32,
 }
 
+/// What a search looks for; the numbers are the peak's neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// The peak alone.
+    Peak,
+    /// The peak, and whether an offset outside its neighbourhood scores as much. Little more work than the peak alone.
+    Equals(u16),
+    /// The peak and the runner-up.
+    RunnerUp(u16),
+}
+
 /// What a search found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Found {
     /// The offset with the largest score.
     pub peak: Peak,
-    /// The largest score outside the peak's neighbourhood; 0 if the window does not reach beyond it. `None` if it was not
-    /// asked for: see [`RunnerUp`](crate::RunnerUp).
+    /// The largest score outside the peak's neighbourhood; 0 if the window does not reach beyond it. `None` if nothing
+    /// depends on it: see [`RunnerUp`](crate::RunnerUp).
     pub runner_up: Option<u32>,
 }
 

@@ -72,10 +72,14 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Self { bytes: Vec::new(), reach: Vec::new(), shape }
     }
 
+    /// Clears the memory. Not in `new`, which would move so many zeroes about; after the first time there is nothing to do.
+    pub(super) fn reserve(&mut self) {
+        // Neither can fail.
+        let _ = (self.bytes.resize(PIXELS, 0), self.reach.resize(SPAN, [0; 3]));
+    }
+
     /// Divides a window for a template. False if it cannot be: a window of less than four rows or columns has no groups.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
-        // Once; the first time rather than in `new`, which would move so many zeroes about. Neither can fail.
-        let _ = (self.bytes.resize(PIXELS, 0), self.reach.resize(SPAN, [0; 3]));
         let shape = Shape::of(template, window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
         shape.is_some()
@@ -224,7 +228,7 @@ fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], hi
 #[cold]
 #[inline(never)] // no part of the usual case, which is inlined
 fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
-    const PART: usize = 64;
+    const PART: usize = 32; // the copy is on the stack
     let mut x = x;
     for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
         let mut copy = [[0; PART + SIDE - 1]; SIDE];
@@ -239,6 +243,6 @@ fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mu
             }
         }
         scorer.spread(&copy.each_ref().map(<[u8; PART + SIDE - 1]>::as_slice), low, high);
-        x = x.saturating_add(64);
+        x = x.saturating_add(32);
     }
 }

@@ -6,7 +6,7 @@
 
 use super::leaders::Leaders;
 use super::ranges::{Ranges, SIDE, Tile};
-use super::{Found, Peak, Window};
+use super::{Found, Peak, Wanted, Window};
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{self, Scorer};
 
@@ -28,12 +28,16 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     pruning: bool,
     /// Comparisons in the present step.
     work: u32,
+    /// Comparisons since pairs were looked for.
+    since_pairs: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
     /// The last position itself.
     Start,
+    /// Its SAD.
+    Measure,
     Descent(Descent),
     /// The next of nine offsets spread over the window.
     Scout(i32),
@@ -59,10 +63,15 @@ struct Place {
 /// The way down the SAD, from the last position: the best of nine, then of nine half as far away.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Descent {
+    /// The middle of the nine.
     x: i32,
     y: i32,
+    /// The best of them so far.
+    best: (i32, i32),
     distance: u32,
     step: i32,
+    /// Which of those around the middle comes next.
+    next: usize,
 }
 
 /// How far the first step of the descent goes. Each step costs half of eight offsets: no more of them than a 32nd of the
@@ -81,13 +90,21 @@ const MOST_STEPS: usize = 4;
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     pub(crate) const fn new() -> Self {
         let tile = Tile { column: 0, row: 0, columns: 0, rows: 0 };
-        Self { leaders: Leaders::new(), ranges: Ranges::new(), tile, stage: Stage::Done, pruning: false, work: 0 }
+        Self {
+            leaders: Leaders::new(),
+            ranges: Ranges::new(),
+            tile,
+            stage: Stage::Done,
+            pruning: false,
+            work: 0,
+            since_pairs: 0,
+        }
     }
 
-    /// Starts anew. Without pruning every offset is scored to its last pixel; with a neighbourhood the runner-up is
-    /// looked for, too.
-    pub(crate) fn begin(&mut self, scene: &Scene<'_>, pruning: bool, neighbourhood: Option<u16>) {
-        self.leaders.reset(&scene.window, neighbourhood);
+    /// Starts anew. Without pruning every offset is scored to its last pixel.
+    pub(crate) fn begin(&mut self, window: &Window, pruning: bool, wanted: Wanted) {
+        self.leaders.reset(window, wanted);
+        self.ranges.reserve();
         self.pruning = pruning;
         self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };
     }
@@ -95,22 +112,28 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// Goes through the window once more, for the runner-up; the peak is known.
     pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
         let peak = self.leaders.best();
-        self.leaders.reset(&scene.window, Some(neighbourhood));
+        self.leaders.reset(&scene.window, Wanted::RunnerUp(neighbourhood));
         if let Some(peak) = peak {
             self.leaders.note(&scene.window, peak);
         }
         self.stage = Stage::Scout(0);
     }
 
-    /// Goes on until `work` comparisons have been made, or a few more: those of a row of ranges, of a group, of an offset
-    /// or of a step of the descent. What comparisons were left out of a score is counted, too; the count is returned.
+    /// Goes on until `work` comparisons have been made, or a few more; with 0 as with 1. Their count is returned: a byte of
+    /// the template against a byte of the frame, also if it could be left out; two for each range; and one for each word of
+    /// the working memory that is looked at for anything but a single offset or group.
+    ///
+    /// Between two looks at the count there is at most an offset, a group or a row of ranges, and beside it seven words for
+    /// each of `SPAN`: a pass over the groups (3), one for pairs (2), one for the runner-up (2).
     #[inline(never)] // one copy in flash
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
         self.work = 0;
+        let work = work.max(1);
         while self.stage != Stage::Done && self.work < work {
             self.stage = match self.stage {
                 Stage::Start => self.start(scene),
-                Stage::Descent(descent) => self.descend(scene, descent),
+                Stage::Measure => self.measure(scene),
+                Stage::Descent(descent) => self.descend(scene, descent, work),
                 Stage::Scout(number) => self.scout(scene, number),
                 Stage::Spread(place, row) => self.spread(scene, place, row, work),
                 Stage::Exclude(place, group) => self.exclude(scene, place, group, work),
@@ -118,6 +141,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Offsets(column, row) => self.offsets(scene, column, row, work),
                 Stage::Done => Stage::Done,
             };
+            if self.is_done() && self.leaders.looks_for_runner_up() {
+                self.spend(axes(scene)); // what `found` will look at
+            }
         }
         self.work
     }
@@ -129,6 +155,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
+        self.since_pairs = self.since_pairs.saturating_add(comparisons);
     }
 
     /// What was found; `None` before the search is done.
@@ -136,37 +163,50 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
-    #[inline(never)] // one copy in flash
     fn start(&mut self, scene: &Scene<'_>) -> Stage {
         let (x, y) = scene.window.centre();
         self.score(scene, x, y);
-        match sad(scene, x, y, u32::MAX) {
-            Some(distance) if first_step(&scene.window) > 0 => {
-                Stage::Descent(Descent { x, y, distance, step: first_step(&scene.window) })
-            }
-            _ => Stage::Scout(0),
-        }
+        if first_step(&scene.window) > 0 { Stage::Measure } else { Stage::Scout(0) }
+    }
+
+    fn measure(&mut self, scene: &Scene<'_>) -> Stage {
+        let (x, y) = scene.window.centre();
+        let step = first_step(&scene.window);
+        self.sad(scene, x, y, u32::MAX)
+            .map_or(Stage::Scout(0), |distance| Stage::Descent(Descent { x, y, best: (x, y), distance, step, next: 0 }))
     }
 
     #[inline(never)] // one copy in flash
-    fn descend(&mut self, scene: &Scene<'_>, from: Descent) -> Stage {
-        let mut best = from;
-        for (dx, dy) in AROUND {
-            let (x, y) = (from.x + dx * from.step, from.y + dy * from.step);
-            if scene.window.contains(x, y)
-                && let Some(distance) = sad(scene, x, y, best.distance)
-                && distance < best.distance
-            {
-                best = Descent { x, y, distance, ..best };
+    fn descend(&mut self, scene: &Scene<'_>, descent: Descent, work: u32) -> Stage {
+        let mut at = descent;
+        while at.step > 0 {
+            for (number, (dx, dy)) in AROUND.into_iter().enumerate().skip(at.next) {
+                if self.work >= work {
+                    return Stage::Descent(Descent { next: number, ..at });
+                }
+                let (x, y) = (at.x + dx * at.step, at.y + dy * at.step);
+                if scene.window.contains(x, y)
+                    && let Some(distance) = self.sad(scene, x, y, at.distance)
+                    && distance < at.distance
+                {
+                    (at.best, at.distance) = ((x, y), distance);
+                }
             }
+            at = Descent { x: at.best.0, y: at.best.1, step: at.step / 2, next: 0, ..at };
         }
-        self.spend(4 * area(scene));
-        best.step = from.step / 2;
-        if best.step > 0 {
-            return Stage::Descent(best);
+        if self.work >= work {
+            return Stage::Descent(at);
         }
-        self.score(scene, best.x, best.y);
+        self.score(scene, at.x, at.y);
         Stage::Scout(0)
+    }
+
+    /// The SAD of every other row of a box wholly inside the frame; any part of it that is more than `enough`, once it is more.
+    #[inline(never)] // one copy in flash
+    fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
+        let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
+        self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(2)));
+        Some(scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough))
     }
 
     /// Scores the window's corners, the middles of its edges and its middle: where the runner-up is looked for, two of them
@@ -174,13 +214,21 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
         let (columns, rows) = scene.window.size();
         if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 288 {
-            self.leaders.look_for_pairs();
+            self.look_for_pairs(scene);
             return self.first(scene);
         }
         let part = |of: usize, number: i32| (of - 1) * number.unsigned_abs() as usize / 2;
         let (x, y) = scene.window.position(part(columns, number % 3), part(rows, number / 3));
         self.score(scene, x, y);
         Stage::Scout(number + 1)
+    }
+
+    fn look_for_pairs(&mut self, scene: &Scene<'_>) {
+        if self.leaders.looks_for_runner_up() {
+            self.leaders.look_for_pairs();
+            self.spend(axes(scene));
+            self.since_pairs = 0;
+        }
     }
 
     /// What the window begins with.
@@ -207,6 +255,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
             self.spend(2 * ranges);
         }
+        if place.pass == 0 {
+            self.spend(words(tile.groups())); // set when the tile was begun
+        }
         Stage::Exclude(place, 0)
     }
 
@@ -219,9 +270,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 return Stage::Exclude(place, group);
             }
             let compared = self.ranges.look(scene.template, &tile, place.pass, group, needed, scene.scorer);
-            self.spend(compared);
+            self.spend(compared + words(group - from));
             from = group + 1;
         }
+        self.spend(words(tile.groups().saturating_sub(from)));
         if place.pass + 1 < self.ranges.passes() {
             Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
         } else {
@@ -241,15 +293,19 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 offset = 0;
             }
             let new = tile.new_in_group(group);
-            // At the first group that is left of each row: often enough to learn from what was scored since.
-            if offset == 0 && (from == 0 || new.1 != tile.new_in_group(from - 1).1) {
-                self.leaders.look_for_pairs();
+            // At the first group that is left of each row: often enough to learn from what was scored since. But not where
+            // it would cost more than a 32nd of that.
+            let new_row = offset == 0 && (from == 0 || new.1 != tile.new_in_group(from - 1).1);
+            if new_row && self.since_pairs / 32 >= axes(scene) {
+                self.look_for_pairs(scene);
             }
+            self.spend(words(group - from));
             self.score_in_group(scene, place, tile.group(group), new, offset);
             offset += 1;
             from = group + offset / (SIDE * SIDE);
             offset %= SIDE * SIDE;
         }
+        self.spend(words(tile.groups().saturating_sub(from)));
         self.next(scene, place)
     }
 
@@ -315,13 +371,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
 const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
 
-/// The SAD of every other row of a box wholly inside the frame; any part of it that is more than `enough`, once it is more.
-#[inline(never)] // one copy in flash
-fn sad(scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
-    let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
-    Some(scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough))
-}
-
 fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())
+}
+
+/// Columns and rows of the window.
+fn axes(scene: &Scene<'_>) -> u32 {
+    let (columns, rows) = scene.window.size();
+    words(columns + rows)
+}
+
+fn words(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }

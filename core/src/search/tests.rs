@@ -109,8 +109,8 @@ impl Case {
         (frame, template)
     }
 
-    /// The best of all offsets, and the best outside its neighbourhood.
-    fn expected(&self, score: impl Fn(i32, i32) -> u32) -> Found {
+    /// The best of all offsets, and the best outside its neighbourhood as far as it is wanted.
+    fn expected(&self, wanted: Wanted, score: impl Fn(i32, i32) -> u32) -> Found {
         let all = || self.window.ys().flat_map(|y| self.window.xs().map(move |x| (x, y)));
         let peaks = all().map(|(x, y)| Peak { x, y, score: score(x, y) });
         let (centre_x, centre_y) = self.window.centre();
@@ -122,7 +122,13 @@ impl Case {
         let peak = peaks.min_by_key(order).unwrap();
         let near = i32::from(self.neighbourhood);
         let far = all().filter(|(x, y)| (x - peak.x).abs().max((y - peak.y).abs()) > near);
-        Found { peak, runner_up: Some(far.map(|(x, y)| score(x, y)).max().unwrap_or(0)) }
+        let runner_up = far.map(|(x, y)| score(x, y)).max().unwrap_or(0);
+        let is_wanted = match wanted {
+            Wanted::Peak => false,
+            Wanted::Equals(_) => peak.score > 0 && runner_up == peak.score,
+            Wanted::RunnerUp(_) => true,
+        };
+        Found { peak, runner_up: is_wanted.then_some(runner_up) }
     }
 }
 
@@ -130,7 +136,7 @@ impl Case {
 #[derive(Clone, Copy, Debug)]
 struct Way {
     pruning: bool,
-    runner_up: bool,
+    wanted: Wanted,
     afterwards: bool,
     work: u32,
 }
@@ -139,7 +145,7 @@ fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, 
     let scorer = Scorer::new(backend, case.scale, case.threshold);
     let scene = Scene { frame, template, window: case.window, scorer: &scorer };
     let mut search = Search::<PIXELS, 128>::new();
-    search.begin(&scene, way.pruning, (way.runner_up && !way.afterwards).then_some(case.neighbourhood));
+    search.begin(&scene.window, way.pruning, if way.afterwards { Wanted::Peak } else { way.wanted });
     let mut work = 0;
     let mut run = |search: &mut Search<PIXELS, 128>| {
         while !search.is_done() {
@@ -147,7 +153,7 @@ fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, 
         }
     };
     run(&mut search);
-    if way.runner_up && way.afterwards {
+    if way.afterwards {
         search.begin_runner_up(&scene, case.neighbourhood);
         run(&mut search);
     }
@@ -160,18 +166,18 @@ proptest! {
     #[test]
     fn peak_and_runner_up_are_those_of_the_whole_map(
         case in case(),
-        (pruning, runner_up, afterwards) in any::<(bool, bool, bool)>(),
+        (pruning, wanted) in (any::<bool>(), 0..4usize),
         work in prop::sample::select(vec![1u32, 100, 3000, u32::MAX]),
     ) {
         let (pixels, template) = case.pixels();
         let frame = Frame::whole(Image::new(&pixels, case.frame.0, case.frame.1).unwrap());
         let template = Image::new(&template, case.template.0, case.template.1).unwrap();
         let plain = Scorer::new(Backend::Scalar, case.scale, case.threshold);
-        let mut expected = case.expected(|x, y| score_at(&frame, template, x, y, &plain).unwrap());
-        if !runner_up {
-            expected.runner_up = None;
-        }
-        let way = Way { pruning, runner_up, afterwards, work };
+        let nearby = case.neighbourhood;
+        let afterwards = wanted == 3;
+        let wanted = [Wanted::Peak, Wanted::Equals(nearby), Wanted::RunnerUp(nearby), Wanted::RunnerUp(nearby)][wanted];
+        let expected = case.expected(wanted, |x, y| score_at(&frame, template, x, y, &plain).unwrap());
+        let way = Way { pruning, wanted, afterwards, work };
         for backend in Backend::available() {
             let (found, _) = search(&case, backend, frame, template, way);
             prop_assert_eq!(found, expected, "{:?}, {:?}, {:?}", backend, way, &case);
@@ -180,18 +186,22 @@ proptest! {
 
     /// Work is counted, not measured: this bounds what a search does where no offset can be excluded.
     #[test]
-    fn a_search_costs_little_more_than_scoring_every_offset(case in case(), runner_up in any::<bool>()) {
+    fn a_search_costs_little_more_than_scoring_every_offset(case in case(), wanted in 0..3usize) {
         let (pixels, template) = case.pixels();
         let frame = Frame::whole(Image::new(&pixels, case.frame.0, case.frame.1).unwrap());
         let template = Image::new(&template, case.template.0, case.template.1).unwrap();
-        let way = Way { pruning: true, runner_up, afterwards: false, work: u32::MAX };
+        let nearby = case.neighbourhood;
+        let wanted = [Wanted::Peak, Wanted::Equals(nearby), Wanted::RunnerUp(nearby)][wanted];
+        let way = Way { pruning: true, wanted, afterwards: false, work: u32::MAX };
         let (_, work) = search(&case, Backend::best(), frame, template, way);
         let (columns, rows) = case.window.size();
         let offsets = (columns * rows) as u64;
         let pixels = u64::from(case.template.0) * u64::from(case.template.1);
         // A sixteenth for ranges, a 32nd each for the descent and the scouts; the groups; the start.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
-        let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4);
+        // Words of the working memory: of both axes, and of each group in each pass.
+        let words = 2 * (columns + rows) as u64 + 8 * groups;
+        let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4) + words;
         prop_assert!(work <= most, "{work} of {}", offsets * pixels);
     }
 }
@@ -201,7 +211,7 @@ fn among_equals_the_closest_wins_then_the_upper_then_the_left_one() {
     let window = Window::new(Rect::new(10, 10, 4, 4), Radius { x: 5, y: 5 }, Rect::new(0, 0, 24, 24), 2);
     let best_of = |equals: &[(i32, i32)]| {
         let mut leaders = leaders::Leaders::<11>::new();
-        leaders.reset(&window, None);
+        leaders.reset(&window, Wanted::Peak);
         for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
             leaders.note(&window, Peak { x, y, score: u32::from(equals.contains(&(x, y))) });
         }

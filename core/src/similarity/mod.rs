@@ -18,7 +18,8 @@ use crate::image::{Frame, Image, Rect};
 
 /// The score of `template` with its top left corner at (`x`, `y`) of the frame; what lies outside the frame is zeroes.
 ///
-/// `None` if a pixel that is needed lies within the frame, but not in the part of it that is in memory.
+/// `None` if a pixel that is needed lies within the frame, but not in the part of it that is in memory, or if the template has
+/// more than [`Table::MAX_PIXELS`] pixels.
 /// Cost: one comparison for each pixel of the template.
 ///
 /// ```
@@ -34,7 +35,8 @@ use crate::image::{Frame, Image, Rect};
 pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
     let needed = target.intersection(frame.bounds());
-    if !needed.is_empty() && frame.patch(needed).is_none() {
+    let too_large = usize::try_from(target.area()).map_or(true, |area| area > Table::MAX_PIXELS);
+    if too_large || (!needed.is_empty() && frame.patch(needed).is_none()) {
         return None;
     }
     score_at_least(frame, template, x, y, scorer, 0)
@@ -69,4 +71,21 @@ fn score_at_border(frame: &Frame<'_>, template: Image<'_>, target: Rect, scorer:
         scorer.score_at_least(frame.patch(seen)?, template.crop(within)?, floor.saturating_sub(outside))?
     };
     Some(inside + outside).filter(|&score| score >= floor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_template_whose_score_could_overflow_has_none() {
+        let pixels = std::vec![7; 257 * 256];
+        let image = |width, height| Image::new(&pixels, width, height).unwrap();
+        for backend in Backend::available() {
+            let scorer = Scorer::new(backend, &Table::PAPER, 13);
+            let score = |template| score_at(&image(257, 256).into(), template, 0, 0, &scorer);
+            assert_eq!(score(image(257, 256)), None);
+            assert_eq!(score(image(256, 256)), Some(65536 * 65535));
+        }
+    }
 }

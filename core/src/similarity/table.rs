@@ -24,6 +24,14 @@ pub struct Table {
     entries: [u16; 256],
 }
 
+/// One entry tells the scale: 256 of them would be a kilobyte of log.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Table {
+    fn format(&self, to: defmt::Formatter<'_>) {
+        defmt::write!(to, "Table(p(1) = {=u16})", self.similarity(1));
+    }
+}
+
 impl Table {
     /// The similarity of equal pixels: 1.0.
     pub const ONE: u16 = u16::MAX;

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The recordings; `synthetic` and `periodic` if none is given
+    /// The recordings; `synthetic`, `periodic` and `border` if none is given
     #[arg(value_name = "SEQ", default_values = sequence::CHECKED)]
     sequences: Vec<PathBuf>,
     /// Compare only the first N frames after the one that is locked on
@@ -79,7 +79,7 @@ impl Check {
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
         let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(self.most())));
         let report = match self.tracker.preset() {
-            Preset::Paper => {
+            Preset::Paper | Preset::Camera => {
                 let (config, numbers) = (self.tracker.config()?, self.tracker.reference_numbers());
                 let mut run = check::Check::lock(&name, config, numbers, &first, target)?;
                 self.walk(frames, &progress, |frame| run.update(frame).map(|()| run.report().holds()))?;

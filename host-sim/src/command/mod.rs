@@ -32,7 +32,7 @@ use std::process::ExitCode;
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
-/// --size), or a built-in recording: `synthetic`, `periodic` (all ties), or `noise` (the worst case).
+/// --size), or a built-in recording: `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
 ///
 /// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input.
 #[derive(Debug, Parser)]

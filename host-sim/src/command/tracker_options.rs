@@ -11,9 +11,11 @@ use std::str::FromStr;
 /// Which tracker follows the target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// The paper's tracker
+    /// The paper's tracker, to the letter
     #[default]
     Paper,
+    /// The paper's tracker for cameras: a bounded window, the template updated up to the edge
+    Camera,
     /// The tracker that goes beyond the paper: holds when light, size and view change
     Robust,
 }
@@ -22,7 +24,7 @@ pub enum Preset {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Tracker")]
 pub struct TrackerOptions {
-    /// Which tracker; of the options below, `robust` takes --backend and --without, `paper` all others
+    /// Which tracker; of the options below, `robust` takes --backend and --without, `paper` and `camera` all others
     #[arg(long, value_enum, default_value = "paper")]
     config: Preset,
     /// Parts of the robust tracker to leave out; several are separated by commas
@@ -31,7 +33,8 @@ pub struct TrackerOptions {
     /// Search window to each side, in pixels [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
-    /// Where the window of a lost target stops to grow; at least --window [default: 80x70]
+    /// Where the window of a lost target stops to grow; at least --window [default: at the end of
+    /// the padded frame; camera: 80x70]
     #[arg(long, value_name = "XxY")]
     window_limit: Option<Pair>,
     /// Pixels by which that window grows a frame, on each side [default: 1]
@@ -49,6 +52,12 @@ pub struct TrackerOptions {
     /// The runner-up is more than this many pixels away from the peak [default: 8]
     #[arg(long)]
     neighbourhood: Option<u16>,
+    /// The least alpha after an update, in gray levels [default: none]
+    #[arg(long, value_name = "LEVELS")]
+    least_alpha: Option<u8>,
+    /// The least similarity matching ratio of a peak that is believed, as N/M [default: none]
+    #[arg(long, value_name = "N/M")]
+    least_ratio: Option<Ratio>,
     /// How scores are computed; changes nothing but the time [default: the fastest that
     /// this machine has]
     #[arg(long, value_name = "NAME", value_parser = backend)]
@@ -107,12 +116,12 @@ fn backend(text: &str) -> Result<Backend> {
 }
 
 impl TrackerOptions {
-    /// The paper's configuration with the options put in.
+    /// The configuration of the paper's tracker with the options put in.
     pub fn config(&self) -> Result<Config> {
-        if self.config == Preset::Paper && !self.without.is_empty() {
+        if self.config != Preset::Robust && !self.without.is_empty() {
             bail!("--without leaves out parts of the robust tracker: --config robust is missing");
         }
-        let mut config = Config::paper();
+        let mut config = if self.config == Preset::Camera { Config::camera() } else { Config::paper() };
         if let Some(Pair(x, y)) = self.window {
             config.window = Radius { x, y };
         }
@@ -126,6 +135,10 @@ impl TrackerOptions {
             let table = Table::new(scale).with_context(|| format!("--scale {scale}"))?;
             // The configuration wants a table for the life of the program; this is the one place that makes one.
             config.table = Box::leak(Box::new(table));
+        }
+        config.least_threshold = self.least_alpha.unwrap_or(config.least_threshold);
+        if let Some(ratio) = &self.least_ratio {
+            config.gate.least_ratio = ratio.of_one().context("--least-ratio")?;
         }
         config.growth = self.growth.unwrap_or(config.growth);
         config.backend = self.backend;
@@ -141,7 +154,7 @@ impl TrackerOptions {
     /// What all methods are built from.
     pub fn configs(&self) -> Result<Configs> {
         let robust = match self.preset() {
-            Preset::Paper => None,
+            Preset::Paper | Preset::Camera => None,
             Preset::Robust => Some(self.robust()?),
         };
         Ok(Configs { paper: self.config()?, robust })
@@ -176,6 +189,8 @@ impl TrackerOptions {
             (self.padding.is_some(), "--padding"),
             (self.neighbourhood.is_some(), "--neighbourhood"),
             (self.exhaustive, "--exhaustive"),
+            (self.least_alpha.is_some(), "--least-alpha"),
+            (self.least_ratio.is_some(), "--least-ratio"),
             (self.runner_up_always, "--runner-up-always"),
         ];
         given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
@@ -213,16 +228,20 @@ impl TrackerOptions {
 
     /// The same for the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
-        let mut numbers = Numbers::paper();
+        let mut numbers = if self.config == Preset::Camera { Numbers::camera() } else { Numbers::paper() };
         if let Some(Pair(x, y)) = self.window {
             numbers.window = (x.into(), y.into());
         }
         if let Some(Pair(x, y)) = self.window_limit {
-            numbers.window_limit = (x.into(), y.into());
+            numbers.window_limit = Some((x.into(), y.into()));
         }
         if let Some(Ratio(k)) = self.k {
             numbers.k = (k.numerator.into(), k.denominator.into());
         }
+        if let Some(ratio) = self.least_ratio.as_ref().and_then(|ratio| ratio.of_one().ok()) {
+            numbers.gate.least_ratio = ratio.into();
+        }
+        numbers.least_alpha = self.least_alpha.map_or(numbers.least_alpha, f64::from);
         numbers.runner_up_always = self.runner_up_always;
         numbers.scale = self.scale.map_or(numbers.scale, f64::from);
         numbers.growth = self.growth.map_or(numbers.growth, i64::from);
@@ -248,7 +267,9 @@ impl PaperOnly {
     pub fn check(&self, command: &str) -> Result<()> {
         match self.config {
             Preset::Paper => Ok(()),
-            Preset::Robust => bail!("{command} is for the paper's tracker only: expected --config paper"),
+            Preset::Camera | Preset::Robust => {
+                bail!("{command} is for the paper's tracker only: expected --config paper")
+            }
         }
     }
 }
@@ -269,6 +290,17 @@ impl FromStr for Pair {
 /// `1/4`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Ratio(Fraction);
+
+impl Ratio {
+    /// In units of 1/65535, rounded down.
+    fn of_one(&self) -> Result<u16> {
+        let Fraction { numerator, denominator } = self.0;
+        let units = (u32::from(u16::MAX) * u32::from(numerator)).checked_div(denominator.into());
+        units
+            .and_then(|units| u16::try_from(units).ok())
+            .ok_or_else(|| anyhow!("expected a fraction from 0 to 1, like 1/4"))
+    }
+}
 
 impl FromStr for Ratio {
     type Err = anyhow::Error;

@@ -22,7 +22,7 @@ impl Vectors {
     pub fn run(self) -> Result<Outcome> {
         let file = self.out.as_deref().map(Output::create).transpose()?;
         let text = match self.config {
-            Preset::Paper => vectors::text(),
+            Preset::Paper | Preset::Camera => vectors::text(), // one file for both: each case has its own numbers
             Preset::Robust => vectors::robust::text(),
         };
         match file {

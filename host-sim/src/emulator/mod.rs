@@ -161,7 +161,7 @@ struct Host {
 
 impl Host {
     fn lock(header: Header, radius: u16, folder: &Path) -> Result<Self> {
-        let mut config = Config::paper();
+        let mut config = Config::camera();
         config.window = Radius { x: radius, y: radius };
         config.window_limit = config.window;
         let mut frames = BufReader::new(File::open(folder.join(protocol::FRAMES))?);

@@ -28,13 +28,17 @@ pub struct Numbers {
     pub window: (i64, i64),
     /// Pixels by which the window grows on each side, for each frame that the target is lost.
     pub growth: i64,
-    /// Where it stops to grow, x and y.
-    pub window_limit: (i64, i64),
+    /// Where it stops to grow, x and y; `None` is nowhere but at the end of the padded frame.
+    pub window_limit: Option<(i64, i64)>,
     /// The runner-up is more than this far from the peak.
     pub neighbourhood: i64,
+    /// The template is updated if the box has x >= .0, y >= .1, x + w <= W - .2 and y + h <= H - .3
+    pub zone: (i64, i64, i64, i64),
+    /// alpha is not below this after an update, in gray levels.
+    pub least_alpha: f64,
     /// Ratios of peak to runner-up that a frame needs, each .0 / .1
     pub gate: GateNumbers,
-    /// Give the runner-up in every frame, not only where the gate asks for it.
+    /// Give the runner-up in every frame, not only where the gate's decision depends on it.
     pub runner_up_always: bool,
 }
 
@@ -51,6 +55,8 @@ pub struct GateNumbers {
     pub lost: (f64, f64),
     /// In pixels' worth of 1.0.
     pub lead: f64,
+    /// The least score of a pixel on average, in units of 1/65535.
+    pub least_ratio: f64,
 }
 
 impl Numbers {
@@ -63,17 +69,32 @@ impl Numbers {
             padding: 20,
             window: (60, 50),
             growth: 1,
-            window_limit: (80, 70),
+            window_limit: None,
             neighbourhood: 8,
+            zone: (20, 20, 2, 2), // x + w < W - 1 is x + w <= W - 2
+            least_alpha: 0.0,
             gate: GateNumbers {
                 tracking: (1.0, 1.0),
                 border: (102.0, 100.0),
                 been_at_border: (120.0, 100.0),
                 lost: (125.0, 100.0),
                 lead: 100.0,
+                least_ratio: 0.0,
             },
             runner_up_always: false,
         }
+    }
+
+    /// The same with a bounded window, the template updated up to the edge, floors for alpha and for the score, and no more
+    /// asked of a peak inside the picture.
+    pub fn camera() -> Self {
+        let mut numbers = Self::paper();
+        numbers.window_limit = Some((80, 70));
+        numbers.zone = (0, 0, 0, 0);
+        numbers.gate.tracking = (0.0, 1.0);
+        numbers.gate.least_ratio = (UNITS / 20.0).floor();
+        numbers.least_alpha = 10.0;
+        numbers
     }
 }
 
@@ -120,7 +141,7 @@ pub struct Step {
     pub exact_peak: ((i64, i64), f64),
     /// The largest rounded sum outside the peak's neighbourhood; 0 if there is no candidate there.
     pub runner_up: f64,
-    /// False if nothing depended on it: the gate asks for no more than the peak always is, as large as the runner-up.
+    /// False if nothing depended on it: the gate asks that the peak is larger, and it is.
     pub runner_up_asked: bool,
     /// The alpha that this frame was scored with.
     pub alpha: f64,
@@ -176,7 +197,7 @@ pub struct Reference {
     position: (i64, i64),
     alpha: f64,
     belief: Belief,
-    been_at_border: bool,
+    been_at_border: bool, // `edge`
     lost_for: i64,
 }
 
@@ -205,15 +226,22 @@ impl Reference {
         let runner_up = self.best_outside_neighbourhood(&scores, peak.0);
         let alpha = self.alpha;
 
-        let over_border = !self.is_inside(peak.0);
+        let over_border = !self.keeps((0, 0, 0, 0), peak.0);
         let needed = self.needed_ratio(over_border);
-        let runner_up_asked = needed.0 > needed.1 || self.numbers.runner_up_always;
-        if self.is_believed(peak.1, runner_up, over_border) {
+        let as_large = needed.0 == needed.1 && peak.1 > 0.0 && peak.1 == runner_up;
+        let runner_up_asked = needed.0 > needed.1 || as_large || self.numbers.runner_up_always;
+        let was_lost = self.belief == Belief::Lost;
+        if !was_lost && over_border {
+            self.been_at_border = true;
+        }
+        if self.is_believed(peak.1, runner_up, needed) {
             self.position = peak.0;
-            self.been_at_border = over_border;
             self.lost_for = 0;
+            if was_lost {
+                self.been_at_border = false;
+            }
             self.belief = if over_border { Belief::Leaving } else { Belief::Tracking };
-            if !over_border {
+            if self.keeps(self.numbers.zone, peak.0) {
                 self.replace_template(&frame);
             }
         } else {
@@ -227,8 +255,10 @@ impl Reference {
     /// Step 1: all positions within the window, one pixel apart, that keep the box within the padded frame.
     fn score_window(&self, padded: &Picture) -> Scores {
         let Numbers { padding, window, window_limit, growth, .. } = self.numbers;
-        let reach_x = (window.0 + growth * self.lost_for).min(window_limit.0);
-        let reach_y = (window.1 + growth * self.lost_for).min(window_limit.1);
+        let (mut reach_x, mut reach_y) = (window.0 + growth * self.lost_for, window.1 + growth * self.lost_for);
+        if let Some(limit) = window_limit {
+            (reach_x, reach_y) = (reach_x.min(limit.0), reach_y.min(limit.1));
+        }
         let left = (self.position.0 - reach_x).max(-padding);
         let top = (self.position.1 - reach_y).max(-padding);
         let right = (self.position.0 + reach_x).min(self.frame_size.0 + padding - self.template.width);
@@ -287,16 +317,17 @@ impl Reference {
         let changes = self.template.pixels.iter().zip(&next.pixels).map(|(old, new)| (old - new).abs());
         let largest = changes.fold(0.0, f64::max);
         if largest > 0.0 {
-            self.alpha = largest * self.numbers.k.0 / self.numbers.k.1;
+            self.alpha = (largest * self.numbers.k.0 / self.numbers.k.1).max(self.numbers.least_alpha);
         }
         self.template = next;
     }
 
-    /// The authors' program's test for a target that is lost.
-    fn is_believed(&self, peak: f64, runner_up: f64, over_border: bool) -> bool {
-        let needed = self.needed_ratio(over_border);
-        let stands_out = peak > 0.0 && peak * needed.1 >= runner_up * needed.0;
-        stands_out || (self.belief == Belief::Lost && peak - runner_up >= self.numbers.gate.lead * UNITS)
+    /// The gate: P > ratio * R, or P > R + 100; and the least ratio where there is one.
+    fn is_believed(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
+        let gate = &self.numbers.gate;
+        let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
+        let area = (self.template.width * self.template.height) as f64;
+        stands_out && (peak / area).floor() >= gate.least_ratio
     }
 
     /// How many times as large as the runner-up the peak must be.
@@ -313,11 +344,11 @@ impl Reference {
         }
     }
 
-    fn is_inside(&self, (x, y): (i64, i64)) -> bool {
-        x >= 0
-            && y >= 0
-            && x + self.template.width <= self.frame_size.0
-            && y + self.template.height <= self.frame_size.1
+    fn keeps(&self, (left, top, right, bottom): (i64, i64, i64, i64), (x, y): (i64, i64)) -> bool {
+        x >= left
+            && y >= top
+            && x + self.template.width <= self.frame_size.0 - right
+            && y + self.template.height <= self.frame_size.1 - bottom
     }
 }
 
@@ -354,7 +385,9 @@ mod tests {
 
     #[test]
     fn alpha_is_a_quarter_of_the_largest_change_and_stays_where_nothing_changed() {
-        let mut reference = Reference::lock(Numbers::paper(), &[100; 9], (3, 3), (0, 0, 3, 3));
+        // A picture so small has no zone in which the template would be updated.
+        let everywhere = Numbers { zone: (0, 0, 0, 0), ..Numbers::paper() };
+        let mut reference = Reference::lock(everywhere, &[100; 9], (3, 3), (0, 0, 3, 3));
         reference.update(&[100; 9]);
         assert_eq!(reference.alpha, 12.75);
         let mut changed = [100; 9];

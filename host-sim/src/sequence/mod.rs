@@ -3,6 +3,7 @@
 //!
 //! Frames stream: a recording is never in memory as a whole.
 
+mod border;
 pub mod boxes;
 mod damage;
 mod images;
@@ -96,7 +97,7 @@ impl OpenOptions {
 const PICTURES: &str = "img";
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The words `synthetic`, `periodic` and `noise` are the built-in recordings (a
+/// file or raw dump, or such a file itself. The words `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
 /// folder of such a name is `./synthetic`).
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
@@ -116,15 +117,16 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
 }
 
 /// The recordings that need no file.
-pub const BUILT_IN: [&str; 3] = [synthetic::NAME, periodic::NAME, noise::NAME];
+pub const BUILT_IN: [&str; 4] = [synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
 
 /// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
-pub const CHECKED: [&str; 2] = [synthetic::NAME, periodic::NAME];
+pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
     match path.to_str()? {
         synthetic::NAME => Some(synthetic::sequence()),
         periodic::NAME => Some(periodic::sequence()),
+        border::NAME => Some(border::sequence()),
         noise::NAME => Some(noise::sequence()),
         _ => None,
     }

@@ -3,7 +3,7 @@
 use super::tracker::smr_robust_tracker;
 
 /// `SMR_ROBUST_TRACKER_SIZE` of the header: what its scratch memory, its filter and its templates take, and some to spare.
-pub const ROBUST_STORAGE_SIZE: usize = 76016 + size_of::<[usize; 26]>();
+pub const ROBUST_STORAGE_SIZE: usize = 46592 + size_of::<[usize; 22]>();
 
 /// `SMR_ROBUST_TRACKER_ALIGN` of the header.
 pub const ROBUST_STORAGE_ALIGN: usize = 8;

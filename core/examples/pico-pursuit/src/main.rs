@@ -133,7 +133,7 @@ fn track(tracker: &mut SmallTracker, pixels: &[u8], pressed: bool) -> Option<Ans
 }
 
 fn tracker_config() -> Config {
-    let mut config = Config::paper();
+    let mut config = Config::camera();
     config.window = Radius { x: 10, y: 10 };
     config.window_limit = Radius { x: 16, y: 16 };
     // What comes before the target is not to be followed.

@@ -5,8 +5,9 @@
 //! - `usub8` compares, and `sel` then selects: the larger of each two pixels, and the smaller.
 //!
 //! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
-//! spills for want of registers. Rows begin at any address: these processors load words from there, unless firmware has
-//! set `UNALIGN_TRP`, which compilers for them do not allow for either.
+//! spills for want of registers. Rows begin at any address, and words are loaded from there. These processors do so from
+//! Normal memory, unless firmware has set `UNALIGN_TRP`, which compilers for them do not allow for either. From Device memory
+//! they fault: external RAM is that (0xA000_0000 and up) until the MPU says otherwise. See [`Backend`](super::Backend).
 
 use super::super::{Table, scalar};
 use super::Kernels;

@@ -32,8 +32,9 @@ impl Lookup {
     #[inline(always)] // see `Scorer::new`
     pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
         let chord = scalar::chord(table, threshold);
-        let mut lookup = Self { plain: Plain { table, threshold }, entries: *table.entries(), chord };
-        lookup.entries.iter_mut().skip(threshold.into()).for_each(|entry| *entry = 0);
+        let mut lookup = Self { plain: Plain { table, threshold }, entries: [0; 256], chord };
+        let counting = table.entries().iter().take(threshold.into());
+        lookup.entries.iter_mut().zip(counting).for_each(|(entry, &similarity)| *entry = similarity);
         lookup
     }
 

@@ -60,6 +60,14 @@ use crate::image::Image;
 
 /// A way to compute scores. All ways give the same integers.
 ///
+/// # Where pixels may be
+///
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address, which Arm's microcontrollers do in Normal memory
+/// only. External RAM in the region of Device memory (0xA000_0000 to 0xDFFF_FFFF of the default memory map) faults until
+/// firmware has set up the MPU to make it Normal, and so does every other memory that the MPU makes Device or Strongly-ordered;
+/// so does all memory while `UNALIGN_TRP` is set. Where this cannot be had, [`Backend::Scalar`] loads bytes only:
+/// [`Config::backend`](crate::Config::backend).
+///
 /// ```
 /// use smr_core::similarity::Backend;
 /// assert!(Backend::available().any(|backend| backend == Backend::Scalar));

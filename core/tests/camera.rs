@@ -1,0 +1,46 @@
+//! What [`Config::camera`] is for: a still scene and a slight change of light must not move the box.
+
+use smr_core::{Config, Frame, Image, Rect, State, Tracker};
+
+const TARGET: Rect = Rect::new(60, 40, 24, 24);
+
+/// Noise of middle gray levels, `light` levels brighter; every seventh pixel by one more in the second frame.
+fn picture(light: u8, uneven: bool) -> Vec<u8> {
+    let mut state = 3_u32;
+    let noise = std::iter::repeat_with(move || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        state.to_be_bytes()[0]
+    });
+    let uneven = |index: usize| u8::from(uneven && index.is_multiple_of(7));
+    noise.take(160 * 120).enumerate().map(|(index, level)| level / 2 + 40 + light + uneven(index)).collect()
+}
+
+fn states(config: Config) -> Vec<(Rect, State)> {
+    let pictures = [picture(0, false), picture(1, true), picture(3, false)];
+    let frame = |pixels| Frame::whole(Image::new(pixels, 160, 120).expect("160x120 pixels"));
+    let mut tracker = Tracker::<576, 200>::new(config).expect("a configuration that can be used");
+    tracker.lock(&frame(&pictures[0]), TARGET).expect("a box in the picture");
+    let answers = pictures[1..].iter().map(|pixels| tracker.update(&frame(pixels)).expect("a frame of the same size"));
+    answers.map(|answer| (answer.bbox, answer.state)).collect()
+}
+
+#[test]
+fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
+    assert_eq!(states(Config::camera()), [(TARGET, State::Tracking); 2]);
+    // By the paper's rule alpha follows the change of one or two levels, and then nothing of the target counts.
+    let paper = states(Config::paper());
+    assert_eq!(paper[0], (TARGET, State::Tracking));
+    assert_ne!(paper[1], (TARGET, State::Tracking));
+}
+
+/// Without the floor for alpha next to nothing matches, and what wins by chance is not believed.
+#[test]
+fn a_peak_of_a_few_pixels_is_not_believed() {
+    let mut config = Config::camera();
+    config.least_threshold = 0;
+    assert_eq!(states(config)[1], (TARGET, State::Lost));
+    config.gate.least_ratio = 0;
+    assert_ne!(states(config)[1].0, TARGET);
+}

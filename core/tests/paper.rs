@@ -1,0 +1,204 @@
+//! The rules of the paper's tracker that recordings seldom meet: the zone of updates, the gate, the window without an end.
+
+use smr_core::{Answer, Config, Frame, Image, Margins, Rect, State, Tracker};
+
+const WIDTH: u16 = 90;
+const HEIGHT: u16 = 70;
+const SIDE: u16 = 12;
+
+/// Holds every window of a box on this frame, with 20 pixels of padding on both sides.
+type Follower = Tracker<144, { WIDTH as usize + 40 }>;
+
+fn noise(x: i32, y: i32, seed: u32) -> u8 {
+    let mut bits = (x.cast_unsigned().wrapping_mul(0x9E37_79B1) ^ y.cast_unsigned().wrapping_mul(0x85EB_CA77)) ^ seed;
+    for _ in 0..2 {
+        bits = (bits ^ bits >> 15).wrapping_mul(0x27D4_EB2F);
+    }
+    bits.to_be_bytes()[0]
+}
+
+/// Noise of its own for each `seed`, and the target at each of `places`; its upper left pixel tells the frame.
+fn picture(seed: u32, places: &[(i32, i32)]) -> Vec<u8> {
+    let side = i32::from(SIDE);
+    let pixel = |x: i32, y: i32| {
+        let place =
+            places.iter().find(|&&(left, top)| (left..left + side).contains(&x) && (top..top + side).contains(&y));
+        match place {
+            Some(&place) if place == (x, y) => seed.to_le_bytes()[0].wrapping_mul(40),
+            Some(&(left, top)) => noise(x - left, y - top, 7),
+            None => noise(x, y, seed << 8),
+        }
+    };
+    (0..i32::from(HEIGHT)).flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()
+}
+
+fn frame(pixels: &[u8]) -> Frame<'_> {
+    Frame::whole(Image::new(pixels, WIDTH, HEIGHT).expect("a picture of this size"))
+}
+
+fn at((x, y): (i32, i32)) -> Rect {
+    Rect::new(x, y, SIDE, SIDE)
+}
+
+fn locked(config: Config, place: (i32, i32)) -> Follower {
+    let mut tracker = Follower::new(config).expect("a configuration that can be used");
+    tracker.lock(&frame(&picture(1, &[place])), at(place)).expect("a box in the picture");
+    tracker
+}
+
+fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
+    tracker.update(&frame(&picture(seed, places))).expect("a frame of the same size")
+}
+
+#[test]
+fn the_template_is_updated_only_inside_the_zone() {
+    // x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1, at both sides of each end.
+    let places = [(20, 20), (19, 20), (20, 19), (76, 56), (77, 56), (76, 57), (30, 30), (19, 56), (76, 19)];
+    let mut tracker = locked(Config::paper(), (40, 30));
+    for (seed, place) in (2..).zip(places) {
+        let answer = update(&mut tracker, seed, &[place]);
+        assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
+        let (x, y) = place;
+        let in_zone = x >= 20 && y >= 20 && x + 12 < 90 - 1 && y + 12 < 70 - 1;
+        let patch = picture(seed, &[place]);
+        let corner = patch[usize::try_from(y * i32::from(WIDTH) + x).unwrap()];
+        let template = tracker.template().unwrap().row(0)[0];
+        assert_eq!(template == corner, in_zone, "at {place:?}");
+    }
+}
+
+#[test]
+fn a_camera_updates_up_to_the_edge() {
+    let mut tracker = locked(Config::camera(), (30, 30));
+    for (seed, place) in (2..).zip([(0, 30), (0, 0), (30, 40), (78, 58)]) {
+        let answer = update(&mut tracker, seed, &[place]);
+        assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
+        let corner = picture(seed, &[place])[usize::try_from(place.1 * i32::from(WIDTH) + place.0).unwrap()];
+        assert_eq!(tracker.template().unwrap().row(0)[0], corner, "at {place:?}");
+    }
+}
+
+/// The runner-up is looked for where more than the largest score is asked of the peak, so it tells which ratio holds.
+#[test]
+fn returning_takes_more_until_a_lost_target_is_found_again() {
+    let mut tracker = locked(Config::paper(), (10, 30));
+    let mut step = |seed, place: (i32, i32), state| {
+        let answer = update(&mut tracker, seed, &[place]);
+        assert_eq!(answer.state, state, "at {place:?}");
+        answer.found.runner_up.is_some()
+    };
+    assert!(!step(2, (5, 30), State::Tracking), "inside, and never outside before");
+    assert!(step(3, (-3, 30), State::Leaving));
+    for seed in 4..8 {
+        assert!(step(seed, (5, 30), State::Tracking), "it has been outside: frame {seed}");
+    }
+    let nowhere = (200, 200);
+    assert!(step(8, nowhere, State::Lost));
+    assert!(step(9, nowhere, State::Lost));
+    assert!(step(10, (20, 30), State::Tracking), "found again");
+    assert!(!step(11, (22, 30), State::Tracking), "as if it had never been outside");
+}
+
+/// Step 3 of the gate comes before step 4: the peak outside counts even if it is not accepted.
+#[test]
+fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() {
+    let mut config = Config::paper();
+    config.gate.leaving.numerator = u16::MAX;
+    config.gate.lead = u16::MAX;
+    let mut tracker = locked(config, (5, 30));
+    assert_eq!(update(&mut tracker, 2, &[(-3, 30)]).state, State::Lost);
+    let found = update(&mut tracker, 3, &[(4, 30)]);
+    assert_eq!((found.state, found.bbox), (State::Tracking, at((4, 30))));
+    assert_eq!(update(&mut tracker, 4, &[(4, 30)]).found.runner_up, None);
+}
+
+#[test]
+fn a_peak_that_is_no_larger_than_the_runner_up_is_not_believed() {
+    let twins = [(30, 30), (42, 30)];
+    let answer = update(&mut locked(Config::paper(), (30, 30)), 1, &twins);
+    assert_eq!((answer.state, answer.runner_up_ratio), (State::Lost, Some(answer.ratio)));
+    // In its neighbourhood there is no runner-up.
+    for (neighbourhood, state) in [(11, State::Lost), (12, State::Tracking)] {
+        let config = {
+            let mut config = Config::paper();
+            config.neighbourhood = neighbourhood;
+            config
+        };
+        assert_eq!(update(&mut locked(config, (30, 30)), 1, &twins).state, state);
+    }
+    let answer = update(&mut locked(Config::camera(), (30, 30)), 1, &twins);
+    assert_eq!((answer.state, answer.bbox), (State::Tracking, at((30, 30))), "a camera follows the closest");
+}
+
+#[test]
+fn a_lead_of_many_pixels_is_enough_in_every_state() {
+    let accepted = |lead: u16, places: &[(i32, i32)]| {
+        let mut config = Config::paper();
+        for ratio in [&mut config.gate.tracking, &mut config.gate.leaving, &mut config.gate.lost] {
+            ratio.numerator = u16::MAX;
+        }
+        config.gate.lead = lead;
+        let mut tracker = locked(config, (5, 30));
+        let answers = (2..).zip(places).map(|(seed, &place)| update(&mut tracker, seed, &[place]));
+        answers.last().is_some_and(|answer| answer.state != State::Lost)
+    };
+    let nowhere = (200, 200);
+    for path in [&[(6, 30)][..], &[(-2, 30)], &[nowhere, (6, 30)], &[nowhere, (-2, 30)]] {
+        assert!(accepted(80, path), "{path:?}");
+        assert!(!accepted(144, path), "{path:?}");
+    }
+}
+
+#[test]
+fn the_window_grows_until_it_is_the_padded_picture() {
+    let mut config = Config::paper();
+    config.window = smr_core::Radius { x: 3, y: 2 };
+    config.neighbourhood = 0;
+    (config.gate.tracking.numerator, config.gate.lost.numerator) = (u16::MAX, u16::MAX);
+    let mut tracker = locked(config, (30, 30));
+    for lost_for in 0..80 {
+        let offsets = tracker.offsets().unwrap();
+        let (x, y) = (3 + lost_for, 2 + lost_for);
+        assert_eq!(offsets.xs(), (30 - x).max(-20)..=(30 + x).min(90 + 20 - 12));
+        assert_eq!(offsets.ys(), (30 - y).max(-20)..=(30 + y).min(70 + 20 - 12));
+        assert_eq!(update(&mut tracker, 40 + lost_for.cast_unsigned(), &[]).state, State::Lost);
+    }
+    assert_eq!(tracker.offsets().unwrap().size(), (119, 99));
+}
+
+/// 320x240 with 20 pixels of padding has 360 positions of a single pixel, and 359 of a box of two.
+#[test]
+fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
+    let pixels = vec![7; 320 * 240];
+    let frame = Frame::whole(Image::new(&pixels, 320, 240).unwrap());
+    let lock = |config, width| {
+        let mut tracker = Box::new(Tracker::<256, 359>::new(config).unwrap());
+        tracker.lock(&frame, Rect::new(20, 20, width, 8))
+    };
+    assert_eq!(lock(Config::paper(), 2), Ok(()));
+    assert_eq!(lock(Config::paper(), 1), Err(smr_core::LockError::WindowTooLarge));
+    assert_eq!(lock(Config::camera(), 1), Ok(()));
+}
+
+#[test]
+fn a_least_ratio_is_asked_of_the_peak_alone() {
+    let mut config = Config::camera();
+    config.gate.least_ratio = u16::MAX / 2;
+    let mut tracker = locked(config, (30, 30));
+    assert_eq!(update(&mut tracker, 2, &[]).state, State::Lost);
+    let answer = update(&mut tracker, 3, &[(33, 28)]);
+    assert_eq!((answer.state, answer.bbox), (State::Tracking, at((33, 28))));
+}
+
+#[test]
+fn margins_are_kept_inside_the_picture() {
+    let picture = Rect::new(0, 0, 64, 48);
+    let margins = Margins { left: 1, top: 2, right: 3, bottom: 4 };
+    assert!(margins.kept_by(Rect::new(1, 2, 60, 42), picture));
+    for other in [Rect::new(0, 2, 60, 42), Rect::new(1, 1, 60, 42), Rect::new(1, 2, 61, 42), Rect::new(1, 2, 60, 43)] {
+        assert!(!margins.kept_by(other, picture));
+        assert!(Margins::NONE.kept_by(other, picture));
+    }
+    assert!(!Margins::NONE.kept_by(Rect::new(-1, 0, 5, 5), picture));
+    assert!(!Margins::NONE.kept_by(Rect::new(i32::MAX, i32::MIN, u16::MAX, u16::MAX), picture));
+}

@@ -1,0 +1,128 @@
+//! A built-in recording for the rules at the picture's border: where the template is updated, what leaving and returning take.
+//!
+//! A target without noise, but for one pixel that tells whether the template was updated, stands at both sides of each end of
+//! the zone of updates, leaves the picture and returns. There it has a twin, which a part of its pixels tells from it: with
+//! some of them other the target leads by more than a hundred pixels, though not by the ratio that is asked of one that
+//! returns; with fewer of them it is lost, and later found again.
+
+use super::{BoundingBox, GrayFrame, Sequence, Source};
+
+/// What it is called, on the command line and in tables.
+pub const NAME: &str = "border";
+
+const WIDTH: u16 = 112;
+const HEIGHT: u16 = 84;
+const TARGET: (i32, i32) = (24, 28);
+const TWIN: (i32, i32) = (30, 20);
+
+/// Where the target is, and how many hundredths of the twin's pixels are others; 100 is no twin at all.
+const SCRIPT: [((i32, i32), u32); 25] = [
+    ((40, 30), 100),
+    ((20, 30), 100),
+    ((19, 30), 100),
+    ((25, 20), 100),
+    ((25, 19), 100),
+    ((60, 54), 100),
+    ((60, 55), 100),
+    ((86, 40), 100),
+    ((87, 40), 100),
+    ((84, 41), 100),
+    ((92, 40), 100),
+    ((80, 42), 100),
+    ((78, 40), 100),
+    ((76, 44), 16),
+    ((75, 45), 16),
+    ((74, 45), 8),
+    (NOWHERE, 100),
+    (NOWHERE, 100),
+    ((60, 40), 100),
+    ((61, 40), 100),
+    ((61, 40), 8),
+    ((58, 59), 100),
+    ((56, 20), 100),
+    ((50, -5), 100),
+    ((50, 1), 100),
+];
+const NOWHERE: (i32, i32) = (400, 400);
+
+/// All frames in order.
+pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
+    (0..).zip(SCRIPT).map(|(index, (target, others))| {
+        let pixel = |x, y| {
+            let of = |place: (i32, i32)| inside(x - place.0, y - place.1);
+            match (of(target), of(TWIN).filter(|_| others < 100)) {
+                (Some((0, 0)), _) => 60 + 40 * (index % 3),
+                (Some(at), _) => hash(at, 1),
+                (None, Some(at)) if u32::from(hash(at, 3)) * 100 < others * 256 => hash(at, 1) ^ 0x80,
+                (None, Some(at)) => hash(at, 1),
+                (None, None) => hash((x, y), 2),
+            }
+        };
+        let pixels = (0..i32::from(HEIGHT))
+            .flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y)))
+            .map(|(x, y)| pixel(x, y))
+            .collect();
+        GrayFrame { width: WIDTH, height: HEIGHT, pixels }
+    })
+}
+
+fn inside(x: i32, y: i32) -> Option<(i32, i32)> {
+    ((0..TARGET.0).contains(&x) && (0..TARGET.1).contains(&y)).then_some((x, y))
+}
+
+/// A byte that looks random.
+fn hash((x, y): (i32, i32), seed: u32) -> u8 {
+    let mut bits = seed.wrapping_mul(0x9E37_79B1) ^ x.cast_unsigned() ^ y.cast_unsigned() << 12;
+    for _ in 0..2 {
+        bits = (bits ^ bits >> 15).wrapping_mul(0x2C1B_3C6D);
+    }
+    bits.to_be_bytes()[0]
+}
+
+pub(super) fn sequence() -> Sequence {
+    let source = Source::made(frames(), SCRIPT.len(), NAME);
+    let of =
+        |(x, y): (i32, i32)| BoundingBox { x: x.into(), y: y.into(), width: TARGET.0.into(), height: TARGET.1.into() };
+    let truth = SCRIPT.iter().map(|&(place, _)| (place != NOWHERE).then(|| of(place))).collect();
+    let init = Some(of(SCRIPT[0].0));
+    Sequence {
+        name: NAME.to_owned(),
+        frames: source.frames,
+        length: source.length,
+        damage: source.damage,
+        init,
+        truth: Some(truth),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tracker;
+    use smr_core::{Answer, Config, State};
+
+    /// In the frames that the script is about it decides what it is said to decide.
+    #[test]
+    fn the_papers_rules_decide_in_the_frames_they_are_meant_for() {
+        let mut tracker = Tracker::new(Config::paper()).unwrap();
+        let mut frames = frames();
+        let first = frames.next().unwrap();
+        tracker.lock(&first.frame(), sequence().start().unwrap()).unwrap();
+        let answers: Vec<Answer> = frames.map(|frame| tracker.update(&frame.frame()).unwrap()).collect();
+        let answer = |frame: usize| answers[frame - 1];
+        let ratio = |frame: usize| f64::from(answer(frame).ratio) / f64::from(answer(frame).runner_up_ratio.unwrap());
+        assert_eq!(answer(10).state, State::Leaving);
+        assert!((11..=15).all(|frame| answer(frame).found.runner_up.is_some()), "returning");
+        assert!((13..=14).all(|frame| ratio(frame) < 1.2 && answer(frame).state == State::Tracking), "the lead");
+        assert_eq!([15, 16, 17].map(|frame| answer(frame).state), [State::Lost; 3]);
+        assert!((18..=20).all(|frame| answer(frame).state == State::Tracking), "found again");
+        assert_eq!((answer(19).found.runner_up, answer(20).found.runner_up), (None, None));
+        assert_eq!([21, 23].map(|frame| answer(frame).state), [State::Leaving; 2]);
+        assert_eq!(answer(24).state, State::Tracking);
+        for (frame, &((x, y), _)) in SCRIPT.iter().enumerate().skip(1).filter(|(_, script)| script.0 != NOWHERE) {
+            if frame != 15 {
+                assert_eq!((answer(frame).bbox.x, answer(frame).bbox.y), (x, y), "frame {frame}");
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! `Config::paper()` on the paper's recordings, against the boxes that a prototype of the method has written, frame by frame.
+
+use host_sim::Tracker;
+use host_sim::sequence::{self, OpenOptions, Sequence};
+use smr_core::{Config, Fraction, Rect, State};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const RECORDINGS: [&str; 6] =
+    ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
+
+/// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
+fn recordings(test: &str) -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
+    let root = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from);
+    let there = root.join("tld").is_dir() && root.join("paper-rows").is_dir();
+    if !there {
+        println!("skipped: {test}: no tld and paper-rows in {} (set SMR_SEQUENCES)", root.display());
+    }
+    there.then_some(root)
+}
+
+/// A line a frame: left, top, right, bottom; `None` where the target is lost.
+type Boxes = Vec<Option<[i32; 4]>>;
+
+fn read(path: &Path) -> Boxes {
+    let text = fs::read_to_string(path).expect("the rows are there");
+    text.lines()
+        .map(|line| {
+            let numbers: Vec<f64> = line.split(',').map(|number| number.parse().expect("a number")).collect();
+            #[allow(clippy::cast_possible_truncation)] // whole, and in a picture
+            let whole = |index: usize| numbers[index] as i32;
+            numbers.iter().all(|number| number.is_finite()).then(|| [0, 1, 2, 3].map(whole))
+        })
+        .collect()
+}
+
+fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
+    let mut start = sequence.start().expect("a box to start from");
+    (start.width, start.height) = (start.width + larger, start.height + larger);
+    let corners = |target: Rect| [target.x, target.y, target.right(), target.bottom()];
+    let mut tracker = Box::new(Tracker::new(config).expect("a configuration that can be used"));
+    let mut frames = sequence.frames.map(|frame| frame.expect("a frame"));
+    let first = frames.next().expect("a first frame");
+    tracker.lock(&first.frame(), start).expect("a box in the picture");
+    let rest = frames.map(|frame| {
+        let answer = tracker.update(&frame.frame()).expect("a frame of the same size");
+        (answer.state != State::Lost).then(|| corners(answer.bbox))
+    });
+    [Some(corners(start))].into_iter().chain(rest).collect()
+}
+
+/// `rows` tells the set: `larger` is 1 where the lower right corner of the first box belongs to it.
+fn compare(test: &str, rows: &str, config: Config, larger: u16) {
+    let Some(root) = recordings(test) else { return };
+    for name in RECORDINGS {
+        let sequence = sequence::open(&root.join("tld").join(name), &OpenOptions::default()).expect("a recording");
+        let (ours, expected) =
+            (follow(sequence, config, larger), read(&root.join(format!("paper-rows/{name}.{rows}.txt"))));
+        assert_eq!(ours.len(), expected.len(), "{name}: frames");
+        // The first row is the box as it was given.
+        let differs = (1..ours.len()).find(|&frame| ours[frame] != expected[frame]);
+        if let Some(frame) = differs {
+            panic!("{name}, frame {}: {:?}, expected {:?}", frame + 1, ours[frame], expected[frame]);
+        }
+    }
+}
+
+#[test]
+fn with_a_quarter_of_the_change_every_box_is_the_prototypes() {
+    compare("with_a_quarter_of_the_change_every_box_is_the_prototypes", "k0.25", Config::paper(), 0);
+}
+
+#[test]
+fn with_inclusive_boxes_and_7_20_of_the_change_every_box_is_the_prototypes() {
+    let mut config = Config::paper();
+    config.k = Fraction::new(7, 20);
+    let test = "with_inclusive_boxes_and_7_20_of_the_change_every_box_is_the_prototypes";
+    compare(test, "k0.35-inclusive", config, 1);
+}
