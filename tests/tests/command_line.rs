@@ -53,7 +53,7 @@ fn bad_usage_is_exit_code_2() {
     assert_eq!(host_sim(&["--help"]).code, Some(0));
     host_sim(&["track", "synthetic", "--k", "1/0"]).refuses(&["denominator"]);
     host_sim(&["track", "synthetic", "--scale", "0"]).refuses(&["--scale 0", "1 to 4096"]);
-    host_sim(&["check", "synthetic", "--window", "90x50"]).refuses(&["limit"]);
+    host_sim(&["check", "synthetic", "--config", "camera", "--window", "90x50"]).refuses(&["limit"]);
 }
 
 #[test]
@@ -69,16 +69,16 @@ fn what_is_not_there_is_named() {
 
 #[test]
 fn check_reports_as_json() {
-    let reports = host_sim(&["check", "periodic", "--json"]).json();
+    let reports = host_sim(&["check", "periodic", "--config", "camera", "--json"]).json();
     let report = &reports[0];
     assert_eq!(report["sequence"], "periodic");
     assert_eq!(report["frames"], 18);
     assert_eq!(report["violation"], Value::Null);
     assert_eq!(report["runners_up"], 13, "in five frames the gate does not ask for it");
     assert!(report["largest_difference"].as_f64() <= report["bound"].as_f64());
-    let always = host_sim(&["check", "periodic", "--runner-up-always", "--json"]).json();
+    let always = host_sim(&["check", "periodic", "--config", "camera", "--runner-up-always", "--json"]).json();
     assert_eq!(always[0]["runners_up"], 18);
-    let text = host_sim(&["check", "periodic"]).out;
+    let text = host_sim(&["check", "periodic", "--config", "camera"]).out;
     assert!(text.contains("templates; the runner-up in 13 frames, where it is asked for\n"), "{text}");
 }
 
@@ -251,7 +251,7 @@ fn what_is_of_the_other_tracker_is_refused() {
     for command in commands {
         host_sim(&[command, &["--config", "robust", "--window", "9x9"]].concat())
             .refuses(&["--window", "--config paper"]);
-        host_sim(&[command, &["--without", "cells"]].concat()).refuses(&["--without", "--config robust"]);
+        host_sim(&[command, &["--without", "size"]].concat()).refuses(&["--without", "--config robust"]);
     }
     assert!(!page.exists());
 }
@@ -282,13 +282,13 @@ fn ablate_has_a_row_for_every_part() {
     let said = host_sim(&arguments);
     assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
     let names = said.out.lines().skip(1).map(|line| line.split("  ").next().unwrap());
-    let expected = ["smr", "robust", "without enlarging", "without contrast", "without slow-template"];
+    let expected = ["smr", "robust", "without velocity", "without near", "without size"];
     assert_eq!(names.clone().take(5).collect::<Vec<_>>(), expected);
-    assert_eq!(names.count(), 10);
+    assert_eq!(names.count(), 8);
 
     let report = host_sim(&[&arguments[..], &["--json"]].concat()).json();
     let means = report["means"].as_array().unwrap();
-    assert_eq!((means.len(), &means[9]["tracker"]), (10, &Value::from("without sweep")));
+    assert_eq!((means.len(), &means[7]["tracker"]), (8, &Value::from("without sweep")));
     let alone =
         host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "150", "--config", "robust", "--json"])
             .json();
