@@ -33,7 +33,7 @@
  *   that; Device memory, which external RAM is (0xA0000000 to 0xDFFFFFFF) until the MPU says otherwise, faults. Set up the MPU,
  *   or `plain_loop` of #smr_config.
  * - **Stack.** Measured on a Cortex-M4, with all that is called: #smr_update, #smr_step and #smr_finish 2.5 KB, #smr_table_init
- *   1.9 KB, every other call less than 512 bytes; on a robust tracker #smr_robust_update 6.9 KB, #smr_robust_lock 5.2 KB.
+ *   1.9 KB, every other call less than 512 bytes; on a robust tracker at most 5.1 KB.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
  * This file is written by cbindgen from core/c/src: change it there.
@@ -744,7 +744,7 @@ extern "C" {
 size_t smr_robust_tracker_size(void);
 
 /**
- * Makes a robust tracker without a target. Takes about 5 KB of stack.
+ * Makes a robust tracker without a target.
  *
  * @param storage  Memory for the tracker, such as an #smr_robust_storage; aligned to #SMR_ROBUST_TRACKER_ALIGN. It must
  *                 stay where it is, untouched, as long as the tracker is used; then it may be used for anything.
@@ -773,7 +773,7 @@ smr_status smr_robust_lock_window(uint16_t full_width,
                                   struct smr_rect *window);
 
 /**
- * Starts on the target in a box, at any time; whatever was followed before is forgotten. Takes about 4 KB of stack.
+ * Starts on the target in a box, at any time; whatever was followed before is forgotten.
  *
  * Of the frame only the pixels in #smr_robust_lock_window are read: the target and its surroundings.
  * Cost: about that of five calls of #smr_robust_update.
@@ -791,7 +791,7 @@ smr_status smr_robust_lock(struct smr_robust_tracker *tracker,
                            const struct smr_rect *target);
 
 /**
- * Looks for the target in the next frame. Takes about 6 KB of stack.
+ * Looks for the target in the next frame.
  *
  * Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
  * Cost, for a filter of W weights (at most 2000) and a template of P pixels (at most #SMR_ROBUST_PIXELS): 307 W products to

@@ -33,7 +33,7 @@ pub extern "C" fn smr_robust_tracker_size() -> usize {
     ROBUST_STORAGE_SIZE
 }
 
-/// Makes a robust tracker without a target. Takes about 5 KB of stack.
+/// Makes a robust tracker without a target.
 ///
 /// @param storage  Memory for the tracker, such as an #smr_robust_storage; aligned to #SMR_ROBUST_TRACKER_ALIGN. It must
 ///                 stay where it is, untouched, as long as the tracker is used; then it may be used for anything.
@@ -108,7 +108,7 @@ unsafe fn lock_window(bounds: Rect, target: *const smr_rect, window: *mut smr_re
     Ok(())
 }
 
-/// Starts on the target in a box, at any time; whatever was followed before is forgotten. Takes about 4 KB of stack.
+/// Starts on the target in a box, at any time; whatever was followed before is forgotten.
 ///
 /// Of the frame only the pixels in #smr_robust_lock_window are read: the target and its surroundings.
 /// Cost: about that of five calls of #smr_robust_update.
@@ -140,7 +140,7 @@ unsafe fn lock(
     Ok(tracker.lock(&frame, target.into())?)
 }
 
-/// Looks for the target in the next frame. Takes about 6 KB of stack.
+/// Looks for the target in the next frame.
 ///
 /// Of the frame only the pixels in #smr_robust_window are read; the rest need not be in memory.
 /// Cost, for a filter of W weights (at most 2000) and a template of P pixels (at most #SMR_ROBUST_PIXELS): 307 W products to
