@@ -46,8 +46,8 @@
 //! Data flows one way: a [`Frame`] is borrowed, [`search`] decides which offsets are scored, [`similarity`] scores
 //! them, and the [`Tracker`] turns peak and runner-up into an [`Answer`] and, where it may, into the next template.
 //!
-//! [`robust`] is the tracker beyond the paper. It shares image, similarity and search, and adds parts for changing light, size
-//! and loss.
+//! [`robust`] is the tracker beyond the paper. It shares image and similarity, and adds a filter that learns what the target is not, parts for
+//! changing size and light, and a verdict on whether the target is still seen.
 //!
 //! # Memory and time
 //!

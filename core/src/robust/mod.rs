@@ -9,7 +9,7 @@
 //! | grid | `grid.rs` | target and surroundings are resampled, so that the target has about 1600 pixels |
 //! | features | `features.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
 //! | filter | `filter.rs`, `responses.rs`, `label.rs` | weights for the cells, a step of learning in each frame |
-//! | velocity, near | `track.rs` | a moving target is expected to go on, and far places must answer more clearly |
+//! | velocity, near | `track.rs`, `responses.rs` | a moving target is expected to go on, and far places must answer more clearly |
 //! | size | `tracker.rs` | the filter looks at two more scales |
 //! | verification | `early.rs`, `light.rs`, `agreement.rs`, `trust.rs` | the early template tells whether it is still the target |
 //! | caution | `trust.rs` | what does not agree is not learned |

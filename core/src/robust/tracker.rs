@@ -427,7 +427,7 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
 }
 
 fn weights(grid: &Grid) -> u32 {
-    u32::from(grid.across) * u32::from(grid.down) * 10
+    u32::from(grid.across) * u32::from(grid.down) * u32::try_from(CHANNELS).unwrap_or(0)
 }
 
 fn work_of_looking(grid: &Grid) -> u32 {
