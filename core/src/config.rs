@@ -233,9 +233,18 @@ impl Config {
         Self { least_threshold: 10, window_limit, update_zone: Margins::NONE, gate, ..paper }
     }
 
+    /// Whether a tracker takes it: what [`Tracker::new`](crate::Tracker::new) asks.
+    ///
     /// # Errors
     /// The first thing found wrong.
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+    ///
+    /// ```
+    /// use smr_core::{Config, ConfigError};
+    /// let mut config = Config::camera();
+    /// config.first_threshold = 0;
+    /// assert_eq!(config.check(), Err(ConfigError::NothingCounts));
+    /// ```
+    pub fn check(&self) -> Result<(), ConfigError> {
         let gate = &self.gate;
         let fractions = [self.k, gate.tracking, gate.leaving, gate.returning, gate.lost];
         if fractions.iter().any(|fraction| fraction.denominator == 0) {

@@ -1,7 +1,8 @@
 //! The target's last appearance: a bounded store, the rule that replaces it, and alpha (steps 5 and 6 of the method).
 
+use crate::Config;
 use crate::image::{Image, Rect};
-use crate::{Config, similarity::Table};
+use crate::similarity::{CutTable, Table};
 use heapless::Vec;
 
 /// Up to `PIXELS` gray pixels, their shape, and the threshold that they are compared with.
@@ -9,20 +10,27 @@ pub(crate) struct Template<const PIXELS: usize> {
     pixels: Vec<u8, PIXELS>,
     width: u16,
     height: u16,
-    /// alpha, rounded up to whole gray levels. On whole gray levels d < alpha and d < ceil(alpha) are the same test, so
+    /// The table, cut off at alpha rounded up to whole gray levels. On whole gray levels d < alpha and d < ceil(alpha) are the same test, so
     /// nothing is lost by it.
-    threshold: u16,
+    table: CutTable,
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
     pub(crate) const fn new() -> Self {
         const { assert!(PIXELS <= Table::MAX_PIXELS, "a score of so many pixels could overflow") };
-        Self { pixels: Vec::new(), width: 0, height: 0, threshold: 0 }
+        Self { pixels: Vec::new(), width: 0, height: 0, table: CutTable::EMPTY }
     }
 
     /// True if a patch of the size of `target` has room.
     pub(crate) fn holds(target: Rect) -> bool {
         usize::try_from(target.area()).is_ok_and(|area| area <= PIXELS)
+    }
+
+    /// As before the first `start`.
+    pub(crate) fn forget(&mut self) {
+        self.pixels.clear();
+        (self.width, self.height) = (0, 0);
+        self.table.clone_from(&CutTable::EMPTY);
     }
 
     /// Takes over `patch`, of which `holds` is true, and starts with the threshold of a first frame.
@@ -33,7 +41,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
             let _ = self.pixels.extend_from_slice(row);
         }
         (self.width, self.height) = (patch.width(), patch.height());
-        self.threshold = u16::from(config.first_threshold);
+        self.table.set(config.table, config.first_threshold.into());
     }
 
     /// Replaces the template by `patch`, of the same size, and sets alpha = k * the largest change of a pixel.
@@ -47,7 +55,10 @@ impl<const PIXELS: usize> Template<PIXELS> {
             old.iter_mut().zip(new).for_each(|(old, &new)| *old = new);
         }
         if largest > 0 {
-            self.threshold = threshold(largest, config).max(config.least_threshold.into());
+            let threshold = threshold(largest, config).max(config.least_threshold.into());
+            if threshold != self.table.threshold() {
+                self.table.set(config.table, threshold);
+            }
         }
     }
 
@@ -57,7 +68,12 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     pub(crate) const fn threshold(&self) -> u16 {
-        self.threshold
+        self.table.threshold()
+    }
+
+    /// What the next frame is scored by.
+    pub(crate) const fn table(&self) -> &CutTable {
+        &self.table
     }
 }
 

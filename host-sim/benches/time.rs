@@ -5,7 +5,7 @@ mod scene;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use scene::Prepared;
-use smr_core::similarity::{Backend, Scorer, Table};
+use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 use smr_core::{Image, Rect};
 use std::hint::black_box;
 
@@ -18,8 +18,9 @@ fn score(criterion: &mut Criterion) {
     let Rect { width, height, .. } = patch.target;
     let g = Image::new(&patch.template.pixels, width, height).expect("it is whole");
     let mut group = criterion.benchmark_group("score 64x64");
+    let table = CutTable::new(&Table::PAPER, THRESHOLD);
     for backend in Backend::available() {
-        let scorer = Scorer::new(backend, &Table::PAPER, THRESHOLD);
+        let scorer = Scorer::new(backend, &table);
         group.bench_function(format!("{backend:?}"), |bencher| {
             bencher.iter(|| scorer.score(black_box(f), black_box(g)));
         });

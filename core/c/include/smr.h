@@ -32,8 +32,8 @@
  * - **Where pixels may be.** On Cortex-M4, M7, M33 and up words of pixels are loaded from any address. Normal memory allows
  *   that; Device memory, which external RAM is (0xA0000000 to 0xDFFFFFFF) until the MPU says otherwise, faults. Set up the MPU,
  *   or `plain_loop` of #smr_config.
- * - **Stack.** Measured on a Cortex-M4, with all that is called: #smr_update, #smr_step and #smr_finish 2.5 KB, #smr_table_init
- *   1.9 KB, every other call less than 512 bytes; on a robust tracker at most 5.1 KB.
+ * - **Stack.** Measured on a Cortex-M4, with all that is called: #smr_update, #smr_step and #smr_finish 1.5 KB, every
+ *   other call less than 512 bytes; on a robust tracker at most 5.1 KB. Builds that are not optimised take more.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
  * This file is written by cbindgen from core/c/src: change it there.
@@ -66,7 +66,7 @@
 
 /** Size of a tracker's storage in bytes, a constant expression. A program linked to the library can ask #smr_tracker_size. */
 #define SMR_TRACKER_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 28 * sizeof(size_t) + 136)
+    (((size_t)(SMR_PIXELS) + 7) / 8 * 16 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 28 * sizeof(size_t) + 656)
 
 /** Alignment of a tracker's storage in bytes, a constant expression. */
 #define SMR_TRACKER_ALIGN (sizeof(size_t))
@@ -853,7 +853,7 @@ smr_status smr_robust_config_default(struct smr_robust_config *config);
 const char *smr_status_name(int32_t status);
 
 /**
- * Fills a table for #smr_config. Takes about 2 KB of stack.
+ * Fills a table for #smr_config.
  *
  * @param table  Memory for the table. Trackers that are configured with it read it in every update: it must stay
  *               where it is, unchanged, as long as any of them is used.

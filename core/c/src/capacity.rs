@@ -8,10 +8,10 @@ pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
 /// The most offsets of the window on an axis: `SMR_SPAN` of the environment of the build, or 161 (the paper's).
 pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 
-/// `SMR_TRACKER_SIZE` of the header: two bytes a pixel, five words an offset, and what the fixed fields take with some to
+/// `SMR_TRACKER_SIZE` of the header: two bytes a pixel, five words an offset, the table that is cut off at alpha, and what the fixed fields take with some to
 /// spare.
 pub const STORAGE_SIZE: usize =
-    2 * PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 28]>() + 136;
+    2 * PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 28]>() + 656;
 
 /// `SMR_TRACKER_ALIGN` of the header.
 pub const STORAGE_ALIGN: usize = size_of::<usize>();

@@ -2,7 +2,7 @@
 
 use crate::pointer;
 use crate::status::{smr_status, status_of};
-use smr_core::similarity::Table;
+use smr_core::similarity::{Table, TableError};
 
 /// A table of similarities: entry d is exp(-d / scale) in units of 1/65535. Filled by #smr_table_init, 512 bytes.
 ///
@@ -17,7 +17,7 @@ pub struct smr_table {
 const _: () = assert!(size_of::<Table>() == size_of::<smr_table>());
 const _: () = assert!(align_of::<Table>() == align_of::<smr_table>());
 
-/// Fills a table for #smr_config. Takes about 2 KB of stack.
+/// Fills a table for #smr_config.
 ///
 /// @param table  Memory for the table. Trackers that are configured with it read it in every update: it must stay
 ///               where it is, unchanged, as long as any of them is used.
@@ -32,10 +32,16 @@ pub unsafe extern "C" fn smr_table_init(table: *mut smr_table, scale: u16) -> sm
 /// # Safety
 /// A `table` that passes `pointer::check` points to memory for a `Table`.
 unsafe fn init(table: *mut Table, scale: u16) -> Result<(), smr_status> {
-    // SAFETY: as the caller says.
-    let out = unsafe { pointer::Out::new(table)? };
-    out.write(Table::new(scale)?);
-    Ok(())
+    pointer::check(table)?;
+    if !Table::SCALES.contains(&scale) {
+        return Err(TableError::ScaleOutOfRange.into());
+    }
+    // SAFETY: there is memory for a Table, which is 256 u16 and nothing else: zeroes are one. It is made there, and not moved.
+    let table = unsafe {
+        table.write_bytes(0, 1);
+        &mut *table
+    };
+    Ok(table.set(scale)?)
 }
 
 /// The table of a configuration: NULL stands for the paper's.

@@ -72,8 +72,21 @@ unsafe fn init(
     }
     // SAFETY: as the caller says, of the configuration and of its table.
     let config = unsafe { pointer::read(config)?.config()? };
-    let tracker = Tracker::new(config).map_err(smr_status::from)?;
-    out.write(smr_tracker { mark: mark_of(storage), tracker });
+    config.check()?; // before anything is changed
+    if cfg!(debug_assertions) {
+        // Copied, as a build that is not optimised would make it on the stack, several times over: a hundred kilobytes.
+        static EMPTY: Tracker<PIXELS, SPAN> = Tracker::camera();
+        // SAFETY: `Out` says that there is memory for both fields. The copy is a tracker as good as the original, which is
+        // never dropped.
+        let tracker = unsafe {
+            (&raw mut (*storage).mark).write(mark_of(storage));
+            (&raw mut (*storage).tracker).copy_from_nonoverlapping(&raw const EMPTY, 1);
+            &mut (*storage).tracker
+        };
+        tracker.configure(config)?;
+    } else {
+        out.write(smr_tracker { mark: mark_of(storage), tracker: Tracker::new(config)? });
+    }
     Ok(storage)
 }
 

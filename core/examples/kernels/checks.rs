@@ -1,8 +1,8 @@
-//! What is compared: every kernel, with its specification in `scalar.rs`.
+//! What is compared: every kernel, with the plain loop that specifies it.
 
 use crate::memory::{Memory, ROOM};
 use smr_core::Image;
-use smr_core::similarity::{Backend, Scorer, Table, scalar};
+use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 
 /// The steepest, one between, and the paper's.
 static TABLES: [Table; 3] = [table(1), table(40), Table::PAPER];
@@ -89,17 +89,18 @@ impl Checks {
         let view = |memory, stride| picture(memory, stride, shape, last).ok_or(wrong("no picture"));
         let (patch, template) = (view(patch, shape.strides.0)?, view(template, shape.strides.1)?);
         let table = TABLES.get(usize::from((shape.height + threshold) % 3)).unwrap_or(&Table::PAPER);
-        let scorer = Scorer::new(self.backend, table, threshold);
-        let score = scalar::score(patch, template, table, threshold);
+        let table = CutTable::new(table, threshold);
+        let (scorer, plain) = (Scorer::new(self.backend, &table), Scorer::new(Backend::Scalar, &table));
+        let score = plain.score(patch, template).ok_or(wrong("too large"))?;
         let most = u32::from(shape.width) * u32::from(shape.height) * u32::from(Table::ONE);
         for floor in [0, 1, score / 2, score.saturating_sub(1), score, score + 1, score.midpoint(most), most, u32::MAX]
         {
             let expected = Some(score).filter(|&score| score >= floor);
             self.compare(scorer.score_at_least(patch, template, floor) == expected).ok_or(wrong("score"))?;
         }
-        let distance = scalar::distance(patch, template, u32::MAX);
+        let distance = plain.distance(patch, template, u32::MAX).ok_or(wrong("too large"))?;
         for enough in [0, distance / 3, distance.saturating_sub(1), distance, distance + 1, u32::MAX] {
-            let answer = scorer.distance(patch, template, enough);
+            let answer = scorer.distance(patch, template, enough).ok_or(wrong("distance"))?;
             let right = if distance <= enough { answer == distance } else { answer > enough && answer <= distance };
             self.compare(right).ok_or(wrong("distance"))?;
         }
@@ -121,10 +122,11 @@ impl Checks {
         let pictures = (view(below, shape.strides.0), view(above, shape.strides.0), view(template, shape.strides.1));
         let (Some(below), Some(above), Some(template)) = pictures else { return Err(wrong("no picture")) };
         let table = TABLES.get(usize::from((shape.height + threshold) % 3)).unwrap_or(&Table::PAPER);
-        let scorer = Scorer::new(self.backend, table, threshold);
+        let table = CutTable::new(table, threshold);
+        let (scorer, plain) = (Scorer::new(self.backend, &table), Scorer::new(Backend::Scalar, &table));
         let most = u32::from(shape.width) * u32::from(shape.height) * u32::from(Table::ONE);
         for (low, high) in [(below, above), (above, above)] {
-            let exact = scalar::score_between_at_least(low, high, template, table, threshold, 0).unwrap_or(0);
+            let exact = plain.score_between_at_least(low, high, template, 0).unwrap_or(0);
             for floor in [0, 1, exact / 2, exact, exact + 1, exact.midpoint(most), most] {
                 let answer = scorer.score_between_at_least(low, high, template, floor);
                 let right = match answer {
@@ -141,7 +143,8 @@ impl Checks {
     /// shorter.
     fn spread(&mut self, columns: usize, memory: &mut Memory) -> Outcome {
         let wrong = |what| Difference { what, width: columns, height: 4, threshold: 0 };
-        let scorer = Scorer::new(self.backend, &Table::PAPER, 13);
+        let table = CutTable::new(&Table::PAPER, 13);
+        let (scorer, plain) = (Scorer::new(self.backend, &table), Scorer::new(Backend::Scalar, &table));
         for at_edge in 0..4 {
             let mut rows: [&[u8]; 4] = core::array::from_fn(|row| {
                 let missing = usize::from(row == columns % 8).min(columns);
@@ -154,7 +157,7 @@ impl Checks {
             let mut low: [u8; 256] = memory.start.first_chunk().copied().ok_or(wrong("no room"))?;
             let mut high: [u8; 256] = memory.start.last_chunk().copied().ok_or(wrong("no room"))?;
             let (lows, highs) = memory.start.split_at_mut_checked(ROOM - 256).ok_or(wrong("no room"))?;
-            scalar::spread(
+            plain.spread(
                 &rows,
                 low.get_mut(..columns).unwrap_or_default(),
                 high.get_mut(..columns).unwrap_or_default(),

@@ -5,7 +5,7 @@ use crate::memory::Memory;
 use core::hint::black_box;
 use defmt::{Debug2Format, info};
 use smr_core::Image;
-use smr_core::similarity::{Backend, Scorer, Table};
+use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 
 const CALIBRATION: u32 = 2_000_000;
 const REPEATED: u32 = 1000;
@@ -51,7 +51,8 @@ fn compared(counter: &mut Counter, memory: &mut Memory, backend: Backend, width:
     *memory.end.get_mut(1 + last)? = 255;
     let patch = Image::with_stride(memory.end.get(1..)?, width, height, 96).ok()?;
     let template = Image::with_stride(memory.other_end, width, height, 96).ok()?;
-    let scorer = Scorer::new(backend, &Table::PAPER, THRESHOLD);
+    let table = CutTable::new(&Table::PAPER, THRESHOLD);
+    let scorer = Scorer::new(backend, &table);
     let pixels = u32::from(width) * u32::from(height);
     let line = |what: &str, taken| {
         info!(

@@ -8,7 +8,7 @@ use super::MOST_PIXELS;
 use super::early::Early;
 use super::light::{self, Contrast};
 use crate::image::{Image, Rect};
-use crate::similarity::Scorer;
+use crate::similarity::{Backend, CutTable, Scorer, Table};
 use heapless::Vec;
 
 /// Parts along a side.
@@ -26,15 +26,16 @@ pub(super) struct Scene<'a> {
 }
 
 /// The best agreement at the middle of the view and one pixel around it, each in its own light, in units of 1/65535. alpha is the
-/// mean absolute deviation of what is seen. `lit` is scratch.
+/// mean absolute deviation of what is seen, and the `measure` what scores by it. `lit` is scratch.
 #[inline(never)] // one copy in flash
-pub(super) fn best(scene: &Scene<'_>, lit: &mut Vec<u8, MOST_PIXELS>, scorer: impl Fn(u16) -> Scorer) -> u16 {
+pub(super) fn best(scene: &Scene<'_>, lit: &mut Vec<u8, MOST_PIXELS>, measure: (Backend, &Table)) -> u16 {
     let Scene { view, early, columns, rows } = *scene;
     let was = Contrast::of(early.pixels());
-    let mut best = 0;
+    let (mut best, mut table) = (0, CutTable::EMPTY);
     for (x, y) in (0..=2).flat_map(|y| (0..=2).map(move |x| (x, y))) {
         let Some(seen) = view.crop(Rect::new(x, y, columns, rows)) else { continue };
-        let scorer = scorer(light::of(early.pixels(), was, seen, lit).threshold());
+        table.set(measure.1, light::of(early.pixels(), was, seen, lit).threshold());
+        let scorer = Scorer::new(measure.0, &table);
         let Ok(lit) = Image::new(lit, columns, rows) else { continue };
         best = best.max(fourth_least(seen, lit, &scorer));
     }
@@ -42,7 +43,7 @@ pub(super) fn best(scene: &Scene<'_>, lit: &mut Vec<u8, MOST_PIXELS>, scorer: im
 }
 
 /// Of the ratios of all parts.
-fn fourth_least(seen: Image<'_>, lit: Image<'_>, scorer: &Scorer) -> u16 {
+fn fourth_least(seen: Image<'_>, lit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
     let mut least = [u16::MAX; RANK];
     for (row, column) in (0..ACROSS).flat_map(|row| (0..ACROSS).map(move |column| (row, column))) {
         let cut = |side: u16, number: u16| number * side / ACROSS;
@@ -50,7 +51,7 @@ fn fourth_least(seen: Image<'_>, lit: Image<'_>, scorer: &Scorer) -> u16 {
         let (right, bottom) = (cut(seen.width(), column + 1), cut(seen.height(), row + 1));
         let part = Rect::new(left.into(), top.into(), right - left, bottom - top);
         let (Some(seen), Some(lit)) = (seen.crop(part), lit.crop(part)) else { continue };
-        let mut ratio = u16::try_from(scorer.score(seen, lit) / part.area().max(1)).unwrap_or(u16::MAX);
+        let mut ratio = u16::try_from(scorer.score(seen, lit).unwrap_or(0) / part.area().max(1)).unwrap_or(u16::MAX);
         for least in &mut least {
             if ratio < *least {
                 core::mem::swap(&mut ratio, least);
@@ -64,7 +65,6 @@ fn fourth_least(seen: Image<'_>, lit: Image<'_>, scorer: &Scorer) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::{Backend, Table};
     use std::vec::Vec as Pixels;
 
     /// How well a template of 16x16 pixels agrees with what is seen in its place, with pixels of one level around it.
@@ -76,7 +76,7 @@ mod tests {
             row[1..17].copy_from_slice(seen);
         }
         let scene = Scene { view: Image::new(&view, 18, 18).unwrap(), early: &early, columns: 16, rows: 16 };
-        best(&scene, &mut Vec::new(), |alpha| Scorer::new(Backend::Scalar, &Table::PAPER, alpha))
+        best(&scene, &mut Vec::new(), (Backend::Scalar, &Table::PAPER))
     }
 
     fn pixel(at: usize) -> u8 {

@@ -11,7 +11,7 @@ use super::track::{FineRect, Place, Track};
 use super::trust::{Evidence, Trust};
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{Backend, Products, Scorer};
+use crate::similarity::{Backend, Products};
 use core::fmt;
 use heapless::Vec;
 
@@ -145,6 +145,23 @@ impl Tracker {
             view: Vec::new(),
             lit: Vec::new(),
         }
+    }
+
+    /// Takes other numbers, in place. Whatever was followed before is forgotten.
+    ///
+    /// ```
+    /// use smr_core::robust::{Config, Tracker};
+    /// // As a `static` a tracker is not made on the stack.
+    /// static EMPTY: Tracker = Tracker::new(Config::robust());
+    /// # let mut tracker = Box::new(Tracker::new(Config::robust()));
+    /// let mut config = Config::robust();
+    /// config.size = false;
+    /// tracker.configure(config);
+    /// assert!(!tracker.config().size && tracker.window().is_none());
+    /// ```
+    pub const fn configure(&mut self, config: Config) {
+        self.config = config;
+        self.track = None;
     }
 
     /// The pixels of a frame with these bounds that [`Tracker::lock`] reads for this target.
@@ -379,7 +396,7 @@ impl Tracker {
         let Self { view, early, lit, config, .. } = self;
         let agreement = Image::new(view, lattice.columns, lattice.rows).map_or(0, |view| {
             let scene = Scene { view, early, columns: grid.columns, rows: grid.rows };
-            agreement::best(&scene, lit, |alpha| Scorer::new(backend, config.table, alpha))
+            agreement::best(&scene, lit, (backend, config.table))
         });
         Look { place, peak, agreement }
     }

@@ -120,7 +120,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         tile: &Tile,
         pass: usize,
         row: usize,
-        scorer: &Scorer,
+        scorer: &Scorer<'_>,
     ) -> u32 {
         let width = self.shape.columns_of(tile.columns);
         let (x, y) = window.position(tile.column, tile.row + pass + row * self.passes());
@@ -140,7 +140,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         pass: usize,
         group: usize,
         needed: u32,
-        scorer: &Scorer,
+        scorer: &Scorer<'_>,
     ) -> u32 {
         let (column, row) = tile.group(group);
         // The rows of the template that meet the rows of this pass, and the first row of ranges that they meet.
@@ -216,7 +216,7 @@ impl Shape {
 }
 
 /// The ranges of the blocks whose first pixels are at (`x`..., `y`) of the frame; what lies outside it is zeroes.
-fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
+fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
     match frame.patch(Rect::new(x, y, columns, 4)) {
         Some(pixels) => scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
@@ -227,7 +227,7 @@ fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], hi
 /// The same where some of the pixels lie outside the frame: of a copy of them, part by part.
 #[cold]
 #[inline(never)] // no part of the usual case, which is inlined
-fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer, low: &mut [u8], high: &mut [u8]) {
+fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     const PART: usize = 32; // the copy is on the stack
     let mut x = x;
     for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {

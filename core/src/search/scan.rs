@@ -15,7 +15,7 @@ pub(crate) struct Scene<'a> {
     pub(crate) frame: Frame<'a>,
     pub(crate) template: Image<'a>,
     pub(crate) window: Window,
-    pub(crate) scorer: &'a Scorer,
+    pub(crate) scorer: &'a Scorer<'a>,
 }
 
 /// How far a search is, and its working memory.
@@ -206,7 +206,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
         self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(2)));
-        Some(scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough))
+        scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough)
     }
 
     /// Scores the window's corners, the middles of its edges and its middle: where the runner-up is looked for, two of them

@@ -1,7 +1,7 @@
 //! The search against a map of all scores: it must find what is there, whatever it leaves out and wherever it is cut.
 
 use super::*;
-use crate::similarity::{Backend, Scorer, Table, score_at};
+use crate::similarity::{Backend, CutTable, Scorer, Table, score_at};
 use crate::{Frame, Image, Radius, Rect};
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
@@ -142,7 +142,8 @@ struct Way {
 }
 
 fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, way: Way) -> (Found, u64) {
-    let scorer = Scorer::new(backend, case.scale, case.threshold);
+    let table = CutTable::new(case.scale, case.threshold);
+    let scorer = Scorer::new(backend, &table);
     let scene = Scene { frame, template, window: case.window, scorer: &scorer };
     let mut search = Search::<PIXELS, 128>::new();
     search.begin(&scene.window, way.pruning, if way.afterwards { Wanted::Peak } else { way.wanted });
@@ -172,7 +173,8 @@ proptest! {
         let (pixels, template) = case.pixels();
         let frame = Frame::whole(Image::new(&pixels, case.frame.0, case.frame.1).unwrap());
         let template = Image::new(&template, case.template.0, case.template.1).unwrap();
-        let plain = Scorer::new(Backend::Scalar, case.scale, case.threshold);
+        let table = CutTable::new(case.scale, case.threshold);
+        let plain = Scorer::new(Backend::Scalar, &table);
         let nearby = case.neighbourhood;
         let afterwards = wanted == 3;
         let wanted = [Wanted::Peak, Wanted::Equals(nearby), Wanted::RunnerUp(nearby), Wanted::RunnerUp(nearby)][wanted];

@@ -1,18 +1,18 @@
 //! The measure: how similar a patch is to the template.
 //!
-//! [`table`](Table) is the specification of a pixel's similarity, [`scalar`] that of a score; a [`Backend`] computes the
-//! same score faster. Here they meet the frame: [`score_at`] scores any offset, also one whose box reaches into the
+//! A [`Table`] is the specification of a pixel's similarity, `scalar.rs` that of a score; a [`Backend`] computes the same
+//! score faster. Here they meet the frame: [`score_at`] scores any offset, also one whose box reaches into the
 //! padding.
 
 mod arch;
 mod products;
-pub mod scalar;
+mod scalar;
 mod table;
 
 pub(crate) use arch::Products;
 pub use arch::{Backend, Scorer};
 pub(crate) use products::Layout;
-pub use table::{Table, TableError};
+pub use table::{CutTable, Table, TableError};
 
 use crate::image::{Frame, Image, Rect};
 
@@ -23,16 +23,17 @@ use crate::image::{Frame, Image, Rect};
 /// Cost: one comparison for each pixel of the template.
 ///
 /// ```
-/// use smr_core::{Frame, Image, similarity::{Backend, Scorer, Table, score_at}};
+/// use smr_core::{Frame, Image, similarity::{Backend, CutTable, Scorer, Table, score_at}};
 /// let frame = Frame::whole(Image::new(&[5, 6, 7, 8], 2, 2)?);
 /// let template = Image::new(&[8, 0, 0, 0], 2, 2)?;
-/// let scorer = Scorer::new(Backend::best(), &Table::PAPER, 13);
+/// let table = CutTable::new(&Table::PAPER, 13);
+/// let scorer = Scorer::new(Backend::best(), &table);
 /// // At (1, 1) only the first pixel is in the frame; the others are compared with the padding.
 /// assert_eq!(score_at(&frame, template, 1, 1, &scorer), Some(4 * 65535));
 /// # Ok::<(), smr_core::ImageError>(())
 /// ```
 #[must_use]
-pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer) -> Option<u32> {
+pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer<'_>) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
     let needed = target.intersection(frame.bounds());
     let too_large = usize::try_from(target.area()).map_or(true, |area| area > Table::MAX_PIXELS);
@@ -48,7 +49,7 @@ pub(crate) fn score_at_least(
     template: Image<'_>,
     x: i32,
     y: i32,
-    scorer: &Scorer,
+    scorer: &Scorer<'_>,
     floor: u32,
 ) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
@@ -61,7 +62,13 @@ pub(crate) fn score_at_least(
 /// The same for a box that reaches outside the frame.
 #[cold]
 #[inline(never)] // no part of the usual case, which is inlined
-fn score_at_border(frame: &Frame<'_>, template: Image<'_>, target: Rect, scorer: &Scorer, floor: u32) -> Option<u32> {
+fn score_at_border(
+    frame: &Frame<'_>,
+    template: Image<'_>,
+    target: Rect,
+    scorer: &Scorer<'_>,
+    floor: u32,
+) -> Option<u32> {
     let seen = target.intersection(frame.bounds());
     let within = Rect { x: seen.x.saturating_sub(target.x), y: seen.y.saturating_sub(target.y), ..seen };
     let outside = scorer.score_on_padding(template, if seen.is_empty() { seen } else { within });
@@ -82,7 +89,8 @@ mod tests {
         let pixels = std::vec![7; 257 * 256];
         let image = |width, height| Image::new(&pixels, width, height).unwrap();
         for backend in Backend::available() {
-            let scorer = Scorer::new(backend, &Table::PAPER, 13);
+            let table = CutTable::new(&Table::PAPER, 13);
+            let scorer = Scorer::new(backend, &table);
             let score = |template| score_at(&image(257, 256).into(), template, 0, 0, &scorer);
             assert_eq!(score(image(257, 256)), None);
             assert_eq!(score(image(256, 256)), Some(65536 * 65535));

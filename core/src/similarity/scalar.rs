@@ -1,39 +1,25 @@
 //! The plain loops: the specification of a score (steps 2 to 4 of the method), and of the two coarser measures that the
 //! search excludes offsets with. Every faster way gives the same integers.
 
-use super::Table;
+use super::{CutTable, Table};
 use crate::image::Image;
 
-/// The sum of the similarities of all pairs of pixels that differ by less than `threshold` (0..=256).
+/// The sum of the similarities of all pairs of pixels.
 ///
 /// `patch` and `template` are of the same size; of two sizes, the common top left part is compared. The sum is exact for
-/// up to [`Table::MAX_PIXELS`] pixels. Cost: one comparison a pixel.
-///
-/// ```
-/// use smr_core::{Image, similarity::{Table, scalar}};
-/// let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
-/// let score = scalar::score(Image::new(&patch, 4, 1)?, Image::new(&template, 4, 1)?, &Table::PAPER, 13);
-/// let p = |d| u32::from(Table::PAPER.similarity(d));
-/// assert_eq!(score, p(0) + p(1) + p(12)); // a difference of 13 is not below the threshold
-/// # Ok::<(), smr_core::ImageError>(())
-/// ```
+/// up to [`Table::MAX_PIXELS`] pixels.
+#[cfg(any(test, feature = "verify"))]
 #[must_use]
-pub fn score(patch: Image<'_>, template: Image<'_>, table: &Table, threshold: u16) -> u32 {
-    patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table, threshold)).sum()
+pub(super) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
+    patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table)).sum()
 }
 
 /// The same score if it is at least `floor`; `None` as soon as the rest of the pixels cannot lift it there.
 #[must_use]
-pub(super) fn score_at_least(
-    patch: Image<'_>,
-    template: Image<'_>,
-    table: &Table,
-    threshold: u16,
-    floor: u32,
-) -> Option<u32> {
+pub(super) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     let mut reachable = most(patch, template);
     for (f, g) in patch.rows().zip(template.rows()) {
-        reachable -= full(f.len().min(g.len())) - row_score(f, g, table, threshold);
+        reachable -= full(f.len().min(g.len())) - row_score(f, g, table);
         if reachable < floor {
             return None;
         }
@@ -43,7 +29,13 @@ pub(super) fn score_at_least(
 
 /// The score of a patch that equals the template.
 pub(super) fn most(patch: Image<'_>, template: Image<'_>) -> u32 {
-    full(usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height())))
+    full(pixels(patch, template))
+}
+
+/// The pixels of the common top left part.
+#[inline]
+pub(super) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
+    usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
 }
 
 /// The score of so many equal pixels; exact for up to [`Table::MAX_PIXELS`].
@@ -51,31 +43,21 @@ pub(super) fn full(pixels: usize) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(Table::ONE))
 }
 
-fn row_score(patch: &[u8], template: &[u8], table: &Table, threshold: u16) -> u32 {
-    patch.iter().zip(template).map(|(&f, &g)| pixel(f, g, table, threshold)).sum()
+fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
+    patch.iter().zip(template).map(|(&f, &g)| pixel(f, g, table)).sum()
 }
 
 /// The similarity of two pixels, 0 where they do not count.
 #[inline]
-fn pixel(f: u8, g: u8, table: &Table, threshold: u16) -> u32 {
-    let difference = f.abs_diff(g);
-    if u16::from(difference) < threshold { u32::from(table.similarity(difference)) } else { 0 }
+fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
+    u32::from(table.similarity(f.abs_diff(g)))
 }
 
 /// The sum of absolute differences (SAD). Once it is more than `enough`, the rows that are left may be left out: what is
 /// given then is more than `enough`, and at most the SAD.
-///
-/// ```
-/// use smr_core::{Image, similarity::scalar};
-/// let (patch, template) = ([10, 20, 30, 40], [13, 20, 20, 90]);
-/// let (patch, template) = (Image::new(&patch, 2, 2)?, Image::new(&template, 2, 2)?);
-/// assert_eq!(scalar::distance(patch, template, u32::MAX), 3 + 10 + 50);
-/// assert_eq!(scalar::distance(patch, template, 2), 3);
-/// # Ok::<(), smr_core::ImageError>(())
-/// ```
 #[must_use]
 #[inline(never)] // one copy in flash
-pub fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+pub(super) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     let mut sum = 0;
     for (f, g) in patch.rows().zip(template.rows()) {
         sum += f.iter().zip(g).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
@@ -90,30 +72,18 @@ pub fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
 ///
 /// `low` nowhere exceeds `high`. A pixel differs by as much as it is outside them, so this is at least the score of every
 /// patch between the two; between a picture and itself it is that picture's score.
-///
-/// ```
-/// use smr_core::{Image, similarity::{Table, scalar}};
-/// let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
-/// let image = |pixels| Image::new(pixels, 3, 1);
-/// let most = scalar::score_between_at_least(image(&low)?, image(&high)?, image(&template)?, &Table::PAPER, 13, 0);
-/// let p = |d| u32::from(Table::PAPER.similarity(d));
-/// assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
-/// # Ok::<(), smr_core::ImageError>(())
-/// ```
 #[must_use]
-pub fn score_between_at_least(
+pub(super) fn score_between_at_least(
     low: Image<'_>,
     high: Image<'_>,
     template: Image<'_>,
-    table: &Table,
-    threshold: u16,
+    table: &CutTable,
     floor: u32,
 ) -> Option<u32> {
     let mut reachable = most(low, template);
     for ((low, high), g) in low.rows().zip(high.rows()).zip(template.rows()) {
         let pixels = low.iter().zip(high).zip(g);
-        let score: u32 =
-            pixels.map(|((&low, &high), &g)| pixel(g.clamp(low, high.max(low)), g, table, threshold)).sum();
+        let score: u32 = pixels.map(|((&low, &high), &g)| pixel(g.clamp(low, high.max(low)), g, table)).sum();
         reachable -= full(low.len().min(g.len())) - score;
         if reachable < floor {
             return None;
@@ -124,16 +94,8 @@ pub fn score_between_at_least(
 
 /// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
 /// than `low` and `high`.
-///
-/// ```
-/// use smr_core::similarity::scalar;
-/// let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
-/// let (mut low, mut high) = ([0; 2], [0; 2]);
-/// scalar::spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
-/// assert_eq!((low, high), ([1, 5], [9, 9]));
-/// ```
 #[inline(never)] // one copy in flash
-pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+pub(super) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let blocks = rows.each_ref().map(|row| row.windows(4));
     let [a, b, c, d] = blocks;
     for ((low, high), (((a, b), c), d)) in low.iter_mut().zip(high).zip(a.zip(b).zip(c).zip(d)) {
@@ -145,37 +107,24 @@ pub fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// c such that a pixel that counts and has the difference d loses at least c * d of its 65535: the largest such integer.
-///
-/// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
-/// table. No slope of a convex p is looked for, all differences below `threshold` are gone through; for a table of exp the
-/// largest of them decides, as the chord from p(0) to it is then the flattest.
-#[cfg_attr(not(any(target_arch = "x86_64", smr_dsp, smr_helium)), allow(dead_code))] // for backends that filter by it
-#[must_use]
-pub(super) fn chord(table: &Table, threshold: u16) -> u32 {
-    let one = u32::from(Table::ONE);
-    let counting = (0u16..).zip(table.entries()).skip(1).take_while(|&(d, _)| d < threshold);
-    counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d.max(1))).min().unwrap_or(one)
-}
-
 /// The score of the part of `template` outside `seen` against the padding, which is all zeroes.
 ///
 /// `seen` is in the template's own coordinates; empty if the whole template lies on the padding.
 #[must_use]
-pub fn score_on_padding(template: Image<'_>, seen: crate::Rect, table: &Table, threshold: u16) -> u32 {
+pub(super) fn score_on_padding(template: Image<'_>, seen: crate::Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
     for (y, row) in (0..).zip(template.rows()) {
         let is_seen = (seen.y..seen.bottom()).contains(&y);
         let [left, right] = [seen.x, seen.right()].map(|x| if is_seen { usize::try_from(x).unwrap_or(0) } else { 0 });
-        sum += row_on_padding(row.get(..left).unwrap_or_default(), table, threshold);
-        sum += row_on_padding(row.get(right..).unwrap_or_default(), table, threshold);
+        sum += row_on_padding(row.get(..left).unwrap_or_default(), table);
+        sum += row_on_padding(row.get(right..).unwrap_or_default(), table);
     }
     sum
 }
 
 #[inline(never)] // one copy in flash
-fn row_on_padding(row: &[u8], table: &Table, threshold: u16) -> u32 {
-    row.iter().map(|&g| pixel(0, g, table, threshold)).sum()
+fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
+    row.iter().map(|&g| pixel(0, g, table)).sum()
 }
 
 #[cfg(test)]
@@ -190,15 +139,52 @@ mod tests {
         // 65537 = Table::MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
         let pixels = vec![7; 256 * 256];
         let image = Image::new(&pixels, 256, 256).unwrap();
-        assert_eq!(score(image, image, &Table::PAPER, 1), 65536 * 65535);
-        assert_eq!(score(image, image, &Table::PAPER, 256), 65536 * 65535);
+        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 1)), 65536 * 65535);
+        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 256)), 65536 * 65535);
+    }
+
+    fn image(pixels: &[u8], width: u16) -> Image<'_> {
+        Image::new(pixels, width, u16::try_from(pixels.len()).unwrap() / width).unwrap()
+    }
+
+    #[test]
+    fn pixels_count_below_the_threshold() {
+        let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
+        let table = CutTable::new(&Table::PAPER, 13);
+        let p = |d| u32::from(Table::PAPER.similarity(d));
+        assert_eq!(score(image(&patch, 4), image(&template, 4), &table), p(0) + p(1) + p(12));
+    }
+
+    #[test]
+    fn a_distance_ends_once_it_is_enough() {
+        let (patch, template) = ([10, 20, 30, 40], [13, 20, 20, 90]);
+        let (patch, template) = (image(&patch, 2), image(&template, 2));
+        assert_eq!(distance(patch, template, u32::MAX), 3 + 10 + 50);
+        assert_eq!(distance(patch, template, 2), 3);
+    }
+
+    #[test]
+    fn what_lies_between_two_pictures_differs_by_as_much_as_it_is_outside_them() {
+        let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
+        let table = CutTable::new(&Table::PAPER, 13);
+        let most = score_between_at_least(image(&low, 3), image(&high, 3), image(&template, 3), &table, 0);
+        let p = |d| u32::from(Table::PAPER.similarity(d));
+        assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
+    }
+
+    #[test]
+    fn ranges_are_those_of_blocks() {
+        let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
+        let (mut low, mut high) = ([0; 2], [0; 2]);
+        spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
+        assert_eq!((low, high), ([1, 5], [9, 9]));
     }
 
     #[test]
     fn a_threshold_of_zero_lets_nothing_count() {
         let pixels = [0; 9];
         let image = Image::new(&pixels, 3, 3).unwrap();
-        assert_eq!(score(image, image, &Table::PAPER, 0), 0);
+        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 0)), 0);
     }
 
     proptest! {
@@ -221,7 +207,7 @@ mod tests {
                     }
                 }
             }
-            prop_assert_eq!(score_on_padding(template, seen, &Table::PAPER, threshold), expected);
+            prop_assert_eq!(score_on_padding(template, seen, &CutTable::new(&Table::PAPER, threshold)), expected);
         }
 
         #[test]
@@ -232,8 +218,8 @@ mod tests {
             let template = Image::new(&template, 7, 6).unwrap();
             let packed = Image::new(&packed, 7, 6).unwrap();
             prop_assert_eq!(
-                score(strided, template, &Table::PAPER, threshold),
-                score(packed, template, &Table::PAPER, threshold)
+                score(strided, template, &CutTable::new(&Table::PAPER, threshold)),
+                score(packed, template, &CutTable::new(&Table::PAPER, threshold))
             );
         }
     }

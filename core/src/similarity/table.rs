@@ -70,24 +70,146 @@ impl Table {
         &self.entries
     }
 
+    /// Makes this the table of another scale, as [`Table::new`] does: in place, for those with little stack.
+    ///
+    /// # Errors
+    /// [`TableError::ScaleOutOfRange`] outside [`Table::SCALES`]; the table is then as it was.
+    ///
+    /// ```
+    /// use smr_core::similarity::Table;
+    /// let mut table = Table::PAPER;
+    /// table.set(40)?;
+    /// assert_eq!(table, Table::new(40)?);
+    /// # Ok::<(), smr_core::similarity::TableError>(())
+    /// ```
+    pub const fn set(&mut self, scale: u16) -> Result<(), TableError> {
+        if scale < *Self::SCALES.start() || scale > *Self::SCALES.end() {
+            return Err(TableError::ScaleOutOfRange);
+        }
+        self.fill(scale);
+        Ok(())
+    }
+
+    const fn exponential(scale: u16) -> Self {
+        let mut table = Self { entries: [Self::ONE; 256] };
+        table.fill(scale);
+        table
+    }
+
     /// With r = exp(-1 / scale) in 64 fractional bits, entry d is r^d, one multiplication after the other.
     ///
     /// Every multiplication loses less than 2^-64 and passes on what was lost before, so r^255 is short by less than
     /// 2^-55, and 65535 * r^255 by less than 2^-39. No exact value for any scale in range lies that close to the middle
     /// between two integers (tested for all of them), so the rounding is the correct one.
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
-    const fn exponential(scale: u16) -> Self {
+    const fn fill(&mut self, scale: u16) {
         const HALF: u128 = 1 << 63;
         let r = exp_of_minus_one_over(scale);
-        let mut entries = [Self::ONE; 256];
+        self.entries[0] = Self::ONE;
         let mut power = r;
         let mut d = 1;
         while d < 256 {
-            entries[d] = ((power * Self::ONE as u128 + HALF) >> 64) as u16;
+            self.entries[d] = ((power * Self::ONE as u128 + HALF) >> 64) as u16;
             power = (power * r) >> 64;
             d += 1;
         }
-        Self { entries }
+    }
+}
+
+/// A table cut off at a threshold (step 2 of the method): from that difference on all entries are 0. Scores are looked up
+/// here, so a pixel that does not count needs no test.
+///
+/// A [`Scorer`](super::Scorer) borrows it. It takes half a kilobyte and is made anew where the threshold changes.
+///
+/// ```
+/// use smr_core::similarity::{CutTable, Table};
+/// let cut = CutTable::new(&Table::PAPER, 13);
+/// assert_eq!(cut.similarity(12), Table::PAPER.similarity(12));
+/// assert_eq!(cut.similarity(13), 0);
+/// assert_eq!(cut.threshold(), 13);
+/// ```
+#[derive(Clone, Debug)]
+pub struct CutTable {
+    entries: [u16; 256],
+    threshold: u16,
+    /// See [`CutTable::chord`]. Kept by those that need it in every step and divide slowly.
+    #[cfg(any(smr_dsp, smr_helium))]
+    chord: u32,
+}
+
+impl CutTable {
+    /// The one with the threshold 0, by which nothing counts.
+    pub(crate) const EMPTY: Self = Self {
+        entries: [0; 256],
+        threshold: 0,
+        #[cfg(any(smr_dsp, smr_helium))]
+        chord: Table::ONE as u32,
+    };
+
+    /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
+    #[must_use]
+    #[inline] // made where it stays
+    pub fn new(table: &Table, threshold: u16) -> Self {
+        let mut cut = Self::EMPTY;
+        cut.set(table, threshold);
+        cut
+    }
+
+    /// The same in place.
+    pub(crate) fn set(&mut self, table: &Table, threshold: u16) {
+        let counting = table.entries.get(..threshold.into()).unwrap_or(&table.entries);
+        if let Some((live, rest)) = self.entries.split_at_mut_checked(counting.len()) {
+            live.copy_from_slice(counting);
+            rest.fill(0);
+        }
+        self.threshold = threshold;
+        #[cfg(any(smr_dsp, smr_helium))]
+        {
+            self.chord = self.flattest();
+        }
+    }
+
+    /// p of a difference of `difference` gray levels, in units of 1/65535; 0 from the threshold on.
+    #[must_use]
+    #[inline]
+    #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries
+    pub const fn similarity(&self, difference: u8) -> u16 {
+        self.entries[difference as usize]
+    }
+
+    /// A pixel counts if it differs by less.
+    #[must_use]
+    #[inline]
+    pub const fn threshold(&self) -> u16 {
+        self.threshold
+    }
+
+    #[inline]
+    pub(super) const fn entries(&self) -> &[u16; 256] {
+        &self.entries
+    }
+
+    /// c such that a pixel that counts and has the difference d loses at least c * d of its 65535: the largest such integer.
+    ///
+    /// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
+    /// table. No slope of a convex p is looked for, all differences below the threshold are gone through; for a table of exp
+    /// the largest of them decides, as the chord from p(0) to it is then the flattest.
+    #[cfg(any(smr_dsp, smr_helium))]
+    #[inline]
+    pub(super) const fn chord(&self) -> u32 {
+        self.chord
+    }
+
+    #[cfg(all(target_arch = "x86_64", not(any(smr_dsp, smr_helium))))]
+    pub(super) fn chord(&self) -> u32 {
+        self.flattest()
+    }
+
+    #[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))] // for backends that filter by it
+    fn flattest(&self) -> u32 {
+        let one = u32::from(Table::ONE);
+        let counting = (0u16..).zip(&self.entries).skip(1).take_while(|&(d, _)| d < self.threshold);
+        counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d.max(1))).min().unwrap_or(one)
     }
 }
 
@@ -104,7 +226,10 @@ const fn exp_of_minus_one_over(scale: u16) -> u128 {
             sum -= term;
         }
         n += 1;
-        term /= scale as u128 * n;
+        term = match term.checked_div(scale as u128 * n) {
+            Some(term) => term,
+            None => 0, // neither is 0, but no compiler sees that
+        };
     }
     sum >> 56
 }

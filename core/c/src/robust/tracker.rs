@@ -7,7 +7,7 @@ use crate::status::{smr_status, status_of};
 use crate::types::{smr_frame, smr_image, smr_rect};
 use core::ffi::c_void;
 use core::ptr::{self, addr_of};
-use smr_core::robust::Tracker;
+use smr_core::robust::{Config, Tracker};
 use smr_core::{Frame, Rect};
 
 /// Follows one target whose size, light and view may change. Lives in storage that the caller gives to #smr_robust_init;
@@ -73,7 +73,20 @@ unsafe fn init(
     }
     // SAFETY: as the caller says.
     let config = unsafe { pointer::read(config)?.config() };
-    out.write(smr_robust_tracker { mark: mark_of(storage), tracker: Tracker::new(config) });
+    if cfg!(debug_assertions) {
+        // Copied, as a build that is not optimised would make it on the stack, several times over.
+        static EMPTY: Tracker = Tracker::new(Config::robust());
+        // SAFETY: `Out` says that there is memory for both fields. The copy is a tracker as good as the original, which is
+        // never dropped.
+        let tracker = unsafe {
+            (&raw mut (*storage).mark).write(mark_of(storage));
+            (&raw mut (*storage).tracker).copy_from_nonoverlapping(&raw const EMPTY, 1);
+            &mut (*storage).tracker
+        };
+        tracker.configure(config);
+    } else {
+        out.write(smr_robust_tracker { mark: mark_of(storage), tracker: Tracker::new(config) });
+    }
     Ok(storage)
 }
 

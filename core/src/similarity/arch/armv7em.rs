@@ -9,7 +9,7 @@
 //! Normal memory, unless firmware has set `UNALIGN_TRP`, which compilers for them do not allow for either. From Device memory
 //! they fault: external RAM is that (0xA000_0000 and up) until the MPU says otherwise. See [`Backend`](super::Backend).
 
-use super::super::{Table, scalar};
+use super::super::{CutTable, Table, scalar};
 use super::Kernels;
 use super::filter::{Limit, Lookup, blocks};
 use super::rows::Rows;
@@ -30,26 +30,26 @@ const FILTER_WORD: usize = 34;
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
-pub(super) struct Dsp {
-    lookup: Lookup,
+pub(super) struct Dsp<'a> {
+    lookup: Lookup<'a>,
     /// How many scores are to be begun without the bound, and how often in turn it has excluded nothing. (Atomic so that
     /// a scorer can be shared as it can elsewhere; what comes of it does not depend on them.)
     without: AtomicU8,
     in_vain: AtomicU8,
 }
 
-impl Dsp {
+impl<'a> Dsp<'a> {
     #[inline(always)] // see `Scorer::new`
-    pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self { lookup: Lookup::new(table, threshold), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
+    pub(super) fn new(table: &'a CutTable) -> Self {
+        Self { lookup: Lookup::new(table), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
     }
 }
 
-impl Kernels for Dsp {
+impl Kernels for Dsp<'_> {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);
-        if pair.width < LANES || self.lookup.plain.threshold == 0 {
+        if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
             return self.lookup.plain.score_at_least(patch, template, floor);
         }
         if floor > 0 && self.excludes(&pair, floor) {
@@ -96,7 +96,7 @@ impl Kernels for Dsp {
     }
 }
 
-impl Dsp {
+impl Dsp<'_> {
     /// True only if the score is less than `floor`. The bound takes half the time of a score, so where it excludes nothing
     /// it is asked ever less: at last before one score out of 16.
     #[inline(always)]

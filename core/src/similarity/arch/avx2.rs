@@ -9,7 +9,7 @@
 //! 5. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
 //!    byte outside a row is read, whatever its width.
 
-use super::super::Table;
+use super::super::{CutTable, Table};
 use super::{Kernels, rows::Rows, sse2};
 use crate::image::Image;
 use core::arch::x86_64::*;
@@ -93,10 +93,11 @@ impl Kernels for Lookup {
 
 impl Lookup {
     /// `None` where the machine has no AVX2: that there is a `Lookup` is the proof that it has.
-    pub(super) fn new(table: &Table, threshold: u16) -> Option<Self> {
+    pub(super) fn new(table: &CutTable) -> Option<Self> {
         if !is_available() {
             return None;
         }
+        let threshold = table.threshold();
         let mut planes = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
         let places = planes.0.as_flattened_mut().iter_mut().zip(planes.1.as_flattened_mut());
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {

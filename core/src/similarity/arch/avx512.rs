@@ -5,7 +5,7 @@
 //! 2. `vpdpbusd` with ones adds bytes to four-byte lanes in one step; a plane's sum over 65537 pixels is below 2^25.
 //! 3. Masked loads touch no byte outside a row, so the end of a row is a register like all others.
 
-use super::super::Table;
+use super::super::{CutTable, Table};
 use super::{Kernels, avx2, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
@@ -75,8 +75,8 @@ impl Kernels for Lookup {
 impl Lookup {
     /// `None` for a threshold beyond 128, or where the machine has not all that is needed: that there is a `Lookup` is the
     /// proof that it has.
-    pub(super) fn new(table: &Table, threshold: u16) -> Option<Self> {
-        let threshold = u8::try_from(threshold).ok().filter(|&threshold| threshold <= 128)?;
+    pub(super) fn new(table: &CutTable) -> Option<Self> {
+        let threshold = u8::try_from(table.threshold()).ok().filter(|&threshold| threshold <= 128)?;
         if !is_available() {
             return None;
         }

@@ -1,26 +1,23 @@
 //! What the backends for Arm's microcontrollers share: the table as they look it up, and a bound of the score that needs none.
 //!
-//! A pixel that counts and differs by d loses at least c * d of its 65535 ([`scalar::chord`]), one that does not loses all.
+//! A pixel that counts and differs by d loses at least c * d of its 65535 ([`CutTable::chord`]), one that does not loses all.
 //! How many do not, and the sum of the differences of those that do, are sums of bytes, and that is what these instruction
 //! sets are fast at; a table they can only look up pixel by pixel. So a group of offsets is bounded by this alone.
 
 use super::Plain;
 use super::rows::Rows;
-use crate::similarity::{Table, scalar};
+use crate::similarity::CutTable;
 
-/// A table, cut off at a threshold.
-pub(super) struct Lookup {
-    pub(super) plain: Plain,
-    /// 0 from the threshold on.
-    entries: [u16; 256],
-    chord: u32,
+/// What is looked up, pixel by pixel.
+pub(super) struct Lookup<'a> {
+    pub(super) plain: Plain<'a>,
 }
 
 /// When pictures are excluded: once their pixels have lost more than `allowed`.
 pub(super) struct Limit {
     /// A pixel counts if it differs by less: 1..=255.
     pub(super) threshold: u8,
-    /// What a pixel that counts loses with each gray level. One that does not count loses [`Table::ONE`].
+    /// What a pixel that counts loses with each gray level. One that does not count loses 65535.
     pub(super) chord: u32,
     pub(super) allowed: u32,
 }
@@ -28,18 +25,14 @@ pub(super) struct Limit {
 /// What two pictures lose at least; once that is more than is allowed, any part of it that is.
 pub(super) type Loss = fn(&Rows, &Limit) -> u32;
 
-impl Lookup {
+impl<'a> Lookup<'a> {
     #[inline(always)] // see `Scorer::new`
-    pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        let chord = scalar::chord(table, threshold);
-        let mut lookup = Self { plain: Plain { table, threshold }, entries: [0; 256], chord };
-        let counting = table.entries().iter().take(threshold.into());
-        lookup.entries.iter_mut().zip(counting).for_each(|(entry, &similarity)| *entry = similarity);
-        lookup
+    pub(super) fn new(table: &'a CutTable) -> Self {
+        Self { plain: Plain { table } }
     }
 
     pub(super) fn entries(&self) -> *const u16 {
-        self.entries.as_ptr()
+        self.plain.table.entries().as_ptr()
     }
 
     /// The score that `rows` reach at most, if that is at least `floor`. `loss` is asked of pictures of at least
@@ -48,12 +41,12 @@ impl Lookup {
     pub(super) fn most<const NARROWEST: usize>(&self, rows: &Rows, floor: u32, loss: Loss) -> Option<u32> {
         let full = rows.full_after(0);
         let allowed = full.checked_sub(floor)?;
-        let threshold = u8::try_from(self.plain.threshold).unwrap_or(0);
+        let threshold = u8::try_from(self.plain.table.threshold()).unwrap_or(0);
         // Of what is too narrow for the loop, and of pixels that all count or none, nothing is known.
         if threshold == 0 || rows.width < NARROWEST || rows.patch_stride != rows.high_stride {
             return Some(full);
         }
-        let loss = loss(rows, &Limit { threshold, chord: self.chord, allowed });
+        let loss = loss(rows, &Limit { threshold, chord: self.plain.table.chord(), allowed });
         full.checked_sub(loss).filter(|&most| most >= floor)
     }
 }

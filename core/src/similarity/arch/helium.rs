@@ -8,7 +8,7 @@
 //!
 //! `asm!`, as there are no intrinsics.
 
-use super::super::{Table, scalar};
+use super::super::{CutTable, scalar};
 use super::Kernels;
 use super::filter::{Limit, Lookup, blocks};
 use super::rows::Rows;
@@ -18,12 +18,12 @@ use core::arch::asm;
 /// Pixels in a register.
 const LANES: usize = 16;
 
-pub(super) struct Helium(Lookup);
+pub(super) struct Helium<'a>(Lookup<'a>);
 
-impl Helium {
+impl<'a> Helium<'a> {
     #[inline(always)] // see `Scorer::new`
-    pub(super) fn new(table: &'static Table, threshold: u16) -> Self {
-        Self(Lookup::new(table, threshold))
+    pub(super) fn new(table: &'a CutTable) -> Self {
+        Self(Lookup::new(table))
     }
 }
 
@@ -41,7 +41,7 @@ macro_rules! of_row {
         concat!("vldrb.u8 q2, ", $($address,)* "\nvmin.u8 q0, q0, q2\nvmax.u8 q1, q1, q2\n")
     };
 }
-impl Kernels for Helium {
+impl Kernels for Helium<'_> {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);

@@ -55,7 +55,7 @@ mod tests;
 
 pub(crate) use products::Products;
 
-use super::{Table, scalar};
+use super::{CutTable, Table, scalar};
 use crate::image::Image;
 
 /// A way to compute scores. All ways give the same integers.
@@ -142,45 +142,64 @@ trait Kernels {
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 }
 
-/// A table, cut off at a threshold, made ready for a backend. It is made once for all scores of a frame.
-pub struct Scorer {
-    plain: Plain,
-    ready: Ready,
+/// A table, cut off at a threshold, made ready for a backend: scores, distances and bounds of pictures of up to
+/// [`Table::MAX_PIXELS`] pixels.
+///
+/// ```
+/// use smr_core::{Image, similarity::{Backend, CutTable, Scorer, Table}};
+/// let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
+/// let (patch, template) = (Image::new(&patch, 4, 1)?, Image::new(&template, 4, 1)?);
+/// let table = CutTable::new(&Table::PAPER, 13);
+/// let scorer = Scorer::new(Backend::best(), &table);
+/// let p = |d| u32::from(Table::PAPER.similarity(d));
+/// assert_eq!(scorer.score(patch, template), Some(p(0) + p(1) + p(12))); // a difference of 13 is not below the threshold
+/// assert_eq!(scorer.score_at_least(patch, template, 3 * 65535), None);
+/// assert_eq!(scorer.distance(patch, template, u32::MAX), Some(1 + 12 + 13));
+/// assert!(scorer.score_between_at_least(patch, patch, template, 0) >= scorer.score(patch, template));
+///
+/// let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
+/// let (mut low, mut high) = ([0; 2], [0; 2]);
+/// scorer.spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
+/// assert_eq!((low, high), ([1, 5], [9, 9]));
+/// # Ok::<(), smr_core::ImageError>(())
+/// ```
+pub struct Scorer<'a> {
+    plain: Plain<'a>,
+    ready: Ready<'a>,
 }
 
 #[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
-enum Ready {
+enum Ready<'a> {
     Scalar,
     #[cfg(target_arch = "x86_64")]
-    Sse2(sse2::Bound),
+    Sse2(sse2::Bound<'a>),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
     #[cfg(target_arch = "x86_64")]
     Avx512(avx512::Lookup),
     #[cfg(smr_dsp)]
-    Dsp(armv7em::Dsp),
+    Dsp(armv7em::Dsp<'a>),
     #[cfg(smr_helium)]
-    Helium(helium::Helium),
+    Helium(helium::Helium<'a>),
     #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
     Neon(neon::Lookup),
 }
 
 /// The plain loops.
 #[derive(Clone, Copy)]
-struct Plain {
-    table: &'static Table,
-    threshold: u16,
+struct Plain<'a> {
+    table: &'a CutTable,
 }
 
-impl Kernels for Plain {
+impl Kernels for Plain<'_> {
     #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy, for those who filter first, too
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        scalar::score_at_least(patch, template, self.table, self.threshold, floor)
+        scalar::score_at_least(patch, template, self.table, floor)
     }
 
     #[inline] // into other crates, too
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor)
+        scalar::score_between_at_least(low, high, template, self.table, floor)
     }
 
     #[inline] // into other crates, too
@@ -218,60 +237,63 @@ macro_rules! dispatch {
     };
 }
 
-impl Scorer {
-    /// Scores by `table` below `threshold`, computed by `backend`; by the plain loop where the machine does not have it or
+impl<'a> Scorer<'a> {
+    /// Scores by `table`, computed by `backend`; by the plain loop where the machine does not have it or
     /// it does not reach up to the threshold (AVX-512: 128).
     #[must_use]
     #[inline(always)] // made where it stays: some are too large to be moved about on a small stack
-    pub fn new(backend: Backend, table: &'static Table, threshold: u16) -> Self {
+    pub fn new(backend: Backend, table: &'a CutTable) -> Self {
         let ready = match backend {
             #[cfg(target_arch = "x86_64")]
-            Backend::Sse2 => sse2::Bound::new(table, threshold).map_or(Ready::Scalar, Ready::Sse2),
+            Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar, Ready::Sse2),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 => avx2::Lookup::new(table, threshold).map_or(Ready::Scalar, Ready::Avx2),
+            Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar, Ready::Avx2),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx512 => avx512::Lookup::new(table, threshold).map_or(Ready::Scalar, Ready::Avx512),
+            Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar, Ready::Avx512),
             #[cfg(smr_dsp)]
-            Backend::Dsp => Ready::Dsp(armv7em::Dsp::new(table, threshold)),
+            Backend::Dsp => Ready::Dsp(armv7em::Dsp::new(table)),
             #[cfg(smr_helium)]
-            Backend::Helium => Ready::Helium(helium::Helium::new(table, threshold)),
+            Backend::Helium => Ready::Helium(helium::Helium::new(table)),
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            Backend::Neon => Ready::Neon(neon::Lookup::new(table, threshold)),
+            Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
             _ => Ready::Scalar,
         };
-        Self { plain: Plain { table, threshold }, ready }
+        Self { plain: Plain { table }, ready }
     }
 
-    /// The score of two pictures of the same size, as [`scalar::score`] gives it.
+    /// The sum of the similarities of two pictures of the same size (of two sizes, of their common top left part). `None` if
+    /// it has more than [`Table::MAX_PIXELS`] pixels.
     #[must_use]
     #[inline(always)] // where there is only the plain loop, nothing is to be left of this but the call
-    pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
-        // Every score is at least 0.
-        self.score_at_least(patch, template, 0).unwrap_or(0)
+    pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
+        self.score_at_least(patch, template, 0)
     }
 
-    /// The same score if it is at least `floor`; `None`, as soon as that is certain, if it is less.
+    /// The same score if it is at least `floor`; `None` also, as soon as that is certain, if it is less.
     #[must_use]
     #[inline(always)]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
         #[cfg(feature = "verify")]
-        verify::score(score, (patch, template), (self.plain.table, self.plain.threshold), floor);
+        verify::score(score, (patch, template), self.plain.table, floor);
         score
     }
 
-    /// The SAD, as [`scalar::distance`] gives it; once it is more than `enough`, any part of it that is.
+    /// The sum of absolute differences (SAD). Once it is more than `enough`, any part of it that is. `None` as for
+    /// [`Scorer::score`].
     #[must_use]
     #[inline(always)]
-    pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+    pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
+        checked(patch, template)?;
         let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
         #[cfg(feature = "verify")]
         verify::distance(distance, (patch, template), enough);
-        distance
+        Some(distance)
     }
 
-    /// The score of a patch of which only bounds are known, as [`scalar::score_between_at_least`] gives it, or a little
-    /// more: no patch between the two has a larger one. `None` only if that of `scalar` is less than `floor`.
+    /// The most that a patch scores which lies between two pictures, `low` nowhere above `high`, or a little more, if that is
+    /// at least `floor`. `None` if no such patch scores as much, or as for [`Scorer::score`].
     #[must_use]
     #[inline(always)]
     pub fn score_between_at_least(
@@ -281,13 +303,15 @@ impl Scorer {
         template: Image<'_>,
         floor: u32,
     ) -> Option<u32> {
+        checked(low, template)?;
         let score = dispatch!(self, kernels => kernels.score_between_at_least(low, high, template, floor));
         #[cfg(feature = "verify")]
-        verify::score_between(score, (low, high, template), (self.plain.table, self.plain.threshold), floor);
+        verify::score_between(score, (low, high, template), self.plain.table, floor);
         score
     }
 
-    /// The lowest and the highest of each block of 4x4 pixels, as [`scalar::spread`] gives them.
+    /// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
+    /// than `low` and `high`.
     #[inline(always)]
     pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));
@@ -298,6 +322,12 @@ impl Scorer {
     /// The score of what lies on the padding; see [`scalar::score_on_padding`].
     #[must_use]
     pub(super) fn score_on_padding(&self, template: Image<'_>, seen: crate::Rect) -> u32 {
-        scalar::score_on_padding(template, seen, self.plain.table, self.plain.threshold)
+        scalar::score_on_padding(template, seen, self.plain.table)
     }
+}
+
+/// `None` where a sum could be too large for a backend.
+#[inline(always)]
+fn checked(patch: Image<'_>, template: Image<'_>) -> Option<()> {
+    (scalar::pixels(patch, template) <= Table::MAX_PIXELS).then_some(())
 }

@@ -7,7 +7,7 @@
 //!    without a lookup.
 //! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
 
-use super::super::{Table, scalar};
+use super::super::{CutTable, Table, scalar};
 use super::{Kernels, rows::Rows};
 use crate::image::Image;
 use core::arch::aarch64::*;
@@ -67,7 +67,8 @@ impl Kernels for Lookup {
 }
 
 impl Lookup {
-    pub(super) fn new(table: &Table, threshold: u16) -> Self {
+    pub(super) fn new(table: &CutTable) -> Self {
+        let threshold = table.threshold();
         let segments = usize::from(threshold).div_ceil(SEGMENT);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
         let mut lookup = Self { low: [[0; SEGMENT]; 4], high: [[0; SEGMENT]; 4], segments, last };

@@ -3,12 +3,12 @@
 //! SSE2 has no instruction that looks a byte up, so the score itself is left to the plain loop. But most scores that are
 //! asked for are asked with a floor, and most do not reach it: with N pixels that count and the sum S of their
 //! differences, which are two additions, a score is at most N * 65535 - c * S. (A pixel that counts and has the
-//! difference d adds p(d), and c is at most (65535 - p(d)) / d for every such d; see [`scalar::chord`].) Where even that
+//! difference d adds p(d), and c is at most (65535 - p(d)) / d for every such d; see [`CutTable::chord`].) Where even that
 //! is below the floor the plain loop is not begun; where it is begun nevertheless, the bound has cost 8 to 15 % of it: 16
 //! instructions for 16 pixels, of which each takes the plain loop eight or more. Of a patch that lies between two
 //! pictures the bound is the answer.
 
-use super::super::{Table, scalar};
+use super::super::{CutTable, Table, scalar};
 use super::{Kernels, rows::Rows};
 use crate::image::Image;
 use core::arch::x86_64::*;
@@ -24,9 +24,8 @@ const NARROW: usize = 24;
 const ROWS_A_LOOK: usize = 4;
 
 /// A table, and what bounds a score without it.
-pub(super) struct Bound {
-    table: &'static Table,
-    threshold: u16,
+pub(super) struct Bound<'a> {
+    table: &'a CutTable,
     /// The largest difference that counts; there is one.
     last: u8,
     chord: u32,
@@ -36,7 +35,7 @@ pub(super) const fn is_available() -> bool {
     cfg!(target_feature = "sse2")
 }
 
-impl Kernels for Bound {
+impl Kernels for Bound<'_> {
     #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::of(patch, template);
@@ -46,14 +45,14 @@ impl Kernels for Bound {
             // SAFETY: a `Bound` exists only where SSE2 does, both pictures are borrowed, and a register's width is there.
             unsafe { self.reach::<false>(&looked_at, floor_there) }?;
         }
-        scalar::score_at_least(patch, template, self.table, self.threshold, floor)
+        scalar::score_at_least(patch, template, self.table, floor)
     }
 
     #[inline(always)]
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::between(low, high, template);
         if rows.width < LANES {
-            return scalar::score_between_at_least(low, high, template, self.table, self.threshold, floor);
+            return scalar::score_between_at_least(low, high, template, self.table, floor);
         }
         // SAFETY: a `Bound` exists only where SSE2 does, the pictures are borrowed, and a register's width is there.
         unsafe { self.reach::<true>(&rows, floor) }
@@ -76,12 +75,11 @@ impl Kernels for Bound {
     }
 }
 
-impl Bound {
+impl<'a> Bound<'a> {
     /// `None` where nothing counts, and where there is no SSE2: that there is a `Bound` is the proof that there is.
-    pub(super) fn new(table: &'static Table, threshold: u16) -> Option<Self> {
-        let last = u8::try_from(threshold.checked_sub(1)?).ok()?;
-        let chord = scalar::chord(table, threshold);
-        is_available().then_some(Self { table, threshold, last, chord })
+    pub(super) fn new(table: &'a CutTable) -> Option<Self> {
+        let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
+        is_available().then_some(Self { table, last, chord: table.chord() })
     }
 
     /// What the score is at most, if that is at least `floor`. `BETWEEN`: the patch is between two pictures.

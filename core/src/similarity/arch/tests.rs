@@ -3,7 +3,7 @@
 use super::guard::{Guarded, Side};
 use super::{Backend, Scorer};
 use crate::image::Image;
-use crate::similarity::{Table, scalar};
+use crate::similarity::{CutTable, Table, scalar};
 use std::boxed::Box;
 use std::io::Write;
 use std::vec::Vec;
@@ -36,11 +36,12 @@ fn close_to(patch: &[u8], seed: u32) -> Box<[u8]> {
 /// Scores, with floors around the score, and distances, with an end around the distance, are those of the plain loops.
 #[track_caller]
 fn same(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
-    let scorer = Scorer::new(backend, &Table::PAPER, threshold);
+    let table = CutTable::new(&Table::PAPER, threshold);
+    let scorer = Scorer::new(backend, &table);
     let of = || std::format!("{backend:?}: {patch:?}, {template:?}, threshold {threshold}");
 
-    let score = scalar::score(patch, template, &Table::PAPER, threshold);
-    assert_eq!(scorer.score(patch, template), score, "{}", of());
+    let score = scalar::score(patch, template, &table);
+    assert_eq!(scorer.score(patch, template), Some(score), "{}", of());
     for floor in [0, score / 2, score.saturating_sub(1), score, score.saturating_add(1), u32::MAX] {
         let expected = (score >= floor).then_some(score);
         assert_eq!(scorer.score_at_least(patch, template, floor), expected, "{}, floor {floor}", of());
@@ -48,7 +49,7 @@ fn same(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
 
     let exact = scalar::distance(patch, template, u32::MAX);
     for enough in [u32::MAX, exact, exact.saturating_sub(1), exact / 2, 0] {
-        let distance = scorer.distance(patch, template, enough);
+        let distance = scorer.distance(patch, template, enough).unwrap();
         let right = if exact <= enough { distance == exact } else { distance > enough && distance <= exact };
         assert!(right, "{}, distance {distance} instead of {exact}, enough {enough}", of());
     }
@@ -122,10 +123,41 @@ fn extremes(backend: Backend) {
     same(backend, column(&white), column(&white), 1);
 }
 
+/// At the most pixels that a sum can hold the plain loops' integers, of equal pixels and of the most different ones;
+/// beyond it there is none. 65537 is prime and a side is a `u16`, so the most that a picture of that bound has is 65536, and the
+/// least beyond it 65538.
+fn bound(backend: Backend) {
+    let (white, black) = (std::vec![255; 2 * 65535], std::vec![0; 2 * 65535]);
+    let table = CutTable::new(&Table::PAPER, 256);
+    let scorer = Scorer::new(backend, &table);
+    for (width, height) in [(256, 256), (65535, 1), (1, 65535), (4369, 15), (16384, 4)] {
+        let view = |pixels| Image::new(pixels, width, height).unwrap();
+        let (white, black, pixels) = (view(&white), view(&black), u32::from(width) * u32::from(height));
+        let least = pixels * u32::from(Table::PAPER.similarity(255));
+        assert_eq!(scorer.score(white, white), Some(pixels * 65535), "{backend:?}");
+        assert_eq!(scorer.score(white, black), Some(least), "{backend:?}");
+        assert_eq!(scorer.distance(white, black, u32::MAX), Some(pixels * 255), "{backend:?}");
+        assert_eq!(scorer.distance(white, white, 0), Some(0), "{backend:?}");
+        assert_eq!(scorer.score_between_at_least(white, white, white, 0), Some(pixels * 65535), "{backend:?}");
+        assert!(scorer.score_between_at_least(black, black, white, 0) >= Some(least), "{backend:?}");
+    }
+    for (width, height) in [(257, 256), (65535, 2), (32769, 2), (2, 65535)] {
+        let view = |pixels| Image::new(pixels, width, height).unwrap();
+        let (white, black) = (view(&white), view(&black));
+        for patch in [white, black] {
+            assert_eq!(scorer.score(patch, white), None, "{backend:?}");
+            assert_eq!(scorer.score_at_least(patch, white, 1), None, "{backend:?}");
+            assert_eq!(scorer.distance(patch, white, u32::MAX), None, "{backend:?}");
+            assert_eq!(scorer.score_between_at_least(patch, white, white, 0), None, "{backend:?}");
+        }
+    }
+}
+
 /// Ranges of all lengths, of bytes of all kinds, next to memory that may not be touched; of rows that are not equally long
 /// the shortest counts.
 fn all_lengths_of_ranges(backend: Backend) {
-    let scorer = Scorer::new(backend, &Table::PAPER, 16);
+    let table = CutTable::new(&Table::PAPER, 16);
+    let scorer = Scorer::new(backend, &table);
     let mut guarded: [Guarded; 6] = core::array::from_fn(|_| Guarded::with_room(256));
     for length in (0..=200usize).step_by(STEP) {
         for side in [Side::After, Side::Before] {
@@ -160,15 +192,16 @@ fn all_ranges(backend: Backend) {
         let template = close_to(&low, threshold.into());
         let view = |pixels| Image::with_stride(pixels, width, height, 60).unwrap();
         let (low, high, template) = (view(&low), view(&high), view(&template));
-        let scorer = Scorer::new(backend, &Table::PAPER, threshold);
+        let table = CutTable::new(&Table::PAPER, threshold);
+        let scorer = Scorer::new(backend, &table);
         let most = scalar::most(low, template);
         for floor in [0, 1, most / 2, most / 4 * 3, most] {
-            let least = scalar::score_between_at_least(low, high, template, &Table::PAPER, threshold, floor);
+            let least = scalar::score_between_at_least(low, high, template, &table, floor);
             let reached = scorer.score_between_at_least(low, high, template, floor);
             assert!(reached >= least, "{backend:?}: {reached:?} reached instead of {least:?}, floor {floor}");
             assert!(reached.is_none_or(|reached| floor <= reached && reached <= most), "{backend:?}: {reached:?}");
             // Between a picture and itself there is nothing but the picture.
-            let score = scalar::score(low, template, &Table::PAPER, threshold);
+            let score = scalar::score(low, template, &table);
             let itself = scorer.score_between_at_least(low, low, template, floor);
             assert!(itself >= Some(score).filter(|&score| score >= floor), "{backend:?}: {itself:?}, {score}");
         }
@@ -179,7 +212,7 @@ macro_rules! stamp {
     ($($module:ident: $backend:ident;)*) => {$(
         mod $module {
             use super::*;
-            stamp!(@tests $backend: all_sizes, all_thresholds_and_alignments, all_differences, extremes,
+            stamp!(@tests $backend: all_sizes, all_thresholds_and_alignments, all_differences, extremes, bound,
                 all_lengths_of_ranges, all_ranges);
         }
     )*};

@@ -1,20 +1,17 @@
 //! The plain loops beside a faster backend (feature `verify`): a difference is a panic that says what was asked.
 
-use super::super::{Table, scalar};
+use super::super::{CutTable, scalar};
 use crate::image::Image;
 
 /// The score that a backend gave for pictures, where it was asked for one of at least `floor`.
 #[track_caller]
-pub(super) fn score(
-    answer: Option<u32>,
-    (patch, template): (Image<'_>, Image<'_>),
-    (table, threshold): (&Table, u16),
-    floor: u32,
-) {
-    let expected = Some(scalar::score(patch, template, table, threshold)).filter(|&score| score >= floor);
+pub(super) fn score(answer: Option<u32>, (patch, template): (Image<'_>, Image<'_>), table: &CutTable, floor: u32) {
+    let expected = Some(scalar::score(patch, template, table)).filter(|&score| score >= floor);
     assert_eq!(
-        answer, expected,
-        "score of at least {floor} at threshold {threshold}, given and expected: {patch:?}, {template:?}"
+        answer,
+        expected,
+        "score of at least {floor} at threshold {}, given and expected: {patch:?}, {template:?}",
+        table.threshold()
     );
 }
 
@@ -31,12 +28,16 @@ pub(super) fn distance(answer: u32, (patch, template): (Image<'_>, Image<'_>), e
 pub(super) fn score_between(
     answer: Option<u32>,
     (low, high, template): (Image<'_>, Image<'_>, Image<'_>),
-    (table, threshold): (&Table, u16),
+    table: &CutTable,
     floor: u32,
 ) {
-    let least = scalar::score_between_at_least(low, high, template, table, threshold, floor);
+    let least = scalar::score_between_at_least(low, high, template, table, floor);
     let right = answer.is_none_or(|answer| answer >= floor) && answer >= least;
-    assert!(right, "at threshold {threshold} {answer:?} reached instead of {least:?}, floor {floor}: {template:?}");
+    assert!(
+        right,
+        "at threshold {} {answer:?} reached instead of {least:?}, floor {floor}: {template:?}",
+        table.threshold()
+    );
 }
 
 /// The ranges that a backend gave.
@@ -56,12 +57,17 @@ pub(super) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::similarity::Table;
 
     const ROW: [u8; 4] = [10, 20, 30, 40];
     const OTHER: [u8; 4] = [10, 21, 30, 99];
 
     fn view(row: &[u8; 4]) -> Image<'_> {
         Image::new(row, 4, 1).unwrap()
+    }
+
+    fn cut() -> CutTable {
+        CutTable::new(&Table::PAPER, 13)
     }
 
     fn pictures() -> (Image<'static>, Image<'static>) {
@@ -71,13 +77,13 @@ mod tests {
     #[test]
     fn what_is_right_is_let_through() {
         let (patch, template) = pictures();
-        let exact = scalar::score(patch, template, &Table::PAPER, 13);
-        score(Some(exact), pictures(), (&Table::PAPER, 13), exact);
-        score(None, pictures(), (&Table::PAPER, 13), exact + 1);
+        let exact = scalar::score(patch, template, &cut());
+        score(Some(exact), pictures(), &cut(), exact);
+        score(None, pictures(), &cut(), exact + 1);
         distance(60, pictures(), 60);
         distance(7, pictures(), 6);
-        score_between(Some(4 * 65535), (view(&ROW), view(&OTHER), view(&OTHER)), (&Table::PAPER, 13), 1);
-        score_between(None, (view(&ROW), view(&ROW), view(&OTHER)), (&Table::PAPER, 13), 4 * 65535);
+        score_between(Some(4 * 65535), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(), 1);
+        score_between(None, (view(&ROW), view(&ROW), view(&OTHER)), &cut(), 4 * 65535);
         spread(&[&ROW; 4], &[10], &[40]);
     }
 
@@ -85,14 +91,14 @@ mod tests {
     #[should_panic(expected = "score of at least 1")]
     fn a_score_that_is_one_too_large_is_noticed() {
         let (patch, template) = pictures();
-        let exact = scalar::score(patch, template, &Table::PAPER, 13);
-        score(Some(exact + 1), pictures(), (&Table::PAPER, 13), 1);
+        let exact = scalar::score(patch, template, &cut());
+        score(Some(exact + 1), pictures(), &cut(), 1);
     }
 
     #[test]
     #[should_panic(expected = "score of at least 1")]
     fn a_score_that_is_withheld_is_noticed() {
-        score(None, pictures(), (&Table::PAPER, 13), 1);
+        score(None, pictures(), &cut(), 1);
     }
 
     #[test]
@@ -104,7 +110,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "reached instead of")]
     fn a_bound_that_is_too_low_is_noticed() {
-        score_between(Some(4 * 65535 - 1), (view(&ROW), view(&OTHER), view(&OTHER)), (&Table::PAPER, 13), 1);
+        score_between(Some(4 * 65535 - 1), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(), 1);
     }
 
     #[test]

@@ -1,0 +1,104 @@
+//! Making a tracker takes little stack, in debug builds too: it is made in the storage, not moved there.
+
+#![allow(unsafe_code)] // calls of the C interface, and a look at the stack
+
+use smr::{
+    ROBUST_STORAGE_SIZE, STORAGE_SIZE, smr_config, smr_config_paper, smr_init, smr_robust_config,
+    smr_robust_config_default, smr_robust_init, smr_status, smr_table, smr_table_init,
+};
+use std::hint::black_box;
+use std::mem::MaybeUninit;
+use std::ptr;
+
+/// As much as is looked at.
+const DEPTH: usize = 512 << 10;
+const PAINT: u8 = 0xA5;
+const LINE: usize = 64;
+
+/// Paints the stack below its caller, or says how much of the paint is gone.
+///
+/// The array is uninitialised the second time, and what is there is what the call between has left. On its way to so large a
+/// frame a program writes a word to each page: so a line counts as used where more than a word of it is.
+#[inline(never)]
+fn below(paint: bool) -> usize {
+    let mut area = MaybeUninit::<[u8; DEPTH]>::uninit();
+    let bytes: *mut u8 = black_box(area.as_mut_ptr()).cast();
+    // SAFETY: volatile, within the array; any byte is a u8.
+    let at = |index: usize| unsafe { bytes.add(index).read_volatile() };
+    if paint {
+        for index in 0..DEPTH {
+            // SAFETY: within the array.
+            unsafe { bytes.add(index).write_volatile(PAINT) };
+        }
+        return 0;
+    }
+    let used = |line: usize| (0..LINE).filter(|&index| at(line * LINE + index) != PAINT).count() > 8;
+    (0..DEPTH / LINE).position(used).map_or(0, |first| DEPTH - first * LINE)
+}
+
+/// Bytes of stack that `work` takes.
+fn stack_of(work: impl FnOnce() + Send + 'static) -> usize {
+    let measure = || {
+        below(true);
+        work();
+        below(false)
+    };
+    std::thread::Builder::new().stack_size(2 * DEPTH).spawn(measure).unwrap().join().unwrap()
+}
+
+#[repr(align(16))]
+struct Storage<const SIZE: usize>([u8; SIZE]);
+
+#[test]
+fn what_is_taken_is_noticed() {
+    #[inline(never)]
+    fn takes<const BYTES: usize>() {
+        black_box(&mut [7u8; BYTES]);
+    }
+    let (little, much) = (stack_of(takes::<64>), stack_of(takes::<100_000>));
+    assert!((0..2000).contains(&little) && (99_000..102_000).contains(&much), "{little}, {much}");
+}
+
+#[test]
+fn a_tracker_is_made_in_its_storage() {
+    let taken = stack_of(|| {
+        static mut STORAGE: Storage<STORAGE_SIZE> = Storage([0; STORAGE_SIZE]);
+        let (mut config, mut tracker) = (MaybeUninit::<smr_config>::uninit(), ptr::null_mut());
+        // SAFETY: the storage is used here alone; the configuration is written before it is read.
+        let status = unsafe {
+            smr_config_paper(config.as_mut_ptr());
+            smr_init((&raw mut STORAGE).cast(), STORAGE_SIZE, config.as_ptr(), &raw mut tracker)
+        };
+        assert_eq!(status, smr_status::SMR_OK);
+    });
+    println!("smr_init: {taken}");
+    assert!(taken < 4096, "smr_init takes {taken} bytes of stack");
+}
+
+#[test]
+fn a_robust_tracker_is_made_in_its_storage() {
+    let taken = stack_of(|| {
+        static mut STORAGE: Storage<ROBUST_STORAGE_SIZE> = Storage([0; ROBUST_STORAGE_SIZE]);
+        let (mut config, mut tracker) = (MaybeUninit::<smr_robust_config>::uninit(), ptr::null_mut());
+        // SAFETY: the storage is used here alone; the configuration is written before it is read.
+        let status = unsafe {
+            smr_robust_config_default(config.as_mut_ptr());
+            smr_robust_init((&raw mut STORAGE).cast(), ROBUST_STORAGE_SIZE, config.as_ptr(), &raw mut tracker)
+        };
+        assert_eq!(status, smr_status::SMR_OK);
+    });
+    println!("smr_robust_init: {taken}");
+    assert!(taken < 4096, "smr_robust_init takes {taken} bytes of stack");
+}
+
+#[test]
+fn a_table_is_made_in_its_memory() {
+    let taken = stack_of(|| {
+        static mut TABLE: MaybeUninit<smr_table> = MaybeUninit::uninit();
+        // SAFETY: the table is used here alone.
+        let status = unsafe { smr_table_init((&raw mut TABLE).cast(), 40) };
+        assert_eq!(status, smr_status::SMR_OK);
+    });
+    println!("smr_table_init: {taken}");
+    assert!(taken < 4096, "smr_table_init takes {taken} bytes of stack");
+}
