@@ -126,6 +126,16 @@ fn boxes_to_start_from_have_their_numbers_in_messages() {
 }
 
 #[test]
+fn a_window_beyond_its_limit_has_its_numbers_in_messages() {
+    let limit = ["track", "synthetic", "--window-limit"];
+    host_sim(&[&limit[..], &["20x60"]].concat()).refuses(&["--window-limit 20x60", "60x50", "65535x65535"]);
+    host_sim(&[&limit[..], &["60x49", "--window", "9x50"]].concat()).refuses(&["60x49", "9x50 to 65535x65535"]);
+    assert_eq!(host_sim(&[&limit[..], &["9x50", "--window", "9x50"]].concat()).code, Some(0));
+    let camera = ["track", "synthetic", "--config", "camera", "--window", "81x9"];
+    host_sim(&camera).refuses(&["--window 81x9", "80x70", "--window-limit"]);
+}
+
+#[test]
 fn options_that_nothing_takes_are_refused() {
     for command in ["track", "eval"] {
         host_sim(&[command, "synthetic", "--method", "sad", "--k", "1/2"]).refuses(&["--k", "smr"]);

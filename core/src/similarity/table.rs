@@ -185,6 +185,7 @@ impl CutTable {
     }
 
     #[inline]
+    #[allow(dead_code)] // for backends, of which there may be none
     pub(super) const fn entries(&self) -> &[u16; 256] {
         &self.entries
     }

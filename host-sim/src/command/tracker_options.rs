@@ -128,6 +128,19 @@ impl TrackerOptions {
         if let Some(Pair(x, y)) = self.window_limit {
             config.window_limit = Radius { x, y };
         }
+        let (Radius { x, y }, limit) = (config.window, config.window_limit);
+        if limit.x < x || limit.y < y {
+            match self.window_limit {
+                Some(Pair(given_x, given_y)) => bail!(
+                    "--window-limit {given_x}x{given_y} is smaller than the window of {x}x{y}: expected {x}x{y} to 65535x65535"
+                ),
+                None => bail!(
+                    "--window {x}x{y} is larger than its limit of {}x{}: expected at most that, or a larger --window-limit",
+                    limit.x,
+                    limit.y
+                ),
+            }
+        }
         if let Some(Ratio(k)) = self.k {
             config.k = k;
         }

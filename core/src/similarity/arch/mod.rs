@@ -170,7 +170,7 @@ pub struct Scorer<'a> {
 
 #[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
 enum Ready<'a> {
-    Scalar,
+    Scalar(Plain<'a>),
     #[cfg(target_arch = "x86_64")]
     Sse2(sse2::Bound<'a>),
     #[cfg(target_arch = "x86_64")]
@@ -217,10 +217,7 @@ impl Kernels for Plain<'_> {
 macro_rules! dispatch {
     ($scorer:ident, $kernels:ident => $call:expr) => {
         match &$scorer.ready {
-            Ready::Scalar => {
-                let $kernels = &$scorer.plain;
-                $call
-            }
+            Ready::Scalar($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Sse2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
@@ -243,22 +240,23 @@ impl<'a> Scorer<'a> {
     #[must_use]
     #[inline(always)] // made where it stays: some are too large to be moved about on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
+        let plain = Plain { table };
         let ready = match backend {
             #[cfg(target_arch = "x86_64")]
-            Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar, Ready::Sse2),
+            Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar(plain), Ready::Sse2),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar, Ready::Avx2),
+            Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx2),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar, Ready::Avx512),
+            Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx512),
             #[cfg(smr_dsp)]
             Backend::Dsp => Ready::Dsp(armv7em::Dsp::new(table)),
             #[cfg(smr_helium)]
             Backend::Helium => Ready::Helium(helium::Helium::new(table)),
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
-            _ => Ready::Scalar,
+            _ => Ready::Scalar(plain),
         };
-        Self { plain: Plain { table }, ready }
+        Self { plain, ready }
     }
 
     /// The sum of the similarities of two pictures of the same size (of two sizes, of their common top left part). `None` if
