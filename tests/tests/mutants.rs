@@ -9,16 +9,16 @@ use std::process::{Command, Output};
 
 /// What is changed: file in `core/src`, the text that stands there once, and what replaces it.
 const MUTANTS: [(&str, &str, &str, &str); 22] = [
-    ("one table entry", "similarity/table.rs", "        Self { entries }", "        entries[7] += 1; Self { entries }"),
     (
-        "strictness of the threshold",
-        "similarity/scalar.rs",
-        "u16::from(difference) < threshold",
-        "u16::from(difference) <= threshold",
+        "one table entry",
+        "similarity/table.rs",
+        "        table.fill(scale);",
+        "table.fill(scale); table.entries[7] += 1;",
     ),
+    ("strictness of the threshold", "similarity/table.rs", ".get(..threshold.into())", ".get(..=threshold.into())"),
     ("tie rule: distance", "search/mod.rs", "dx * dx + dy * dy", "dx * dx"),
     ("tie rule: order", "search/mod.rs", "candidate.y, candidate.x))", "candidate.x, candidate.y))"),
-    ("padding", "similarity/scalar.rs", "pixel(0, g, table, threshold)", "pixel(1, g, table, threshold)"),
+    ("padding", "similarity/scalar.rs", "pixel(0, g, table)", "pixel(1, g, table)"),
     ("rounding of alpha", "config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "template.rs", "if largest > 0", "if true"),
     ("the peak's neighbourhood", "search/maxima.rs", "usize::from(neighbourhood) + 1", "usize::from(neighbourhood)"),
