@@ -2,12 +2,12 @@
 //!
 //! | file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
-//! | `avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
-//! | `sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
-//! | `neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
-//! | `helium.rs` | Helium, the vectors of Armv8.1-M | compiled for it | `examples/kernels` on the emulated Cortex-M55 |
-//! | `armv7em.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it, and not for Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
+//! | `x86/avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
+//! | `x86/avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
+//! | `x86/sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
+//! | `aarch64/neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
+//! | `arm/helium.rs` | Helium, the vectors of Armv8.1-M | compiled for it | `examples/kernels` on the emulated Cortex-M55 |
+//! | `arm/dsp.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it, and not for Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | (`scalar.rs`) | any | everywhere else | always |
 //!
 //! Words of four bytes by ordinary arithmetic do not pay where there is nothing better: on Armv6-M and RV32IMAC words cannot
@@ -15,35 +15,44 @@
 //!
 //! `products/` has sums of products, by the same backends: what the robust tracker's filter is made of.
 //!
+//! `generic.rs` has the loops that x86-64 and AArch64 share: there the file of an instruction set says only what a vector is and
+//! how it looks a table up. The loops of `arm/` are by hand: they are `asm!`.
+//!
 //! `rows.rs` is what the kernels go through pictures by, `verify.rs` the plain loops beside them (feature `verify`).
 //!
 //! # Where weights would be added
 //!
 //! A weight for each pixel of the template, a small integer, would multiply what is looked up before it is added: in
-//! `scalar::pixel`, which specifies it, and in the one function of each file that adds a register's similarities. The
+//! `scalar::pixel`, which specifies it, in `generic::add_row` and in the loops of `arm/`. The
 //! lookup and its tables stay as they are. Bounds then take the sum of the weights for the number of pixels.
 //!
 //! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
 
 #![allow(unsafe_code)] // intrinsics; each block says why it is sound
 
-#[cfg(smr_dsp)]
-mod armv7em;
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
-#[cfg(any(smr_dsp, smr_helium))]
-mod filter;
-#[cfg(smr_helium)]
-mod helium;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-mod neon;
+mod aarch64 {
+    pub(super) mod neon;
+}
+#[cfg(any(smr_dsp, smr_helium))]
+mod arm {
+    #[cfg(smr_dsp)]
+    pub(super) mod dsp;
+    mod filter;
+    #[cfg(smr_helium)]
+    pub(super) mod helium;
+}
+#[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon")))]
+mod generic;
 mod products;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
 #[cfg(target_arch = "x86_64")]
-mod sse2;
+mod x86 {
+    pub(super) mod avx2;
+    pub(super) mod avx512;
+    pub(super) mod sse2;
+}
 
 #[cfg(any(test, feature = "verify"))]
 mod verify;
@@ -54,6 +63,15 @@ mod guard;
 mod tests;
 
 pub(crate) use products::Products;
+
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+use aarch64::neon;
+#[cfg(smr_dsp)]
+use arm::dsp;
+#[cfg(smr_helium)]
+use arm::helium;
+#[cfg(target_arch = "x86_64")]
+use x86::{avx2, avx512, sse2};
 
 use super::{CutTable, Table, scalar};
 use crate::image::Image;
@@ -178,7 +196,7 @@ enum Ready<'a> {
     #[cfg(target_arch = "x86_64")]
     Avx512(avx512::Lookup),
     #[cfg(smr_dsp)]
-    Dsp(armv7em::Dsp<'a>),
+    Dsp(dsp::Dsp<'a>),
     #[cfg(smr_helium)]
     Helium(helium::Helium<'a>),
     #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
@@ -249,7 +267,7 @@ impl<'a> Scorer<'a> {
             #[cfg(target_arch = "x86_64")]
             Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx512),
             #[cfg(smr_dsp)]
-            Backend::Dsp => Ready::Dsp(armv7em::Dsp::new(table)),
+            Backend::Dsp => Ready::Dsp(dsp::Dsp::new(table)),
             #[cfg(smr_helium)]
             Backend::Helium => Ready::Helium(helium::Helium::new(table)),
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]

@@ -4,41 +4,40 @@
 //! How many do not, and the sum of the differences of those that do, are sums of bytes, and that is what these instruction
 //! sets are fast at; a table they can only look up pixel by pixel. So a group of offsets is bounded by this alone.
 
-use super::Plain;
-use super::rows::Rows;
+use super::super::{Plain, rows::Rows};
 use crate::similarity::CutTable;
 
 /// What is looked up, pixel by pixel.
-pub(super) struct Lookup<'a> {
-    pub(super) plain: Plain<'a>,
+pub(crate) struct Lookup<'a> {
+    pub(crate) plain: Plain<'a>,
 }
 
 /// When pictures are excluded: once their pixels have lost more than `allowed`.
-pub(super) struct Limit {
+pub(crate) struct Limit {
     /// A pixel counts if it differs by less: 1..=255.
-    pub(super) threshold: u8,
+    pub(crate) threshold: u8,
     /// What a pixel that counts loses with each gray level. One that does not count loses 65535.
-    pub(super) chord: u32,
-    pub(super) allowed: u32,
+    pub(crate) chord: u32,
+    pub(crate) allowed: u32,
 }
 
 /// What two pictures lose at least; once that is more than is allowed, any part of it that is.
-pub(super) type Loss = fn(&Rows, &Limit) -> u32;
+pub(crate) type Loss = fn(&Rows, &Limit) -> u32;
 
 impl<'a> Lookup<'a> {
     #[inline(always)] // see `Scorer::new`
-    pub(super) fn new(table: &'a CutTable) -> Self {
+    pub(crate) fn new(table: &'a CutTable) -> Self {
         Self { plain: Plain { table } }
     }
 
-    pub(super) fn entries(&self) -> *const u16 {
+    pub(crate) fn entries(&self) -> *const u16 {
         self.plain.table.entries().as_ptr()
     }
 
     /// The score that `rows` reach at most, if that is at least `floor`. `loss` is asked of pictures of at least
     /// `NARROWEST` columns.
     #[inline(always)] // into the one function of a backend that calls it
-    pub(super) fn most<const NARROWEST: usize>(&self, rows: &Rows, floor: u32, loss: Loss) -> Option<u32> {
+    pub(crate) fn most<const NARROWEST: usize>(&self, rows: &Rows, floor: u32, loss: Loss) -> Option<u32> {
         let full = rows.full_after(0);
         let allowed = full.checked_sub(floor)?;
         let threshold = u8::try_from(self.plain.table.threshold()).unwrap_or(0);
@@ -53,6 +52,6 @@ impl<'a> Lookup<'a> {
 
 /// How many blocks of 4x4 pixels, side by side, four rows have the pixels and `low` and `high` the room for.
 #[inline]
-pub(super) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
+pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
     rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))
 }

@@ -8,21 +8,20 @@
 //!
 //! `asm!`, as there are no intrinsics.
 
-use super::super::{CutTable, scalar};
-use super::Kernels;
+use super::super::{Kernels, rows::Rows};
 use super::filter::{Limit, Lookup, blocks};
-use super::rows::Rows;
 use crate::image::Image;
+use crate::similarity::{CutTable, scalar};
 use core::arch::asm;
 
 /// Pixels in a register.
 const LANES: usize = 16;
 
-pub(super) struct Helium<'a>(Lookup<'a>);
+pub(crate) struct Helium<'a>(Lookup<'a>);
 
 impl<'a> Helium<'a> {
     #[inline(always)] // see `Scorer::new`
-    pub(super) fn new(table: &'a CutTable) -> Self {
+    pub(crate) fn new(table: &'a CutTable) -> Self {
         Self(Lookup::new(table))
     }
 }

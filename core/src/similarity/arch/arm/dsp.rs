@@ -7,13 +7,12 @@
 //! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
 //! spills for want of registers. Rows begin at any address, and words are loaded from there. These processors do so from
 //! Normal memory, unless firmware has set `UNALIGN_TRP`, which compilers for them do not allow for either. From Device memory
-//! they fault: external RAM is that (0xA000_0000 and up) until the MPU says otherwise. See [`Backend`](super::Backend).
+//! they fault: external RAM is that (0xA000_0000 and up) until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
 
-use super::super::{CutTable, Table, scalar};
-use super::Kernels;
+use super::super::{Kernels, rows::Rows};
 use super::filter::{Limit, Lookup, blocks};
-use super::rows::Rows;
 use crate::image::Image;
+use crate::similarity::{CutTable, Table, scalar};
 use core::arch::asm;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
@@ -30,7 +29,7 @@ const FILTER_WORD: usize = 34;
 /// Distances of that many pixels are below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
-pub(super) struct Dsp<'a> {
+pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
     /// How many scores are to be begun without the bound, and how often in turn it has excluded nothing. (Atomic so that
     /// a scorer can be shared as it can elsewhere; what comes of it does not depend on them.)
@@ -40,7 +39,7 @@ pub(super) struct Dsp<'a> {
 
 impl<'a> Dsp<'a> {
     #[inline(always)] // see `Scorer::new`
-    pub(super) fn new(table: &'a CutTable) -> Self {
+    pub(crate) fn new(table: &'a CutTable) -> Self {
         Self { lookup: Lookup::new(table), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
     }
 }
