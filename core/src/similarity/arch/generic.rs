@@ -468,18 +468,9 @@ const MOST_LANES: usize = 64;
 /// The processor has the instruction set of `V`.
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
-    const BYTES: [u8; 2 * MOST_LANES] = {
-        let mut bytes = [0; 2 * MOST_LANES];
-        let (_, valid) = bytes.split_at_mut(MOST_LANES);
-        let mut at = 0;
-        while at < MOST_LANES {
-            valid[at] = u8::MAX;
-            at += 1;
-        }
-        bytes
-    };
+    const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
     // SAFETY: as the caller has seen to; the vector ends among the second half of the bytes.
-    unsafe { V::load(BYTES.as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
+    unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
 }
 
 /// The end of a row as the last lanes: after the pixels that have been taken off, or where `WHOLE` is 0 after zeroes.
