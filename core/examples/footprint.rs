@@ -8,10 +8,11 @@
 #[cfg(target_os = "none")]
 mod firmware {
     use core::hint::black_box;
-    use smr_core::{Config, Frame, Image, Rect, Tracker};
+    use smr_core::paper::Config;
+    use smr_core::{Frame, Image, Paper, Rect, Tracker};
 
     /// A template of 64x64 pixels, a window of +-16.
-    type Weighed = Tracker<4096, 33>;
+    type Weighed = Tracker<Paper<4096, 33>>;
 
     /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]

@@ -7,25 +7,35 @@
 #[cfg(target_os = "none")]
 mod firmware {
     use core::hint::black_box;
-    use smr_core::robust::{Config, Tracker};
-    use smr_core::{Frame, Image, Rect};
+    use smr_core::robust::Config;
+    use smr_core::{Frame, Image, Rect, Robust, Tracker};
 
-    const _: () = assert!(size_of::<Tracker>() <= 80 * 1024);
+    const _: () = assert!(size_of::<Tracker<Robust>>() <= 64 * 1024);
 
     /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
-        let mut tracker: Tracker = Tracker::new(black_box(Config::robust()));
+        let tracker = Tracker::<Robust>::new(black_box(Config::robust()));
+        if let Ok(mut tracker) = tracker {
+            follow(&mut tracker);
+        }
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+
+    fn follow(tracker: &mut Tracker<Robust>) {
         loop {
             let image = Image::with_stride(black_box(&[]), black_box(0), black_box(0), black_box(0));
             let Ok(image) = image else { continue };
             let Ok(frame) = Frame::part(image, black_box(0), black_box(0), black_box(0), black_box(0)) else {
                 continue;
             };
-            let _ = black_box(Tracker::lock_window(frame.bounds(), black_box(Rect::default())));
+            let _ = black_box(tracker.lock_window(frame.bounds(), black_box(Rect::default())));
             let _ = black_box(tracker.lock(&frame, black_box(Rect::default())));
             let _ = black_box(tracker.window());
+            let _ = black_box(tracker.sweep_window());
             let _ = black_box(tracker.update(&frame));
         }
     }

@@ -17,7 +17,8 @@ mod firmware {
     use defmt::{error, info};
     use defmt_semihosting as _;
     use semihosting::process::exit;
-    use smr_core::{Config, Frame, Image, Radius, Rect, State, Tracker};
+    use smr_core::paper::{Config, Radius};
+    use smr_core::{Frame, Image, Paper, Rect, State, Tracker};
 
     const WIDTH: u16 = 64;
     const HEIGHT: u16 = 48;
@@ -31,7 +32,7 @@ mod firmware {
 
     /// Room for a template of 256 pixels, and for 17 offsets on each axis: the window below, -8..=8. All that the tracker
     /// needs is in it, so its size is known here, at compile time; it may as well be a `static`.
-    type Small = Tracker<256, 17>;
+    type Small = Tracker<Paper<256, 17>>;
 
     #[entry]
     fn main() -> ! {
@@ -70,8 +71,9 @@ mod firmware {
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
                 // Found partly outside the frame: the template is kept as it was.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
-                // Not to be believed. The box is the last good one; just go on updating, it may be found again.
-                State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
+                // Not to be believed. The box is the last good one; just go on updating, it may be found again. (Only the robust
+                // tracker is ever uncertain.)
+                State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }
         }
         Ok(())

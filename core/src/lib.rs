@@ -11,7 +11,8 @@
 //! Its scores are exact: the same frames give the same answers, bit for bit, on every platform.
 //!
 //! ```
-//! use smr_core::{Config, Frame, Image, Rect, State, Tracker};
+//! use smr_core::paper::{Config, Radius};
+//! use smr_core::{Frame, Image, Paper, Rect, State, Tracker};
 //!
 //! // A bright 8x8 target with a dark corner, on a 64x48 frame; it stands at (left, top).
 //! fn picture(left: usize, top: usize) -> Vec<u8> {
@@ -25,9 +26,9 @@
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! // Room for a template of 256 pixels and for a search window of 33 offsets on each axis: +-16 pixels.
 //! let mut config = Config::camera();
-//! config.window = smr_core::Radius { x: 12, y: 12 };
-//! config.window_limit = smr_core::Radius { x: 16, y: 16 };
-//! let mut tracker = Tracker::<256, 33>::new(config)?;
+//! config.window = Radius { x: 12, y: 12 };
+//! config.window_limit = Radius { x: 16, y: 16 };
+//! let mut tracker = Tracker::<Paper<256, 33>>::new(config)?;
 //!
 //! let first = picture(20, 10);
 //! tracker.lock(&Frame::whole(Image::new(&first, 64, 48)?), Rect::new(20, 10, 8, 8))?;
@@ -41,20 +42,24 @@
 //! # }
 //! ```
 //!
+//! # Two trackers, one way to use them
+//!
+//! [`Paper`] is the paper's tracker: fast, exact, for a target that keeps its size. [`Robust`] goes beyond the paper: it follows changing
+//! size, light and view, finds a lost target again anywhere in the frame, and takes more time and memory. Everything else is the same: a
+//! [`Tracker`] locks, updates (in steps, if there is a deadline), says which window it needs, is saved and restored. Code for both takes a
+//! [`Target`].
+//!
 //! # The way through the crate
 //!
 //! Data flows one way: a [`Frame`] is borrowed, [`search`] decides which offsets are scored, [`similarity`] scores
-//! them, and the [`Tracker`] turns peak and runner-up into an [`Answer`] and, where it may, into the next template.
-//!
-//! [`robust`] is the tracker beyond the paper. It shares image and similarity, and adds a filter that learns what the target is not, parts for
-//! changing size and light, and a verdict on whether the target is still seen.
+//! them, and the tracker turns what was found into an [`Answer`] and, where it may, into the next template.
 //!
 //! # Memory and time
 //!
-//! A [`Tracker<PIXELS, SPAN>`] holds `PIXELS` bytes of template, as many for the search, and five words for each of `SPAN`
-//! offsets. Nothing else is large, and there is no heap. An update makes at most (offsets in the window) x (pixels of the
-//! template) comparisons and about an eighth more. Where the target is seen clearly, it makes about a tenth of that.
-//! [`Tracker::begin`] splits an update into steps.
+//! A target is what must be remembered; the scratch memory beside it, a workspace, serves any number of targets. A [`Tracker`]
+//! holds one of each. There is no heap. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace as many and five words for each of
+//! `SPAN` offsets. An update makes at most (offsets in the window) x (pixels of the template) comparisons and about an eighth
+//! more. Where the target is seen clearly, it makes about a tenth of that.
 //!
 //! # Features
 //!
@@ -71,21 +76,19 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
-mod config;
 mod image;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
-pub mod robust;
 pub mod search;
 pub mod similarity;
-mod template;
-mod tracker;
+mod track;
 
 /// The example of the README is a test, too.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-pub use config::{Config, ConfigError, Fraction, Gate, Margins, Radius, RunnerUp};
-pub use image::{Frame, FrameError, Image, ImageError, Rect};
-pub use tracker::{Answer, LockError, State, Tracker, Update, UpdateError};
+pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
+pub use track::paper::{self, Paper};
+pub use track::robust::{self, Robust};
+pub use track::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, Tracker, Update, UpdateError};

@@ -1,13 +1,14 @@
 //! The rules of the paper's tracker that recordings seldom meet: the zone of updates, the gate, the window without an end.
 
-use smr_core::{Answer, Config, Frame, Image, Margins, Rect, State, Tracker};
+use smr_core::paper::{Config, Margins};
+use smr_core::{Answer, Frame, Image, Paper, Rect, State, Tracker};
 
 const WIDTH: u16 = 90;
 const HEIGHT: u16 = 70;
 const SIDE: u16 = 12;
 
 /// Holds every window of a box on this frame, with 20 pixels of padding on both sides.
-type Follower = Tracker<144, { WIDTH as usize + 40 }>;
+type Follower = Tracker<Paper<144, { WIDTH as usize + 40 }>>;
 
 fn noise(x: i32, y: i32, seed: u32) -> u8 {
     let mut bits = (x.cast_unsigned().wrapping_mul(0x9E37_79B1) ^ y.cast_unsigned().wrapping_mul(0x85EB_CA77)) ^ seed;
@@ -62,7 +63,7 @@ fn the_template_is_updated_only_inside_the_zone() {
         let in_zone = x >= 20 && y >= 20 && x + 12 < 90 - 1 && y + 12 < 70 - 1;
         let patch = picture(seed, &[place]);
         let corner = patch[usize::try_from(y * i32::from(WIDTH) + x).unwrap()];
-        let template = tracker.template().unwrap().row(0)[0];
+        let template = tracker.target().template().unwrap().row(0)[0];
         assert_eq!(template == corner, in_zone, "at {place:?}");
     }
 }
@@ -74,7 +75,7 @@ fn a_camera_updates_up_to_the_edge() {
         let answer = update(&mut tracker, seed, &[place]);
         assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
         let corner = picture(seed, &[place])[usize::try_from(place.1 * i32::from(WIDTH) + place.0).unwrap()];
-        assert_eq!(tracker.template().unwrap().row(0)[0], corner, "at {place:?}");
+        assert_eq!(tracker.target().template().unwrap().row(0)[0], corner, "at {place:?}");
     }
 }
 
@@ -85,7 +86,7 @@ fn returning_takes_more_until_a_lost_target_is_found_again() {
     let mut step = |seed, place: (i32, i32), state| {
         let answer = update(&mut tracker, seed, &[place]);
         assert_eq!(answer.state, state, "at {place:?}");
-        answer.found.runner_up.is_some()
+        answer.runner_up_ratio.is_some()
     };
     assert!(!step(2, (5, 30), State::Tracking), "inside, and never outside before");
     assert!(step(3, (-3, 30), State::Leaving));
@@ -109,7 +110,7 @@ fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() 
     assert_eq!(update(&mut tracker, 2, &[(-3, 30)]).state, State::Lost);
     let found = update(&mut tracker, 3, &[(4, 30)]);
     assert_eq!((found.state, found.bbox), (State::Tracking, at((4, 30))));
-    assert_eq!(update(&mut tracker, 4, &[(4, 30)]).found.runner_up, None);
+    assert_eq!(update(&mut tracker, 4, &[(4, 30)]).runner_up_ratio, None);
 }
 
 #[test]
@@ -152,18 +153,18 @@ fn a_lead_of_many_pixels_is_enough_in_every_state() {
 #[test]
 fn the_window_grows_until_it_is_the_padded_picture() {
     let mut config = Config::paper();
-    config.window = smr_core::Radius { x: 3, y: 2 };
+    config.window = smr_core::paper::Radius { x: 3, y: 2 };
     config.neighbourhood = 0;
     (config.gate.tracking.numerator, config.gate.lost.numerator) = (u16::MAX, u16::MAX);
     let mut tracker = locked(config, (30, 30));
     for lost_for in 0..80 {
-        let offsets = tracker.offsets().unwrap();
+        let offsets = tracker.target().offsets().unwrap();
         let (x, y) = (3 + lost_for, 2 + lost_for);
         assert_eq!(offsets.xs(), (30 - x).max(-20)..=(30 + x).min(90 + 20 - 12));
         assert_eq!(offsets.ys(), (30 - y).max(-20)..=(30 + y).min(70 + 20 - 12));
         assert_eq!(update(&mut tracker, 40 + lost_for.cast_unsigned(), &[]).state, State::Lost);
     }
-    assert_eq!(tracker.offsets().unwrap().size(), (119, 99));
+    assert_eq!(tracker.target().offsets().unwrap().size(), (119, 99));
 }
 
 /// 320x240 with 20 pixels of padding has 360 positions of a single pixel, and 359 of a box of two.
@@ -172,7 +173,7 @@ fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
     let pixels = vec![7; 320 * 240];
     let frame = Frame::whole(Image::new(&pixels, 320, 240).unwrap());
     let lock = |config, width| {
-        let mut tracker = Box::new(Tracker::<256, 359>::new(config).unwrap());
+        let mut tracker = Box::new(Tracker::<Paper<256, 359>>::new(config).unwrap());
         tracker.lock(&frame, Rect::new(20, 20, width, 8))
     };
     assert_eq!(lock(Config::paper(), 2), Ok(()));

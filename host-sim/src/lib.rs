@@ -33,5 +33,5 @@ pub const MOST_PIXELS: usize = 65536;
 /// The most offsets of a window on an axis: the whole of a frame of up to about 4000x4000 pixels.
 pub const MOST_OFFSETS: usize = 4096;
 
-/// The tracker as this program builds it, as large as it can be.
-pub type Tracker = smr_core::Tracker<MOST_PIXELS, MOST_OFFSETS>;
+/// A target of the paper's tracker as this program follows it, as large as it can be.
+pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;

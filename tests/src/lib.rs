@@ -1,225 +1,136 @@
-//! Reads the conformance vectors (`vectors/README.md` has their form) without allocating, on the host and on a target.
+//! Reads the conformance vectors (`vectors/README.md` has their form) without allocating, and holds a tracker to them: on the host and
+//! on a target, whichever of the two it is.
 //!
 //! The tests themselves are in `tests/`, one file a subject.
 
 #![no_std]
 
+mod paper;
 mod robust;
+mod words;
 
-pub use robust::{ROBUST, ROBUST_FRAME_PIXELS, RobustExpected, RobustLine, RobustReader};
+pub use paper::{PAPER, SmallPaper};
+pub use robust::ROBUST;
+pub use words::{Hex, Words};
 
 /// The example of the project's README is a test, too.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
-use smr_core::similarity::Table;
-use smr_core::{Answer, Config, Fraction, Margins, Radius, Rect, RunnerUp, State, Tracker};
-
-/// The vectors.
-pub const CONFORMANCE: &str = include_str!("../vectors/conformance.txt");
-
-/// The largest area of a box and the most offsets on an axis that any vector needs.
-pub type SmallTracker = Tracker<128, 81>;
+use smr_core::{Answer, Frame, Image, State, Target, Tracker};
 
 /// The most pixels of a frame in any vector.
-pub const FRAME_PIXELS: usize = 1536;
+pub const FRAME_PIXELS: usize = 7938;
 
-/// A line of the vectors.
-#[derive(Clone, Copy, Debug)]
-pub enum Line<'a> {
-    /// A new tracker begins.
-    Case(&'a str),
-    /// Width and height of the frames to come.
-    Size(u16, u16),
-    /// A number of the configuration is set.
-    Number,
-    /// The box to lock on, and the frame.
-    Lock(Rect, Hex<'a>),
-    /// The next frame.
-    Frame(Hex<'a>),
-    /// What must be answered to it.
-    Answer(Expected<'a>),
+/// A tracker that there are vectors of.
+pub trait Vectors: Target {
+    /// The first line that is not a comment.
+    const FORM: &'static str;
+    /// All of them.
+    const TEXT: &'static str;
+    /// What must be answered, number by number.
+    type Expected: PartialEq;
+
+    /// What a case starts from.
+    fn default_config() -> Self::Config;
+
+    /// Sets what a line says; `None` if it means nothing.
+    fn set(config: &mut Self::Config, keyword: &str, words: &mut Words<'_>) -> Option<()>;
+
+    /// What an answer line says.
+    fn expected(words: &mut Words<'_>) -> Option<Self::Expected>;
+
+    /// What `tracker` has just answered.
+    fn answered(answer: &Answer, tracker: &Tracker<Self>) -> Self::Expected;
 }
 
-/// Pixels as hexadecimal digits.
-#[derive(Clone, Copy, Debug)]
-pub struct Hex<'a>(&'a str);
-
-impl Hex<'_> {
-    /// The bytes, written to the front of `buffer`; `None` if they are not hexadecimal or more than fit.
-    pub fn decode<'b>(&self, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
-        let digits = self.0.as_bytes().chunks_exact(2);
-        let length = digits.len();
-        if !digits.remainder().is_empty() || length > buffer.len() {
-            return None;
-        }
-        for (byte, pair) in buffer.iter_mut().zip(digits) {
-            *byte = u8::from_str_radix(core::str::from_utf8(pair).ok()?, 16).ok()?;
-        }
-        buffer.get(..length)
-    }
+/// How many were answered as they should be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passed {
+    pub cases: u32,
+    pub answers: u32,
 }
 
-/// An answer, number by number.
+/// Where a tracker, or the text, is not as it should be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Expected<'a> {
-    /// Left and top of the box.
-    pub position: (i32, i32),
-    pub state: &'a str,
-    pub ratio: u16,
-    pub runner_up_ratio: Option<u16>,
-    pub alpha: u16,
-    pub peak: (i32, i32),
-    pub score: u32,
-    pub runner_up: Option<u32>,
-    pub template_hash: u32,
+pub struct Failure<'a> {
+    pub case: &'a str,
+    /// Counted from 1 over all cases; 0 before the first one.
+    pub answer: u32,
+    pub what: &'static str,
 }
 
-impl Expected<'static> {
-    /// What `tracker` has answered.
-    pub fn of<const PIXELS: usize, const SPAN: usize>(answer: &Answer, tracker: &Tracker<PIXELS, SPAN>) -> Self {
-        let template = tracker.template();
-        let pixels = template.iter().flat_map(|template| template.rows().flatten());
-        Self {
-            position: (answer.bbox.x, answer.bbox.y),
-            state: match answer.state {
-                State::Tracking => "tracking",
-                State::Leaving => "leaving",
-                State::Lost => "lost",
-            },
-            ratio: answer.ratio,
-            runner_up_ratio: answer.runner_up_ratio,
-            alpha: answer.alpha,
-            peak: (answer.found.peak.x, answer.found.peak.y),
-            score: answer.found.peak.score,
-            runner_up: answer.found.runner_up,
-            template_hash: pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193)),
+/// Has `tracker` follow all targets of the vectors, by `update`, and compares every answer. `buffer` has room for
+/// [`FRAME_PIXELS`].
+///
+/// # Errors
+/// The first thing that is not as it should be.
+pub fn follow<'a, T: Vectors>(
+    tracker: &mut Tracker<T>,
+    text: &'a str,
+    buffer: &mut [u8],
+    mut update: impl FnMut(&mut Tracker<T>, &Frame<'_>) -> Option<Answer>,
+) -> Result<Passed, Failure<'a>> {
+    let (mut passed, mut case) = (Passed::default(), "");
+    let (mut config, mut size, mut answered) = (T::default_config(), (0, 0), None);
+    for line in text.lines() {
+        if line.is_empty() || line.starts_with('#') || line == T::FORM {
+            continue;
         }
-    }
-}
-
-/// Reads one line after the other; `config` is that of the present case.
-pub struct Reader<'a> {
-    lines: core::str::Lines<'a>,
-    /// The configuration as far as it was read; complete at [`Line::Lock`].
-    pub config: Config,
-}
-
-static STEEP: Table = match Table::new(40) {
-    Ok(table) => table,
-    Err(_) => panic!("40 is in range"),
-};
-
-impl<'a> Reader<'a> {
-    #[must_use]
-    pub fn new(text: &'a str) -> Self {
-        Self { lines: text.lines(), config: Config::paper() }
-    }
-
-    /// The next line that means something; the error is the line that means nothing.
-    #[allow(clippy::should_implement_trait)] // between two lines `config` is looked at
-    pub fn next(&mut self) -> Option<Result<Line<'a>, &'a str>> {
-        loop {
-            let line = self.lines.next()?;
-            if !(line.is_empty() || line.starts_with('#') || line == "smr-vectors 3") {
-                return Some(self.read(line).ok_or(line));
-            }
-        }
-    }
-
-    fn read(&mut self, line: &'a str) -> Option<Line<'a>> {
-        let (keyword, values) = line.split_once(' ')?;
-        let mut words = Words(values.split(' '));
+        let failure = |what| Failure { case, answer: passed.answers, what };
+        let misread = || failure("a line is not understood");
+        let (keyword, values) = line.split_once(' ').ok_or_else(misread)?;
+        let words = &mut Words::new(values);
         match keyword {
             "case" => {
-                self.config = Config::paper();
-                Some(Line::Case(values))
+                (config, case) = (T::default_config(), values);
+                passed.cases += 1;
             }
-            "size" => Some(Line::Size(words.number()?, words.number()?)),
-            "lock" => Some(Line::Lock(
-                Rect::new(words.number()?, words.number()?, words.number()?, words.number()?),
-                Hex(words.0.next()?),
-            )),
-            "frame" => Some(Line::Frame(Hex(values))),
-            "answer" => words.answer().map(Line::Answer),
-            _ => self.set(keyword, &mut words).map(|()| Line::Number),
+            "size" => size = words.pair().ok_or_else(misread)?,
+            "lock" => {
+                let target = words.rect().ok_or_else(misread)?;
+                let frame = frame(words.hex().ok_or_else(misread)?, buffer, size).map_err(failure)?;
+                // The target alone: a whole tracker would be made on the stack and copied.
+                *tracker.parts().0 = T::new(config).map_err(|_| failure("the configuration is refused"))?;
+                tracker.lock(&frame, target).map_err(|_| failure("no lock"))?;
+            }
+            "frame" => {
+                let frame = frame(Hex::new(values), buffer, size).map_err(failure)?;
+                let answer = update(tracker, &frame).ok_or(failure("no update"))?;
+                answered = Some(T::answered(&answer, tracker));
+            }
+            "answer" => {
+                let expected = T::expected(words).ok_or_else(misread)?;
+                passed.answers += 1;
+                if answered.take() != Some(expected) {
+                    let what = "another answer than the one expected";
+                    return Err(Failure { case, answer: passed.answers, what });
+                }
+            }
+            _ => T::set(&mut config, keyword, words).ok_or_else(misread)?,
         }
     }
+    Ok(passed)
+}
 
-    fn set(&mut self, keyword: &str, words: &mut Words<'_>) -> Option<()> {
-        let config = &mut self.config;
-        match keyword {
-            "scale" => {
-                config.table = match words.number::<u16>()? {
-                    255 => &Table::PAPER,
-                    40 => &STEEP,
-                    _ => return None,
-                }
-            }
-            "k" => config.k = words.fraction()?,
-            "first_threshold" => config.first_threshold = words.number()?,
-            "least_threshold" => config.least_threshold = words.number()?,
-            "update_zone" => config.update_zone = words.margins()?,
-            "gate_least_ratio" => config.gate.least_ratio = words.number()?,
-            "padding" => config.padding = words.number()?,
-            "window" => config.window = words.radius()?,
-            "growth" => config.growth = words.number()?,
-            "window_limit" => config.window_limit = words.radius()?,
-            "neighbourhood" => config.neighbourhood = words.number()?,
-            "gate_tracking" => config.gate.tracking = words.fraction()?,
-            "gate_leaving" => config.gate.leaving = words.fraction()?,
-            "gate_returning" => config.gate.returning = words.fraction()?,
-            "gate_lost" => config.gate.lost = words.fraction()?,
-            "gate_lead" => config.gate.lead = words.number()?,
-            "runner_up_always" => {
-                config.runner_up = match words.number::<u8>()? {
-                    0 => RunnerUp::WhenItDecides,
-                    1 => RunnerUp::Always,
-                    _ => return None,
-                }
-            }
-            _ => return None,
-        }
-        Some(())
+fn frame<'b>(pixels: Hex<'_>, buffer: &'b mut [u8], (width, height): (u16, u16)) -> Result<Frame<'b>, &'static str> {
+    let pixels = pixels.decode(buffer).ok_or("a frame that does not fit")?;
+    Image::new(pixels, width, height).map(Frame::whole).map_err(|_| "a frame of another size")
+}
+
+/// A state as it stands in the vectors.
+fn state(word: &str) -> Option<State> {
+    match word {
+        "tracking" => Some(State::Tracking),
+        "leaving" => Some(State::Leaving),
+        "uncertain" => Some(State::Uncertain),
+        "lost" => Some(State::Lost),
+        _ => None,
     }
 }
 
-struct Words<'a>(core::str::Split<'a, char>);
-
-impl<'a> Words<'a> {
-    fn number<T: core::str::FromStr>(&mut self) -> Option<T> {
-        self.0.next()?.parse().ok()
-    }
-
-    fn fraction(&mut self) -> Option<Fraction> {
-        Some(Fraction::new(self.number()?, self.number()?))
-    }
-
-    fn radius(&mut self) -> Option<Radius> {
-        Some(Radius { x: self.number()?, y: self.number()? })
-    }
-
-    fn margins(&mut self) -> Option<Margins> {
-        Some(Margins { left: self.number()?, top: self.number()?, right: self.number()?, bottom: self.number()? })
-    }
-
-    fn answer(&mut self) -> Option<Expected<'a>> {
-        let mut expected = Expected {
-            position: (self.number()?, self.number()?),
-            state: self.0.next()?,
-            ratio: self.number()?,
-            runner_up_ratio: Some(self.number()?),
-            alpha: self.number()?,
-            peak: (self.number()?, self.number()?),
-            score: self.number()?,
-            runner_up: Some(self.number()?),
-            template_hash: 0,
-        };
-        if self.number::<u8>()? == 0 {
-            (expected.runner_up, expected.runner_up_ratio) = (None, None);
-        }
-        expected.template_hash = u32::from_str_radix(self.0.next()?, 16).ok()?;
-        Some(expected)
-    }
+/// FNV-1a, 32 bits.
+fn fnv(bytes: impl Iterator<Item = u8>) -> u32 {
+    bytes.fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }

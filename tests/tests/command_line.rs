@@ -1,47 +1,11 @@
 //! `host-sim` as its user meets it: exit codes, one clear line on errors, JSON, and nothing lost.
 
-use serde_json::Value;
+mod program;
+
+use program::{PROGRAM, host_sim, recordings, utf8};
+use serde_json::{Value, json};
 use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-/// The program, built by cargo before these tests.
-const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
-
-struct Said {
-    code: Option<i32>,
-    out: String,
-    err: String,
-}
-
-fn host_sim(arguments: &[&str]) -> Said {
-    let Output { status, stdout, stderr } = Command::new(PROGRAM).args(arguments).output().expect("host-sim runs");
-    let text = |bytes| String::from_utf8(bytes).expect("host-sim writes UTF-8");
-    Said { code: status.code(), out: text(stdout), err: text(stderr) }
-}
-
-impl Said {
-    /// Bad input: exit code 2 and one line, which holds all of `words`.
-    #[track_caller]
-    fn refuses(&self, words: &[&str]) {
-        assert_eq!(self.code, Some(2), "{}", self.err);
-        assert_eq!(self.err.lines().count(), 1, "{}", self.err);
-        for word in words {
-            assert!(self.err.contains(word), "`{word}` is not in: {}", self.err);
-        }
-    }
-
-    #[track_caller]
-    fn json(&self) -> Value {
-        assert_eq!(self.code, Some(0), "{}", self.err);
-        serde_json::from_str(&self.out).expect("standard output is JSON")
-    }
-}
-
-fn utf8(path: &Path) -> &str {
-    path.to_str().expect("test paths are UTF-8")
-}
+use std::process::Command;
 
 #[test]
 fn bad_usage_is_exit_code_2() {
@@ -110,6 +74,12 @@ fn bench_reports_as_json_and_draws() {
     let searches = window["cases"].as_u64().unwrap();
     assert!(searches > 0, "{window}");
     let ways = window["ways"].as_array().unwrap();
+    let robust = ways.iter().find(|way| way["way"] == "robust, Scalar").expect("both trackers are timed");
+    assert!(robust["work"].as_u64() > Some(0) && robust["work_left"].is_null(), "{robust}");
+    assert_eq!(
+        (&report["methods"], &report["version"]),
+        (&json!(["smr", "robust"]), &env!("CARGO_PKG_VERSION").into())
+    );
     let plain = ways.iter().find(|way| way["way"] == "Scalar, exhaustive").expect("every machine has the plain loop");
     assert_eq!(plain["work_left"].as_f64(), Some(1.0));
     assert!(plain["nanoseconds"]["max"].as_u64() >= plain["nanoseconds"]["median"].as_u64());
@@ -193,7 +163,7 @@ fn eval_from_many_starts_reports_as_json() {
     let frames: Vec<_> = recording["starts"].as_array().unwrap().iter().map(|start| &start["frame"]).collect();
     assert_eq!(frames, [1, 101, 228]);
     assert_eq!(recording["worst_correct"], 1.0);
-    for key in ["mean_correct", "mean_iou", "precision", "comparisons_per_frame", "microseconds_per_frame"] {
+    for key in ["mean_correct", "mean_iou", "precision", "work_per_frame", "microseconds_per_frame"] {
         assert!(recording[key].as_f64() > Some(0.0), "{key}: {recording}");
     }
     assert!(recording["answered_hidden"].as_u64() <= recording["hidden"].as_u64());
@@ -218,49 +188,151 @@ fn eval_from_many_starts_says_what_it_cannot_do() {
     host_sim(&["eval", "synthetic", "--robustness", "--init", "500,0,9,9"]).refuses(&["synthetic", "inside the frame"]);
 }
 
+/// Every method by its name, wherever a tracker runs.
+const METHODS: [&str; 6] = ["smr", "robust", "sad", "ssd", "ncc", "lk"];
+
 #[test]
-fn the_robust_tracker_is_a_method_of_its_own() {
-    let rows = host_sim(&["eval", "synthetic", "--method", "smr,ncc", "--config", "robust", "--json"]).json();
-    assert_eq!((&rows[0]["tracker"], &rows[1]["tracker"]), (&Value::from("robust"), &Value::from("ncc")));
+fn every_method_has_its_rows_in_one_table() {
+    let all = METHODS.join(",");
+    let rows = host_sim(&["eval", "synthetic", "--method", &all, "--backend", "scalar", "--json"]).json();
+    let rows = rows.as_array().unwrap();
+    assert_eq!(rows.len(), METHODS.len());
+    for (row, method) in rows.iter().zip(METHODS) {
+        assert_eq!((&row["tracker"], &row["method"]), (&method.into(), &method.into()));
+        assert_eq!(row["version"], env!("CARGO_PKG_VERSION"));
+        let options = if METHODS[..2].contains(&method) { json!({ "backend": "scalar" }) } else { json!({}) };
+        assert_eq!(row["options"], options, "{method}");
+    }
+    let text = host_sim(&["eval", "synthetic", "--method", "robust,smr"]).out;
+    let names: Vec<&str> = text.lines().skip(1).take(2).map(|line| line.split("  ").next().unwrap()).collect();
+    assert_eq!(names, ["robust", "smr"]);
+}
 
-    let said = host_sim(&["track", "synthetic", "--config", "robust", "--json"]);
-    let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(lines.len(), 240);
-    let known = ["tracking", "uncertain", "lost"].map(Value::from);
-    assert!(lines.iter().all(|line| known.contains(&line["state"])));
-    assert!(lines.iter().all(|line| line["bbox"].is_null() == (line["state"] == "lost")));
-    let finer = |line: &Value| line["bbox"]["x"].as_f64().is_some_and(|x| x.fract() != 0.0);
-    assert!(lines.iter().any(finer), "boxes are finer than a pixel");
+/// The keys of an answer, in their order.
+const KEYS: [&str; 14] = [
+    "version",
+    "method",
+    "options",
+    "frame",
+    "state",
+    "box",
+    "fine",
+    "confidence",
+    "ratio",
+    "runner_up_ratio",
+    "alpha",
+    "scale",
+    "found_again",
+    "work",
+];
 
-    let folder = tempfile::tempdir().unwrap();
-    let page = folder.path().join("page.html");
-    let report = host_sim(&["report", "synthetic", "--config", "robust", "--out", utf8(&page), "--json"]).json();
-    assert_eq!(report["scores"][0]["tracker"], "robust");
-    assert!(fs::read_to_string(&page).unwrap().contains("SMR (robust)"));
+#[test]
+fn every_method_answers_with_the_same_fields() {
+    for method in METHODS {
+        let said = host_sim(&["track", "periodic", "--method", method, "--json"]);
+        let places = KEYS.map(|key| said.out.find(&format!("\"{key}\":")).expect("the key is there"));
+        assert!(places.is_sorted(), "{method}: {places:?}");
+        let lines = said.json_lines();
+        assert_eq!(lines.len(), 19);
+        for line in &lines {
+            assert_eq!(line.as_object().unwrap().len(), KEYS.len(), "{line}");
+            assert_eq!((&line["method"], &line["options"]), (&method.into(), &json!({})));
+            let lost = line["state"] == "lost";
+            assert_eq!((line["box"].is_null(), line["fine"].is_null()), (lost, lost), "{line}");
+        }
+        // Of the first frame nothing is known but the box.
+        assert_eq!((&lines[0]["confidence"], &lines[0]["state"]), (&Value::Null, &"tracking".into()));
+        let known = |key: &str| lines[1..].iter().all(|line| !line[key].is_null());
+        for key in ["confidence", "ratio", "scale", "found_again", "work"] {
+            assert_eq!(known(key), METHODS[..2].contains(&method), "{method}: {key}");
+        }
+        assert_eq!(known("alpha"), method == "smr", "{method}");
+    }
 }
 
 #[test]
-fn what_is_of_the_other_tracker_is_refused() {
-    for command in ["bench", "target"] {
-        host_sim(&[command, "synthetic", "--config", "robust"]).refuses(&[command, "the paper's tracker only"]);
-    }
+fn the_robust_tracker_is_a_method_like_the_others() {
+    let lines = host_sim(&["track", "synthetic", "--method", "robust", "--json"]).json_lines();
+    assert_eq!(lines.len(), 240);
+    let known = ["tracking", "uncertain", "lost"].map(Value::from);
+    assert!(lines.iter().all(|line| known.contains(&line["state"])));
+    let finer = |line: &Value| line["fine"]["x"].as_f64().is_some_and(|x| x.fract() != 0.0);
+    assert!(lines.iter().any(finer), "boxes are finer than a pixel");
+    assert!(lines.iter().all(|line| line["box"]["x"].is_null() || line["box"]["x"].is_i64()));
+    assert!(lines.iter().any(|line| line["scale"].as_f64().is_some_and(|scale| scale != 1.0)));
+
+    let checked = host_sim(&["check", "periodic", "--method", "robust", "--without", "size,near", "--json"]).json();
+    assert_eq!((&checked[0]["method"], &checked[0]["violation"]), (&"robust".into(), &Value::Null));
+    assert_eq!(checked[0]["options"], json!({ "without": ["size", "near"] }));
+    assert!(checked[0]["responses"].as_u64() > Some(0));
+
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("page.html");
-    let commands =
-        [&["track", "synthetic"][..], &["eval", "synthetic"], &["report", "synthetic", "--out", utf8(&page)]];
+    let methods = METHODS.join(",");
+    let report = host_sim(&["report", "synthetic", "--method", &methods, "--out", utf8(&page), "--json"]).json();
+    for (place, method) in METHODS.iter().enumerate() {
+        assert_eq!(report["scores"][place]["tracker"], *method);
+        assert_eq!(report["methods"][place]["method"], *method);
+        let page = fs::read_to_string(&page).unwrap();
+        assert!(page.contains(&format!("class=\"key {method}\"")), "{method}");
+    }
+}
+
+#[test]
+fn steps_change_no_answer() {
+    let without_work = |said: program::Said| -> Vec<Value> {
+        let mut lines = said.json_lines();
+        for line in &mut lines {
+            (line["work"], line["options"]) = (Value::Null, Value::Null);
+        }
+        lines
+    };
+    for method in ["smr", "robust"] {
+        let whole = without_work(host_sim(&["track", "border", "--method", method, "--json"]));
+        let stepped = without_work(host_sim(&["track", "border", "--method", method, "--step", "1000", "--json"]));
+        assert_eq!(whole, stepped, "{method}");
+        assert_eq!(host_sim(&["check", "periodic", "--method", method, "--step", "1"]).code, Some(0));
+    }
+}
+
+#[test]
+fn options_of_another_method_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let commands = [
+        &["track", "synthetic"][..],
+        &["eval", "synthetic"],
+        &["report", "synthetic", "--out", utf8(&page)],
+        &["check", "periodic"],
+    ];
     for command in commands {
-        host_sim(&[command, &["--config", "robust", "--window", "9x9"]].concat())
-            .refuses(&["--window", "--config paper"]);
-        host_sim(&[command, &["--without", "size"]].concat()).refuses(&["--without", "--config robust"]);
+        let refused = |arguments: &[&str], words: &[&str]| host_sim(&[command, arguments].concat()).refuses(words);
+        refused(&["--method", "robust", "--window", "9x9"], &["--window", "not of robust"]);
+        refused(&["--method", "robust", "--config", "camera"], &["--config is an option of smr"]);
+        refused(&["--method", "robust", "--least-alpha", "3"], &["--least-alpha is an option of smr"]);
+        refused(&["--method", "smr", "--without", "size"], &["--without is an option of robust, not of smr"]);
+        refused(&["--config", "robust"], &["--config robust", "use --method robust"]);
+        if command[0] != "check" {
+            refused(&["--method", "lk", "--k", "1/2"], &["--k", "not of lk"]);
+            refused(&["--method", "sad", "--step", "9"], &["--step is an option of smr, robust, not of sad"]);
+        }
     }
     assert!(!page.exists());
+    // Where several run, one of them has to take it.
+    assert_eq!(host_sim(&["eval", "synthetic", "--method", "robust,smr", "--k", "1/2"]).code, Some(0));
+    for command in ["target", "bench", "check"] {
+        let said = host_sim(&[command, "synthetic", "--method", "sad"]);
+        assert_eq!(said.code, Some(2), "{command}");
+        assert!(said.err.contains("--method") && said.err.contains("smr, robust"), "{}", said.err);
+    }
+    assert_eq!(host_sim(&["vectors", "--method", "ncc"]).code, Some(2));
 }
 
 #[test]
 fn eval_counts_and_draws_what_a_ratio_is_worth() {
     let folder = tempfile::tempdir().unwrap();
     let plot = folder.path().join("calibration.svg");
-    let arguments = ["eval", "synthetic", "--robustness", "--config", "robust", "--method", "smr,sad"];
+    let arguments = ["eval", "synthetic", "--robustness", "--method", "robust,sad"];
     let report = host_sim(&[&arguments[..], &["--calibration", utf8(&plot), "--json"]].concat()).json();
     assert!(fs::read_to_string(&plot).unwrap().starts_with("<svg"));
     let bins = report["calibration"].as_array().unwrap();
@@ -272,7 +344,7 @@ fn eval_counts_and_draws_what_a_ratio_is_worth() {
     let robustness = ["eval", "synthetic", "--robustness"];
     host_sim(&[&robustness[..], &["--calibration", "plot.gif"]].concat()).refuses(&["plot.gif", ".svg or .png"]);
     let no_ratio = ["--method", "sad", "--calibration", "plot.svg"];
-    host_sim(&[&robustness[..], &no_ratio].concat()).refuses(&["--calibration", "--method smr"]);
+    host_sim(&[&robustness[..], &no_ratio].concat()).refuses(&["--calibration", "smr and robust", "--method"]);
     assert_eq!(host_sim(&["eval", "synthetic", "--calibration", "plot.svg"]).code, Some(2));
 }
 
@@ -290,7 +362,7 @@ fn ablate_has_a_row_for_every_part() {
     let means = report["means"].as_array().unwrap();
     assert_eq!((means.len(), &means[7]["tracker"]), (8, &Value::from("without sweep")));
     let alone =
-        host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "150", "--config", "robust", "--json"])
+        host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "150", "--method", "robust", "--json"])
             .json();
     assert_eq!(alone["means"][0]["mean_correct"], means[1]["mean_correct"]);
     host_sim(&["ablate", "no/such/recording"]).refuses(&["no/such/recording"]);
@@ -353,11 +425,11 @@ fn frame_shows_coordinates_and_the_box() {
     assert_eq!((&said["frame"], &said["width"], &said["height"]), (&1.into(), &160.into(), &120.into()));
     assert_eq!(said["file"], utf8(&picture));
     assert_eq!(said["bytes"], bytes.len());
-    assert_eq!(said["bbox"]["x"], 36.0, "the recording's own box");
+    assert_eq!(said["box"]["x"], 36.0, "the recording's own box");
     assert_eq!(said["inside"], true);
 
     let later = frame(&["41", "--json"]).json();
-    assert_eq!((&later["frame"], &later["bbox"], &later["inside"]), (&41.into(), &Value::Null, &Value::Null));
+    assert_eq!((&later["frame"], &later["box"], &later["inside"]), (&41.into(), &Value::Null, &Value::Null));
     let without = fs::read(&picture).unwrap();
     let given = frame(&["41", "--init", "150,100,40,48"]);
     assert_eq!(given.code, Some(0), "{}", given.err);
@@ -392,28 +464,16 @@ fn frame_says_what_it_cannot_show() {
 
 #[test]
 fn track_writes_a_json_object_a_frame() {
-    let said = host_sim(&["track", "periodic", "--json"]);
-    let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let lines = host_sim(&["track", "periodic", "--json"]).json_lines();
     assert_eq!(lines.len(), 19);
     assert_eq!(lines[6]["frame"], 7);
-    assert_eq!((&lines[6]["state"], &lines[6]["bbox"]), (&Value::from("lost"), &Value::Null));
+    assert_eq!((&lines[6]["state"], &lines[6]["box"]), (&Value::from("lost"), &Value::Null));
 }
 
 /// The recordings are not part of the project: `host-sim/README.md` says where they are looked for.
 #[test]
 fn the_recorded_sequences_are_followed_as_the_readme_says() {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
-    let root = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from);
-    let tld = root.join("tld");
-    if !tld.is_dir() {
-        // Not `println!`, which is not shown for a test that passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: the_recorded_sequences_are_followed_as_the_readme_says: no {} (set SMR_SEQUENCES)",
-            tld.display()
-        );
-        return;
-    }
+    let Some(tld) = recordings("the_recorded_sequences_are_followed_as_the_readme_says", "tld") else { return };
     let sequences = ["03_pedestrian1", "05_pedestrian3"].map(|name| tld.join(name));
     let rows = host_sim(&["eval", utf8(&sequences[0]), utf8(&sequences[1]), "--json"]).json();
     assert_eq!((&rows[0]["correct"], &rows[1]["correct"]), (&Value::from(87), &Value::from(52)));

@@ -1,98 +1,88 @@
-//! The conformance vectors are those of the reference, and smr-core answers as they say.
+//! The conformance vectors are those of the reference, and smr-core answers as they say: at once, in steps, and saved and restored
+//! on the way.
 
-use smr_core::robust;
-use smr_core::{Frame, Image};
-use smr_tests::{
-    CONFORMANCE, Expected, FRAME_PIXELS, Line, ROBUST, ROBUST_FRAME_PIXELS, Reader, RobustExpected, RobustLine,
-    RobustReader, SmallTracker,
-};
+use smr_core::{Answer, Frame, Robust, Tracker};
+use smr_tests::{FRAME_PIXELS, PAPER, Passed, ROBUST, SmallPaper, Vectors, follow};
 
 #[test]
-fn the_vectors_are_the_references() {
-    let made = host_sim::vectors::text();
-    assert!(
-        made == CONFORMANCE,
-        "the vectors are not current: cargo run --release -p host-sim -- vectors --out tests/vectors/conformance.txt"
-    );
+fn the_vectors_are_current() {
+    for (method, kept, made) in
+        [("smr", PAPER, host_sim::vectors::text()), ("robust", ROBUST, host_sim::vectors::robust::text())]
+    {
+        assert!(
+            made == kept,
+            "the vectors are not current: \
+             cargo run --release -p host-sim -- vectors --method {method} --out tests/vectors/..."
+        );
+    }
 }
 
+/// By this machine's fastest backend: the vectors are made by the float reference and by the plain loops.
 #[test]
 fn smr_core_answers_as_the_vectors_say() {
-    let mut reader = Reader::new(CONFORMANCE);
-    let mut buffer = [0; FRAME_PIXELS];
-    let (mut size, mut name) = ((0, 0), "");
-    let mut tracker = None;
-    let mut answered = None;
-    let (mut cases, mut answers) = (0, 0);
-    while let Some(line) = reader.next() {
-        match line.unwrap_or_else(|line| panic!("not understood: {line}")) {
-            Line::Case(case) => (cases, name) = (cases + 1, case),
-            Line::Size(width, height) => size = (width, height),
-            Line::Number => {}
-            Line::Lock(target, pixels) => {
-                let pixels = pixels.decode(&mut buffer).expect("a frame that fits");
-                let mut locked = SmallTracker::new(reader.config).unwrap();
-                locked.lock(&frame(pixels, size), target).unwrap();
-                tracker = Some(locked);
-            }
-            Line::Frame(pixels) => {
-                let tracker = tracker.as_mut().expect("a lock before a frame");
-                let pixels = pixels.decode(&mut buffer).expect("a frame that fits");
-                let answer = tracker.update(&frame(pixels, size)).unwrap();
-                answered = Some(Expected::of(&answer, tracker));
-            }
-            Line::Answer(expected) => {
-                answers += 1;
-                assert_eq!(answered, Some(expected), "case {name}, answer {answers}");
-            }
-        }
-    }
-    assert!(cases >= 4 && answers >= 30, "{cases} cases, {answers} answers");
+    passes::<SmallPaper>(|tracker, frame| tracker.update(frame).ok());
+    passes::<Robust>(|tracker, frame| tracker.update(frame).ok());
 }
 
 #[test]
-fn the_robust_vectors_are_current() {
-    let made = host_sim::vectors::robust::text();
-    assert!(
-        made == ROBUST,
-        "the vectors are not current: \
-         cargo run --release -p host-sim -- vectors --config robust --out tests/vectors/robust.txt"
-    );
+fn it_does_so_in_steps() {
+    passes::<SmallPaper>(stepwise);
+    passes::<Robust>(stepwise);
 }
 
-/// By this machine's fastest backend: the vectors are made by the plain loops.
 #[test]
-fn smr_core_answers_as_the_robust_vectors_say() {
-    let mut reader = RobustReader::new(ROBUST);
-    let mut buffer = [0; ROBUST_FRAME_PIXELS];
-    let (mut size, mut name) = ((0, 0), "");
-    let mut tracker: Box<robust::Tracker> = Box::new(robust::Tracker::new(reader.config));
-    let mut answered = None;
-    let (mut cases, mut answers) = (0, 0);
-    while let Some(line) = reader.next() {
-        match line.unwrap_or_else(|line| panic!("not understood: {line}")) {
-            RobustLine::Case(case) => (cases, name) = (cases + 1, case),
-            RobustLine::Size(width, height) => size = (width, height),
-            RobustLine::Part => {}
-            RobustLine::Lock(target, pixels) => {
-                let pixels = pixels.decode(&mut buffer).expect("a frame that fits");
-                *tracker = robust::Tracker::new(reader.config);
-                tracker.lock(&frame(pixels, size), target).unwrap();
-            }
-            RobustLine::Frame(pixels) => {
-                let pixels = pixels.decode(&mut buffer).expect("a frame that fits");
-                let answer = tracker.update(&frame(pixels, size)).unwrap();
-                answered = Some(RobustExpected::of(&answer, &tracker));
-            }
-            RobustLine::Answer(expected) => {
-                answers += 1;
-                assert_eq!(answered, Some(expected), "case {name}, answer {answers}");
-            }
-        }
-    }
-    assert!(cases >= 13 && answers >= 90, "{cases} cases, {answers} answers");
+fn it_does_so_saved_and_restored_after_every_frame() {
+    passes::<SmallPaper>(restored);
+    passes::<Robust>(restored);
 }
 
-fn frame(pixels: &[u8], (width, height): (u16, u16)) -> Frame<'_> {
-    Frame::whole(Image::new(pixels, width, height).unwrap())
+#[test]
+fn another_answer_is_noticed() {
+    wrong::<SmallPaper>();
+    wrong::<Robust>();
+}
+
+fn tracker<T: Vectors>() -> Box<Tracker<T>> {
+    Box::new(Tracker::new(T::default_config()).expect("a good configuration"))
+}
+
+fn passes<T: Vectors>(update: fn(&mut Tracker<T>, &Frame<'_>) -> Option<Answer>) {
+    let passed = follow(&mut *tracker::<T>(), T::TEXT, &mut [0; FRAME_PIXELS], update);
+    let Passed { cases, answers } = passed.unwrap_or_else(|failure| panic!("{}: {failure:?}", T::FORM));
+    assert!(cases >= 6 && answers >= 60, "{}: {cases} cases, {answers} answers", T::FORM);
+}
+
+/// With an update begun and dropped before, and taken up again in the middle.
+fn stepwise<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<Answer> {
+    tracker.begin(frame).ok()?.step(100);
+    tracker.begin(frame).ok()?.step(5000);
+    let mut update = tracker.resume(frame).ok()?;
+    while !update.step(777) {}
+    Some(update.finish())
+}
+
+/// Every frame goes to a new tracker, that knows what was saved.
+fn restored<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<Answer> {
+    let mut saved = vec![0; T::SAVED_SIZE];
+    let size = tracker.save(&mut saved).ok()?;
+    let mut other = Tracker::<T>::new(*tracker.config()).ok()?;
+    other.restore(&saved[..size]).ok()?;
+    *tracker = other;
+    tracker.update(frame).ok()
+}
+
+/// Every digit of the first answer matters.
+fn wrong<T: Vectors>() {
+    let text = T::TEXT;
+    let start = text.find("\nanswer ").expect("there is an answer") + "\nanswer ".len();
+    let end = start + text[start..].find('\n').expect("the line ends");
+    for (at, digit) in text[start..end].char_indices().filter(|(_, letter)| letter.is_ascii_digit()) {
+        let other = if digit == '1' { "0" } else { "1" };
+        let changed = [&text[..start + at], other, &text[start + at + 1..end]].concat();
+        // Up to the first answer: the rest is not needed.
+        let changed = [&text[..start], &changed[start..]].concat();
+        let said =
+            follow(&mut *tracker::<T>(), &changed, &mut [0; FRAME_PIXELS], |tracker, frame| tracker.update(frame).ok());
+        assert!(said.is_err(), "{}: {}", T::FORM, &changed[start..]);
+    }
 }

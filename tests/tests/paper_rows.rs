@@ -1,8 +1,9 @@
 //! `Config::paper()` on the paper's recordings, against the boxes that a prototype of the method has written, frame by frame.
 
-use host_sim::Tracker;
+use host_sim::Paper;
 use host_sim::sequence::{self, OpenOptions, Sequence};
-use smr_core::{Config, Fraction, Rect, State};
+use smr_core::paper::{Config, Fraction};
+use smr_core::{Rect, State, Tracker};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,7 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     let mut start = sequence.start().expect("a box to start from");
     (start.width, start.height) = (start.width + larger, start.height + larger);
     let corners = |target: Rect| [target.x, target.y, target.right(), target.bottom()];
-    let mut tracker = Box::new(Tracker::new(config).expect("a configuration that can be used"));
+    let mut tracker = Box::new(Tracker::<Paper>::new(config).expect("a configuration that can be used"));
     let mut frames = sequence.frames.map(|frame| frame.expect("a frame"));
     let first = frames.next().expect("a first frame");
     tracker.lock(&first.frame(), start).expect("a box in the picture");

@@ -5,14 +5,14 @@
 
 #![cfg(unix)]
 
+mod program;
+
+use program::PROGRAM;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-
-/// The program, built by cargo before these tests.
-const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
 /// A folder with something that passes for firmware, and a shell script in QEMU's place.
 struct Bench {
@@ -38,7 +38,7 @@ impl Bench {
         let mut bytes = Vec::new();
         for record in records {
             let mut padded = record.to_vec();
-            padded.resize(16, 0);
+            padded.resize(20, 0);
             bytes.extend(padded.iter().flat_map(|word| word.to_le_bytes()));
         }
         fs::write(bench.path("records"), bytes).expect("a file can be written");
@@ -101,7 +101,8 @@ fn least_firmware() -> Vec<u8> {
     elf
 }
 
-const HELLO: &[u32] = &[1, 2, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000];
+const HELLO: &[u32] = &[1, 3, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000];
+const ROBUST: &[u32] = &[1, 3, 1, 0, 0, 9216, 11_000, 25_000, 2_000_000, 80_000];
 
 #[test]
 fn a_qemu_that_is_missing_is_asked_for() {
@@ -155,19 +156,33 @@ fn what_the_firmware_refuses_is_said_in_words() {
     bench.refuses(&["--init", "10,10,65,64"], "the box is too big for the firmware: 65x64 is 4160 pixels");
     bench.refuses(&["--init", "10,10,130,30"], "more than the 9216 pixels of its buffer");
     Bench::answering(&[HELLO, &[4, 2, 5]], "").refuses(&[], "synthetic, frame 2: the firmware cannot search the frame");
-    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 2");
+    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 3");
 }
 
 #[test]
 fn another_answer_is_a_failed_check() {
-    let bench = Bench::answering(&[HELLO, &[2, 2, 1, 2, 0]], "exec sleep 600");
-    let (code, out, err) = bench.run(&[]);
-    assert_eq!((code, err.as_str()), (Some(1), ""));
-    assert!(out.contains("FAILED in frame 2: box's position\n    target: (1, 2)\n    host:   ("), "{out}");
-    let (code, out, _) = bench.run(&["--json"]);
-    assert_eq!(code, Some(1));
-    let json: serde_json::Value = serde_json::from_str(&out).expect("standard output is JSON");
-    assert_eq!((&json["difference"]["frame"], &json["difference"]["target"]), (&2.into(), &"(1, 2)".into()));
+    for (method, hello) in [("smr", HELLO), ("robust", ROBUST)] {
+        let bench = Bench::answering(&[hello, &[2, 2, 256, 512, 10, 11, 0]], "exec sleep 600");
+        let arguments = ["--method", method, "--step", "5000"];
+        let (code, out, err) = bench.run(&arguments);
+        assert_eq!((code, err.as_str()), (Some(1), ""));
+        let words = "FAILED in frame 2: box in 1/256 pixel\n    target: 10x11 at (256, 512)\n    host:   ";
+        assert!(out.contains(words), "{out}");
+        let (code, out, _) = bench.run(&[&arguments[..], &["--json"]].concat());
+        assert_eq!(code, Some(1));
+        let json: serde_json::Value = serde_json::from_str(&out).expect("standard output is JSON");
+        let difference = &json["difference"];
+        assert_eq!((&difference["frame"], &difference["target"]), (&2.into(), &"10x11 at (256, 512)".into()));
+        assert_eq!((&json["method"], &json["options"]), (&method.into(), &serde_json::json!({ "step": 5000 })));
+    }
+}
+
+#[test]
+fn the_firmware_must_follow_by_the_method_that_was_asked_for() {
+    Bench::answering(&[HELLO], "exec sleep 600").refuses(&["--method", "robust"], "the method that was asked for");
+    let bench = Bench::answering(&[ROBUST, &[4, 2, 3]], "exec sleep 600");
+    let words = "the window around 24x28 is more than the 9216 pixels of its buffer";
+    bench.refuses(&["--method", "robust"], words);
 }
 
 #[test]

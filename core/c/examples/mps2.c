@@ -1,13 +1,15 @@
 /*
- * What runs before main on an Arm MPS2 board: two vectors, the floating-point unit that the C library is built for, and
+ * What runs before main on an Arm MPS2 or MPS3 board: two vectors, the floating-point unit that the C library is built for, and
  * the C library's own start (newlib with semihosting, rdimon.specs).
  */
 
+#include <stddef.h>
 #include <stdint.h>
 
-extern unsigned char __stack[];
+extern unsigned char __stack[], end[];
 extern void _start(void);
 void reset(void);
+void *_sbrk(ptrdiff_t more);
 
 static void fault(void)
 {
@@ -32,4 +34,13 @@ void reset(void)
     *cpacr |= 0xFu << 20;
     __asm__ volatile("dsb\n\tisb" ::: "memory");
     _start();
+}
+
+/* The heap of the C library, which opens files, from the end of the data on. What semihosting says of it is wrong on the MPS3. */
+void *_sbrk(ptrdiff_t more)
+{
+    static unsigned char *top = end;
+    unsigned char *before = top;
+    top += more;
+    return before;
 }

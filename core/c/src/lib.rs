@@ -1,4 +1,4 @@
-//! The tracker of `smr-core` for C: what `include/smr.h` declares, and nothing else.
+//! The trackers of `smr-core` for C: what `include/smr.h` declares, and nothing else.
 //!
 //! Every name is the one that C sees, and the comments of public items are the header's: Doxygen's, for C readers.
 //! The header is written by cbindgen; a test fails if it is not current.
@@ -24,30 +24,35 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+mod answer;
 mod capacity;
+mod config;
+mod frame;
+mod method;
 #[cfg(target_os = "none")]
 mod panic;
 mod pointer;
-mod robust;
 mod status;
 mod table;
 mod tracker;
-mod types;
+mod version;
 
-pub use capacity::{PIXELS, SPAN, STORAGE_ALIGN, STORAGE_SIZE};
-pub use robust::{
-    ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, smr_fine_rect, smr_robust_answer, smr_robust_config,
-    smr_robust_config_default, smr_robust_early_template, smr_robust_init, smr_robust_lock, smr_robust_lock_window,
-    smr_robust_state, smr_robust_tracker, smr_robust_tracker_size, smr_robust_update, smr_robust_window,
+pub use answer::{smr_answer, smr_state};
+pub use capacity::{
+    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
+    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN,
 };
-pub use status::{smr_status, smr_status_name};
+pub use config::{
+    smr_config, smr_config_camera, smr_config_paper, smr_config_robust, smr_fraction, smr_gate, smr_margins,
+    smr_paper_config, smr_radius, smr_robust_config,
+};
+pub use frame::{smr_fine_rect, smr_frame, smr_image, smr_part, smr_rect};
+pub use method::smr_method;
+pub use status::{STATUSES, smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};
 pub use tracker::{
-    smr_alpha, smr_begin, smr_finish, smr_init, smr_lock, smr_step, smr_template, smr_tracker, smr_tracker_size,
-    smr_update, smr_window,
+    smr_alpha, smr_begin, smr_early_template, smr_finish, smr_init, smr_last, smr_lock, smr_lock_window, smr_moved,
+    smr_restore, smr_save, smr_saved_size, smr_step, smr_sweep_window, smr_target_size, smr_template, smr_tracker,
+    smr_update, smr_window, smr_workspace_size,
 };
-pub use types::{
-    SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_answer, smr_config, smr_config_camera,
-    smr_config_paper, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins, smr_peak, smr_radius, smr_rect,
-    smr_state, smr_version,
-};
+pub use version::{SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_version};

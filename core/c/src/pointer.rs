@@ -4,6 +4,7 @@
 //! memory as its type or the size beside it says, and nobody else writes there during the call.
 
 use crate::status::smr_status;
+use core::ops::Range;
 
 /// # Errors
 /// `SMR_ERROR_NULL`, `SMR_ERROR_MISALIGNED`.
@@ -42,4 +43,31 @@ impl<T> Out<T> {
         // SAFETY: `new` has checked it, and its caller says that there is memory for a T.
         unsafe { self.0.write(value) }
     }
+}
+
+/// Checks bytes that must not lie in the `taken` addresses of a tracker.
+///
+/// # Errors
+/// Also `SMR_ERROR_MEMORY_TOO_LARGE` and `SMR_ERROR_OVERLAPS_TRACKER`.
+pub(crate) fn check_bytes(bytes: *const u8, size: usize, taken: &[Range<usize>; 2]) -> Result<(), smr_status> {
+    check(bytes)?;
+    if isize::try_from(size).is_err() {
+        return Err(smr_status::SMR_ERROR_MEMORY_TOO_LARGE);
+    }
+    let bytes = range(bytes, size);
+    if taken.iter().any(|taken| overlap(taken, &bytes)) {
+        return Err(smr_status::SMR_ERROR_OVERLAPS_TRACKER);
+    }
+    Ok(())
+}
+
+/// The addresses of `size` bytes at `start`.
+pub(crate) fn range<T: ?Sized>(start: *const T, size: usize) -> Range<usize> {
+    let start = start.addr();
+    start..start.saturating_add(size)
+}
+
+/// True if the two share a byte.
+pub(crate) fn overlap(a: &Range<usize>, b: &Range<usize>) -> bool {
+    a.start < b.end && b.start < a.end
 }

@@ -1,9 +1,10 @@
 //! `include/smr.h` is current, and its types are laid out as the library's.
 
 use smr::{
-    PIXELS, ROBUST_STORAGE_ALIGN, ROBUST_STORAGE_SIZE, SPAN, STORAGE_ALIGN, STORAGE_SIZE, smr_answer, smr_config,
-    smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins, smr_peak, smr_radius, smr_rect,
-    smr_robust_answer, smr_robust_config, smr_robust_state, smr_state, smr_status, smr_table,
+    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
+    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN, STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction,
+    smr_frame, smr_gate, smr_image, smr_margins, smr_paper_config, smr_part, smr_radius, smr_rect, smr_robust_config,
+    smr_state, smr_status, smr_table,
 };
 use std::fmt::Write as _;
 use std::mem::offset_of;
@@ -15,13 +16,50 @@ fn the_header_is_current() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let path = here.join("include/smr.h");
     let mut written = Vec::new();
-    cbindgen::generate(here).expect("cbindgen reads the source").write(&mut written);
+    let mut config = cbindgen::Config::from_root_or_default(here);
+    config.after_includes.as_mut().expect("cbindgen.toml has it").push_str(&statuses());
+    let source = cbindgen::Builder::new().with_crate(here).with_config(config);
+    source.generate().expect("cbindgen reads the source").write(&mut written);
     let written = String::from_utf8(written).expect("a header is text");
     if std::env::var_os("SMR_UPDATE_HEADER").is_some() {
         std::fs::write(&path, &written).expect("the header can be written");
     }
     let current = std::fs::read_to_string(&path).expect("the header is there");
+    let names = current.lines().filter_map(|line| line.trim_start_matches("#ifndef ").trim().strip_prefix("#define "));
+    let foreign: Vec<&str> = names.filter(|name| !name.starts_with("SMR_")).collect();
+    assert!(foreign.is_empty(), "macros without the library's prefix: {foreign:?}");
     assert!(current == written, "include/smr.h is not current: SMR_UPDATE_HEADER=1 cargo test -p smr-c --test header");
+}
+
+/// The header's part of the statuses: a macro makes them, which cbindgen cannot read.
+fn statuses() -> String {
+    let mut text = String::from(
+        "
+/**
+ * How a call ended. The numbers stay as they are from version to version; new ones may be added.
+ *
+ * A call that does not end with #SMR_OK has changed nothing, except that #smr_init sets its `*tracker` to NULL.
+ */
+enum smr_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif
+ {
+",
+    );
+    for (status, name, meaning) in STATUSES {
+        let (name, meaning) = (name.trim_end_matches('\0'), meaning.trim().replace('\n', "\n   *"));
+        writeln!(text, "  /**\n   * {meaning}\n   */\n  {name} = {},", *status as i32).expect("a string takes text");
+    }
+    text + "};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum smr_status smr_status;
+#else
+typedef int32_t smr_status;
+#endif
+#endif
+"
 }
 
 /// Lines of C that compile only if `$type` has this size and its fields lie there.
@@ -43,12 +81,17 @@ fn claim(what: &str, value: usize) -> String {
 fn the_header_and_the_library_agree_on_every_size() {
     let mut source = format!("#define SMR_PIXELS {PIXELS}\n#define SMR_SPAN {SPAN}\n");
     source += "#include \"smr.h\"\nint main(void) {\n";
-    source += &claim("SMR_TRACKER_SIZE", STORAGE_SIZE);
-    source += &claim("sizeof(smr_storage)", STORAGE_SIZE);
-    source += &claim("SMR_TRACKER_ALIGN", STORAGE_ALIGN);
-    source += &claim("SMR_ROBUST_TRACKER_SIZE", ROBUST_STORAGE_SIZE);
-    source += &claim("sizeof(smr_robust_storage)", ROBUST_STORAGE_SIZE);
-    source += &claim("SMR_ROBUST_TRACKER_ALIGN", ROBUST_STORAGE_ALIGN);
+    for (name, size) in [
+        ("SMR_ALIGNMENT", ALIGNMENT),
+        ("SMR_PAPER_TARGET_SIZE", PAPER_TARGET_SIZE),
+        ("SMR_PAPER_WORKSPACE_SIZE", PAPER_WORKSPACE_SIZE),
+        ("SMR_PAPER_SAVED_SIZE", PAPER_SAVED_SIZE),
+        ("SMR_ROBUST_TARGET_SIZE", ROBUST_TARGET_SIZE),
+        ("SMR_ROBUST_WORKSPACE_SIZE", ROBUST_WORKSPACE_SIZE),
+        ("SMR_ROBUST_SAVED_SIZE", ROBUST_SAVED_SIZE),
+    ] {
+        source += &claim(name, size);
+    }
     source += &layout!(smr_status {});
     source += &layout!(smr_state {});
     source += &layout!(smr_table { entries });
@@ -57,7 +100,7 @@ fn the_header_and_the_library_agree_on_every_size() {
     source += &layout!(smr_rect { x, y, width, height });
     source += &layout!(smr_gate { tracking, leaving, returning, lost, lead, least_ratio });
     source += &layout!(smr_margins { left, top, right, bottom });
-    source += &layout!(smr_config {
+    source += &layout!(smr_paper_config {
         table,
         k,
         first_threshold,
@@ -69,16 +112,34 @@ fn the_header_and_the_library_agree_on_every_size() {
         neighbourhood,
         update_zone,
         gate,
-        plain_loop,
         runner_up_always
     });
-    source += &layout!(smr_frame { pixels, size, stride, width, height, x, y, full_width, full_height });
-    source += &layout!(smr_peak { x, y, score });
-    source += &layout!(smr_answer { bbox, state, ratio, runner_up_ratio, alpha, peak, runner_up, has_runner_up });
-    source += &layout!(smr_robust_config { velocity, near, size, verification, caution, sweep, plain_loop });
-    source += &layout!(smr_robust_state {});
+    source += &layout!(smr_robust_config {
+        reach,
+        size,
+        sweep,
+        patience,
+        lost_below,
+        uncertain_below,
+        learning_rate,
+        early_rate
+    });
+    source += &layout!(smr_config { method, plain_loop, paper, robust });
     source += &layout!(smr_fine_rect { x, y, width, height });
-    source += &layout!(smr_robust_answer { fine, bbox, state, confidence, ratio, response, scale, work, found_again });
+    source += &layout!(smr_part { pixels, size, stride, width, height, x, y });
+    source += &layout!(smr_frame { width, height, parts });
+    source += &layout!(smr_answer {
+        bbox,
+        fine,
+        state,
+        scale,
+        confidence,
+        ratio,
+        runner_up_ratio,
+        alpha,
+        has_runner_up,
+        found_again
+    });
     source += &layout!(smr_image { pixels, width, height });
     writeln!(source, "return 0;\n}}").expect("a string takes text");
 

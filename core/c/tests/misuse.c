@@ -1,5 +1,5 @@
 /*
- * Every way to call the library wrongly that it can notice is noticed, by its own status, and changes nothing.
+ * Every way to call the library wrongly that it can notice is noticed, by its own status, and changes nothing: by both trackers.
  */
 
 #include <stdio.h>
@@ -8,19 +8,35 @@
 
 #include "smr.h"
 
-#define WIDTH 40
-#define HEIGHT 30
+#define WIDTH 60
+#define HEIGHT 50
+
+typedef union target {
+    smr_paper_target paper;
+    smr_robust_target robust;
+    unsigned char bytes[1];
+} target;
+
+typedef union workspace {
+    smr_paper_workspace paper;
+    smr_robust_workspace robust;
+    unsigned char bytes[1];
+} workspace;
 
 static unsigned failed, tried;
 static uint8_t pixels[WIDTH * HEIGHT];
-static smr_storage storage;
+static uint8_t bytes[SMR_PAPER_SAVED_SIZE + SMR_ROBUST_SAVED_SIZE];
+static int robust; /* which tracker is tried */
+static target storage;
+static workspace scratch;
 
 static void expect(const char *call, unsigned line, smr_status got, smr_status wanted)
 {
     tried++;
     if (got != wanted) {
         failed++;
-        fprintf(stderr, "misuse.c:%u: %s: %s, should be %s\n", line, call, smr_status_name(got), smr_status_name(wanted));
+        fprintf(stderr, "misuse.c:%u, %s: %s: %s, should be %s\n", line, robust ? "robust" : "paper", call,
+                smr_status_name(got), smr_status_name(wanted));
     }
 }
 #define EXPECT(call, wanted) expect(#call, __LINE__, (call), (wanted))
@@ -30,7 +46,7 @@ static void hold(const char *what, unsigned line, int holds)
     tried++;
     if (!holds) {
         failed++;
-        fprintf(stderr, "misuse.c:%u: not so: %s\n", line, what);
+        fprintf(stderr, "misuse.c:%u, %s: not so: %s\n", line, robust ? "robust" : "paper", what);
     }
 }
 #define HOLD(condition) hold(#condition, __LINE__, (condition))
@@ -39,27 +55,6 @@ static void hold(const char *what, unsigned line, int holds)
 static void *askew(void *memory)
 {
     return (unsigned char *)memory + 1;
-}
-
-static smr_frame good_frame(void)
-{
-    smr_frame frame;
-    frame.pixels = pixels;
-    frame.size = sizeof pixels;
-    frame.stride = WIDTH;
-    frame.width = frame.full_width = WIDTH;
-    frame.height = frame.full_height = HEIGHT;
-    frame.x = frame.y = 0;
-    return frame;
-}
-
-static smr_config good_config(void)
-{
-    smr_config config;
-    EXPECT(smr_config_camera(&config), SMR_OK);
-    config.window.x = config.window.y = 5;
-    config.window_limit.x = config.window_limit.y = 8;
-    return config;
 }
 
 static smr_rect rect(int32_t x, int32_t y, uint16_t width, uint16_t height)
@@ -72,20 +67,85 @@ static smr_rect rect(int32_t x, int32_t y, uint16_t width, uint16_t height)
     return made;
 }
 
+static smr_frame good_frame(void)
+{
+    smr_frame frame;
+    memset(&frame, 0, sizeof frame);
+    frame.width = frame.parts[0].width = WIDTH;
+    frame.height = frame.parts[0].height = HEIGHT;
+    frame.parts[0].pixels = pixels;
+    frame.parts[0].size = sizeof pixels;
+    frame.parts[0].stride = WIDTH;
+    return frame;
+}
+
+/* What of the frame lies in a rectangle. */
+static smr_frame part_of_frame(const smr_rect *window)
+{
+    smr_frame frame = good_frame();
+    smr_part *part = &frame.parts[0];
+    part->pixels = pixels + (size_t)window->y * WIDTH + (size_t)window->x;
+    part->x = (uint16_t)window->x;
+    part->y = (uint16_t)window->y;
+    part->width = window->width;
+    part->height = window->height;
+    part->size = (size_t)(window->height - 1) * WIDTH + window->width;
+    return frame;
+}
+
+static smr_config good_config(void)
+{
+    smr_config config;
+    if (robust) {
+        EXPECT(smr_config_robust(&config), SMR_OK);
+    } else {
+        EXPECT(smr_config_camera(&config), SMR_OK);
+        config.paper.window.x = config.paper.window.y = 5;
+        config.paper.window_limit.x = config.paper.window_limit.y = 8;
+    }
+    return config;
+}
+
+static size_t target_size(void)
+{
+    return robust ? SMR_ROBUST_TARGET_SIZE : SMR_PAPER_TARGET_SIZE;
+}
+
+static size_t workspace_size(void)
+{
+    return robust ? SMR_ROBUST_WORKSPACE_SIZE : SMR_PAPER_WORKSPACE_SIZE;
+}
+
+static smr_tracker *tracker_in(target *memory, const smr_config *config)
+{
+    smr_tracker *tracker = NULL;
+    EXPECT(smr_init(memory, sizeof *memory, &scratch, sizeof scratch, config, &tracker), SMR_OK);
+    return tracker;
+}
+
 static smr_tracker *good_tracker(void)
 {
     smr_config config = good_config();
-    smr_tracker *tracker = NULL;
-    EXPECT(smr_init(&storage, sizeof storage, &config, &tracker), SMR_OK);
+    return tracker_in(&storage, &config);
+}
+
+static smr_tracker *locked_tracker(void)
+{
+    smr_tracker *tracker = good_tracker();
+    smr_frame frame = good_frame();
+    smr_rect box = rect(26, 22, 8, 8);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     return tracker;
 }
+
+/* ---- once: what has nothing to do with a tracker ---- */
 
 static void names(void)
 {
     HOLD(strcmp(smr_status_name(SMR_OK), "SMR_OK") == 0);
     HOLD(strcmp(smr_status_name(SMR_ERROR_WINDOW_NOT_IN_MEMORY), "SMR_ERROR_WINDOW_NOT_IN_MEMORY") == 0);
     HOLD(strcmp(smr_status_name(-1), "SMR_ERROR_UNKNOWN") == 0);
-    HOLD(strcmp(smr_status_name(SMR_ERROR_BUFFER_TOO_SMALL + 1), "SMR_ERROR_UNKNOWN") == 0);
+    HOLD(strcmp(smr_status_name(SMR_ERROR_UNKNOWN + 1), "SMR_ERROR_UNKNOWN") == 0);
 }
 
 static void version(void)
@@ -95,16 +155,10 @@ static void version(void)
     HOLD(strcmp(stated, smr_version()) == 0);
 }
 
-static void sizes(void)
-{
-    HOLD(smr_tracker_size() == SMR_TRACKER_SIZE);
-    HOLD(sizeof(smr_storage) == SMR_TRACKER_SIZE);
-    HOLD(sizeof(smr_table) == 512);
-}
-
 static void tables(void)
 {
     static smr_table table[2];
+    HOLD(sizeof(smr_table) == 512);
     EXPECT(smr_table_init(NULL, 40), SMR_ERROR_NULL);
     EXPECT(smr_table_init((smr_table *)askew(table), 40), SMR_ERROR_MISALIGNED);
     EXPECT(smr_table_init(table, 0), SMR_ERROR_SCALE_OUT_OF_RANGE);
@@ -115,74 +169,154 @@ static void tables(void)
     HOLD(table[1].entries[0] == 0);
 }
 
+static void fillings(void)
+{
+    static smr_config several[2];
+    EXPECT(smr_config_camera(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_paper(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_robust(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_camera((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_config_paper((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_config_robust((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
+    HOLD(smr_target_size(several) == 0 && smr_workspace_size(several) == 0); /* not filled */
+    HOLD(smr_target_size(NULL) == 0 && smr_workspace_size(NULL) == 0);
+}
+
+/* ---- for each tracker ---- */
+
+static void sizes(void)
+{
+    smr_config config = good_config();
+    smr_tracker *tracker = good_tracker();
+    size_t saved[2] = {0, 0};
+    HOLD(smr_target_size(&config) == target_size());
+    HOLD(smr_workspace_size(&config) == workspace_size());
+    EXPECT(smr_saved_size(tracker, saved), SMR_OK);
+    HOLD(saved[0] == (robust ? SMR_ROBUST_SAVED_SIZE : SMR_PAPER_SAVED_SIZE) && saved[1] == 0);
+    EXPECT(smr_saved_size(tracker, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_saved_size(tracker, (size_t *)askew(saved)), SMR_ERROR_MISALIGNED);
+}
+
 static void configurations(void)
 {
     static smr_table empty;
-    smr_config several[2], config = good_config();
+    smr_config config;
     smr_tracker *tracker = NULL;
-    EXPECT(smr_config_camera(NULL), SMR_ERROR_NULL);
-    EXPECT(smr_config_camera((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_config_paper(NULL), SMR_ERROR_NULL);
-    EXPECT(smr_config_paper((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
 #define REFUSED(change, wanted) \
     config = good_config(); \
     change; \
     tracker = (smr_tracker *)(void *)&storage; \
-    EXPECT(smr_init(&storage, sizeof storage, &config, &tracker), wanted); \
+    EXPECT(smr_init(&storage, sizeof storage, &scratch, sizeof scratch, &config, &tracker), wanted); \
     HOLD(tracker == NULL)
-    REFUSED(config.k.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.gate.tracking.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.gate.leaving.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.gate.returning.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.gate.lost.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.k.numerator = 0, SMR_ERROR_NOTHING_COUNTS);
-    REFUSED(config.first_threshold = 0, SMR_ERROR_NOTHING_COUNTS);
-    REFUSED(config.window_limit.x = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
-    REFUSED(config.window_limit.y = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
-    REFUSED(config.table = &empty, SMR_ERROR_NOT_INITIALISED);
-    REFUSED(config.table = (smr_table *)askew(&empty), SMR_ERROR_MISALIGNED);
+    REFUSED(config.method = NULL, SMR_ERROR_NOT_INITIALISED);
+    REFUSED(memset(&config, 0, sizeof config), SMR_ERROR_NOT_INITIALISED);
+    if (robust) {
+        HOLD(good_config().robust.size == 1 && good_config().robust.sweep == 1);
+        REFUSED(config.robust.reach = 3, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        REFUSED(config.robust.reach = 9, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        REFUSED(config.robust.lost_below = 65535, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        REFUSED(config.robust.learning_rate = 257, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        REFUSED(config.robust.early_rate = 1025, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        return;
+    }
+    REFUSED(config.paper.k.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
+    REFUSED(config.paper.gate.tracking.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
+    REFUSED(config.paper.gate.leaving.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
+    REFUSED(config.paper.gate.returning.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
+    REFUSED(config.paper.gate.lost.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
+    REFUSED(config.paper.k.numerator = 0, SMR_ERROR_NOTHING_COUNTS);
+    REFUSED(config.paper.first_threshold = 0, SMR_ERROR_NOTHING_COUNTS);
+    REFUSED(config.paper.window_limit.x = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
+    REFUSED(config.paper.window_limit.y = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
+    REFUSED(config.paper.table = &empty, SMR_ERROR_NOT_INITIALISED);
+    REFUSED(config.paper.table = (smr_table *)askew(&empty), SMR_ERROR_MISALIGNED);
+}
+
+static int is_zero(const void *memory, size_t size)
+{
+    const unsigned char *byte = (const unsigned char *)memory;
+    while (size > 0 && byte[size - 1] == 0) {
+        size--;
+    }
+    return size == 0;
 }
 
 static void storages(void)
 {
-    static smr_storage two[2], zeroes;
+    static target targets[2];
+    static workspace workspaces[2];
     smr_config several[2];
     smr_tracker *trackers[2] = {NULL, NULL}, **tracker = trackers;
+    size_t size = target_size(), work = workspace_size();
+    memset(targets, 0, sizeof targets);
+    memset(workspaces, 0, sizeof workspaces);
     several[0] = good_config();
-    EXPECT(smr_init(NULL, sizeof storage, several, tracker), SMR_ERROR_NULL);
-    EXPECT(smr_init(two, sizeof storage, NULL, tracker), SMR_ERROR_NULL);
-    EXPECT(smr_init(two, sizeof storage, several, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_init(askew(two), sizeof storage, several, tracker), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_init(two, sizeof storage, (smr_config *)askew(several), tracker), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_init(two, sizeof storage, several, (smr_tracker **)askew(trackers)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_init(two, 0, several, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
-    EXPECT(smr_init(two, SMR_TRACKER_SIZE - 1, several, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
-    HOLD(memcmp(&two[0], &zeroes, sizeof zeroes) == 0);
+    EXPECT(smr_init(NULL, size, workspaces, work, several, tracker), SMR_ERROR_NULL);
+    EXPECT(smr_init(targets, size, NULL, work, several, tracker), SMR_ERROR_NULL);
+    EXPECT(smr_init(targets, size, workspaces, work, NULL, tracker), SMR_ERROR_NULL);
+    EXPECT(smr_init(targets, size, workspaces, work, several, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_init(askew(targets), size, workspaces, work, several, tracker), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_init(targets, size, askew(workspaces), work, several, tracker), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_init(targets[0].bytes + SMR_ALIGNMENT / 2, size, workspaces, work, several, tracker), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_init(targets, size, workspaces[0].bytes + SMR_ALIGNMENT / 2, work, several, tracker), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_init(targets, size, workspaces, work, (smr_config *)askew(several), tracker), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_init(targets, size, workspaces, work, several, (smr_tracker **)askew(trackers)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_init(targets, 0, workspaces, work, several, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
+    EXPECT(smr_init(targets, size - 1, workspaces, work, several, tracker), SMR_ERROR_STORAGE_TOO_SMALL);
+    EXPECT(smr_init(targets, size, workspaces, 0, several, tracker), SMR_ERROR_WORKSPACE_TOO_SMALL);
+    EXPECT(smr_init(targets, size, workspaces, work - 1, several, tracker), SMR_ERROR_WORKSPACE_TOO_SMALL);
+    EXPECT(smr_init(workspaces, size, workspaces, work, several, tracker), SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE);
+    EXPECT(smr_init(workspaces[0].bytes + work - 8, size, workspaces, work, several, tracker),
+           SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE);
+    HOLD(is_zero(targets, sizeof targets) && is_zero(workspaces, sizeof workspaces));
     HOLD(trackers[0] == NULL);
 
-    EXPECT(smr_init(two, SMR_TRACKER_SIZE, several, tracker), SMR_OK);
+    /* Nothing is written behind what was given. */
+    EXPECT(smr_init(targets, size, workspaces, work, several, tracker), SMR_OK);
     HOLD(trackers[0] != NULL && trackers[1] == NULL);
-    HOLD(memcmp(&two[1], &zeroes, sizeof zeroes) == 0); /* nothing is written behind the storage */
+    HOLD(is_zero(targets[0].bytes + size, sizeof targets - size));
+    HOLD(is_zero(workspaces[0].bytes + work, sizeof workspaces - work));
 }
 
-/* What the calls on a tracker say to memory that is not one. */
-static void no_tracker(smr_tracker *tracker, smr_status wanted)
+/* What the calls on a tracker say to memory that is not one, or has lost its workspace. */
+static void no_updates(smr_tracker *tracker, smr_status wanted)
 {
     smr_frame frame = good_frame();
-    smr_rect target = rect(10, 10, 6, 6), window;
+    smr_rect box = rect(10, 10, 12, 12);
     smr_answer answer;
+    uint8_t done;
+    EXPECT(smr_lock(tracker, &frame, &box), wanted);
+    EXPECT(smr_update(tracker, &frame, &answer), wanted);
+    EXPECT(smr_begin(tracker, &frame), wanted);
+    EXPECT(smr_step(tracker, &frame, 1, &done), wanted);
+    EXPECT(smr_finish(tracker, &frame, &answer), wanted);
+}
+
+static void no_tracker(smr_tracker *tracker, smr_status wanted)
+{
+    smr_rect box = rect(10, 10, 12, 12), window;
+    smr_fine_rect fine;
+    smr_state state;
     smr_image image;
     uint16_t alpha;
-    EXPECT(smr_lock(tracker, &frame, &target), wanted);
-    EXPECT(smr_update(tracker, &frame, &answer), wanted);
+    size_t size;
+    no_updates(tracker, wanted);
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), wanted);
     EXPECT(smr_window(tracker, &window), wanted);
+    EXPECT(smr_sweep_window(tracker, &window), wanted);
+    EXPECT(smr_last(tracker, &fine, &state), wanted);
+    EXPECT(smr_moved(tracker, 256, 256), wanted);
+    EXPECT(smr_saved_size(tracker, &size), wanted);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &size), wanted);
+    EXPECT(smr_restore(tracker, bytes, sizeof bytes), wanted);
     EXPECT(smr_template(tracker, &image), wanted);
     EXPECT(smr_alpha(tracker, &alpha), wanted);
+    EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), wanted);
 }
 
 static void no_trackers(void)
 {
-    static smr_storage zeroes, moved;
+    static target zeroes, moved;
     smr_tracker *tracker = good_tracker();
     no_tracker(NULL, SMR_ERROR_NULL);
     no_tracker((smr_tracker *)askew(tracker), SMR_ERROR_MISALIGNED);
@@ -191,6 +325,61 @@ static void no_trackers(void)
     no_tracker((smr_tracker *)(void *)&moved, SMR_ERROR_NOT_INITIALISED);
     memset(&storage, 0xFF, sizeof storage);
     no_tracker(tracker, SMR_ERROR_NOT_INITIALISED);
+    tracker = locked_tracker();
+    memset(&scratch, 0xFF, sizeof scratch);
+    no_updates(tracker, SMR_ERROR_NOT_INITIALISED);
+}
+
+/* Trackers of a kind may share a workspace, one update at a time; the other kind's tracker takes it away. */
+static void shared_workspaces(void)
+{
+    static target second, other;
+    smr_config config = good_config();
+    smr_tracker *one = locked_tracker(), *two = tracker_in(&second, &config);
+    smr_frame frame = good_frame();
+    smr_rect box = rect(26, 22, 8, 8);
+    smr_answer answer;
+    uint8_t done;
+    EXPECT(smr_lock(two, &frame, &box), SMR_OK); /* on the same box: only their addresses tell them apart */
+    EXPECT(smr_begin(one, &frame), SMR_OK);
+    EXPECT(smr_step(two, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_finish(two, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_step(one, &frame, 1, &done), SMR_OK);
+    EXPECT(smr_begin(two, &frame), SMR_OK);
+    EXPECT(smr_finish(one, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_finish(two, &frame, &answer), SMR_OK);
+    HOLD(answer.bbox.x == 26 && answer.bbox.y == 22);
+    EXPECT(smr_update(one, &frame, &answer), SMR_OK);
+    HOLD(answer.bbox.x == 26 && answer.bbox.y == 22);
+    robust = !robust;
+    config = good_config();
+    tracker_in(&other, &config);
+    robust = !robust;
+    no_updates(one, SMR_ERROR_NOT_INITIALISED);
+}
+
+/* What only one of the trackers has. */
+static void other_methods(void)
+{
+    static target other;
+    smr_tracker *tracker = locked_tracker();
+    smr_config config;
+    smr_image image;
+    uint16_t alpha = 777;
+    size_t written;
+    memset(&image, 0x5A, sizeof image);
+    if (robust) {
+        EXPECT(smr_template(tracker, &image), SMR_ERROR_OTHER_METHOD);
+        EXPECT(smr_alpha(tracker, &alpha), SMR_ERROR_OTHER_METHOD);
+    } else {
+        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), SMR_ERROR_OTHER_METHOD);
+    }
+    HOLD(image.width == 0x5A5A && alpha == 777);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
+    robust = !robust;
+    config = good_config();
+    EXPECT(smr_restore(tracker_in(&other, &config), bytes, written), SMR_ERROR_OTHER_METHOD);
+    robust = !robust;
 }
 
 static void pointers(void)
@@ -198,165 +387,308 @@ static void pointers(void)
     smr_tracker *tracker = good_tracker();
     smr_frame frames[2];
     smr_rect rects[2];
+    smr_fine_rect fine[2];
+    smr_state states[2];
     smr_answer answers[2];
     smr_image images[2];
     uint16_t alphas[2];
+    uint8_t done;
     frames[0] = good_frame();
-    rects[0] = rect(10, 10, 6, 6);
+    rects[0] = rect(26, 22, 8, 8);
     EXPECT(smr_lock(tracker, NULL, rects), SMR_ERROR_NULL);
     EXPECT(smr_lock(tracker, frames, NULL), SMR_ERROR_NULL);
     EXPECT(smr_lock(tracker, (smr_frame *)askew(frames), rects), SMR_ERROR_MISALIGNED);
     EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_lock(tracker, frames, rects), SMR_OK);
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, NULL, rects), SMR_ERROR_NULL);
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, rects, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, (smr_rect *)askew(rects), rects + 1), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, rects, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_update(tracker, NULL, answers), SMR_ERROR_NULL);
-    EXPECT(smr_begin(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_step(tracker, frames, 1, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_finish(tracker, frames, NULL), SMR_ERROR_NULL);
     EXPECT(smr_update(tracker, frames, NULL), SMR_ERROR_NULL);
     EXPECT(smr_update(tracker, (smr_frame *)askew(frames), answers), SMR_ERROR_MISALIGNED);
     EXPECT(smr_update(tracker, frames, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_begin(tracker, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_begin(tracker, frames), SMR_OK);
+    EXPECT(smr_step(tracker, NULL, 1, &done), SMR_ERROR_NULL);
+    EXPECT(smr_step(tracker, frames, 1, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_finish(tracker, NULL, answers), SMR_ERROR_NULL);
+    EXPECT(smr_finish(tracker, frames, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_finish(tracker, frames, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_window(tracker, NULL), SMR_ERROR_NULL);
     EXPECT(smr_window(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_template(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_template(tracker, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_alpha(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_alpha(tracker, (uint16_t *)askew(alphas)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_sweep_window(tracker, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_sweep_window(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_last(tracker, NULL, states), SMR_ERROR_NULL);
+    EXPECT(smr_last(tracker, fine, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_last(tracker, (smr_fine_rect *)askew(fine), states), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_last(tracker, fine, (smr_state *)askew(states)), SMR_ERROR_MISALIGNED);
+    if (robust) {
+        EXPECT(smr_early_template(tracker, NULL, sizeof bytes, images), SMR_ERROR_NULL);
+        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, NULL), SMR_ERROR_NULL);
+        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
+        EXPECT(smr_early_template(tracker, storage.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
+        EXPECT(smr_early_template(tracker, scratch.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
+    } else {
+        EXPECT(smr_template(tracker, NULL), SMR_ERROR_NULL);
+        EXPECT(smr_template(tracker, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
+        EXPECT(smr_alpha(tracker, NULL), SMR_ERROR_NULL);
+        EXPECT(smr_alpha(tracker, (uint16_t *)askew(alphas)), SMR_ERROR_MISALIGNED);
+    }
 }
 
-/* A frame that lock and update refuse alike. */
+/* A frame that all calls refuse alike. */
 static void refused(smr_tracker *tracker, const smr_frame *frame, smr_status wanted)
 {
-    smr_rect target = rect(10, 10, 6, 6);
+    smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
-    EXPECT(smr_lock(tracker, frame, &target), wanted);
+    uint8_t done;
+    EXPECT(smr_lock(tracker, frame, &box), wanted);
     EXPECT(smr_update(tracker, frame, &answer), wanted);
+    EXPECT(smr_begin(tracker, frame), wanted);
+    EXPECT(smr_step(tracker, frame, 1, &done), wanted);
+    EXPECT(smr_finish(tracker, frame, &answer), wanted);
 }
 
 static void frames(void)
 {
-    smr_tracker *tracker = good_tracker();
-    smr_rect target = rect(10, 10, 6, 6);
-    smr_frame frame = good_frame();
-    smr_image image;
-    EXPECT(smr_lock(tracker, &frame, &target), SMR_OK);
-#define REFUSED_FRAME(change, wanted) \
+    smr_tracker *tracker = locked_tracker();
+    smr_frame frame;
+    smr_answer answer;
+    unsigned i;
+#define REFUSED_PART(change, wanted) \
     frame = good_frame(); \
+    frame.parts[1] = frame.parts[0]; \
     change; \
     refused(tracker, &frame, wanted)
-    REFUSED_FRAME(frame.pixels = NULL, SMR_ERROR_NULL);
-    REFUSED_FRAME(frame.width = 0, SMR_ERROR_FRAME_EMPTY);
-    REFUSED_FRAME(frame.height = 0, SMR_ERROR_FRAME_EMPTY);
-    REFUSED_FRAME(frame.stride = WIDTH - 1, SMR_ERROR_STRIDE_TOO_SMALL);
-    REFUSED_FRAME(frame.stride = 0, SMR_ERROR_STRIDE_TOO_SMALL);
-    REFUSED_FRAME(frame.stride = WIDTH + 1, SMR_ERROR_FRAME_TOO_SHORT);
-    REFUSED_FRAME(frame.stride = SIZE_MAX, SMR_ERROR_FRAME_TOO_SHORT);
-    REFUSED_FRAME(frame.size = sizeof pixels - 1, SMR_ERROR_FRAME_TOO_SHORT);
-    REFUSED_FRAME(frame.size = 0, SMR_ERROR_FRAME_TOO_SHORT);
-    REFUSED_FRAME(frame.size = (size_t)PTRDIFF_MAX + 1, SMR_ERROR_FRAME_TOO_LARGE);
-    REFUSED_FRAME(frame.full_width = WIDTH - 1, SMR_ERROR_OUTSIDE_FRAME);
-    REFUSED_FRAME(frame.full_height = 0, SMR_ERROR_OUTSIDE_FRAME);
-    REFUSED_FRAME(frame.x = 1, SMR_ERROR_OUTSIDE_FRAME);
-    REFUSED_FRAME(frame.y = UINT16_MAX, SMR_ERROR_OUTSIDE_FRAME);
-
-    EXPECT(smr_template(tracker, &image), SMR_OK);
-    frame.pixels = image.pixels;
-    frame.width = image.width;
-    frame.height = image.height;
-    frame.stride = image.width;
-    frame.size = (size_t)image.width * image.height;
-    refused(tracker, &frame, SMR_ERROR_FRAME_OVERLAPS_TRACKER);
+    for (i = 0; i < 2; i++) {
+        if (i == 0) {
+            REFUSED_PART(frame.parts[i].pixels = NULL, SMR_ERROR_NULL);
+        }
+        REFUSED_PART(frame.parts[i].width = 0, SMR_ERROR_FRAME_EMPTY);
+        REFUSED_PART(frame.parts[i].height = 0, SMR_ERROR_FRAME_EMPTY);
+        REFUSED_PART(frame.parts[i].stride = WIDTH - 1, SMR_ERROR_STRIDE_TOO_SMALL);
+        REFUSED_PART(frame.parts[i].stride = 0, SMR_ERROR_STRIDE_TOO_SMALL);
+        REFUSED_PART(frame.parts[i].stride = WIDTH + 1, SMR_ERROR_FRAME_TOO_SHORT);
+        REFUSED_PART(frame.parts[i].stride = SIZE_MAX, SMR_ERROR_FRAME_TOO_SHORT);
+        REFUSED_PART(frame.parts[i].size = sizeof pixels - 1, SMR_ERROR_FRAME_TOO_SHORT);
+        REFUSED_PART(frame.parts[i].size = 0, SMR_ERROR_FRAME_TOO_SHORT);
+        REFUSED_PART(frame.parts[i].size = (size_t)PTRDIFF_MAX + 1, SMR_ERROR_MEMORY_TOO_LARGE);
+        REFUSED_PART(frame.parts[i].x = 1, SMR_ERROR_OUTSIDE_FRAME);
+        REFUSED_PART(frame.parts[i].y = UINT16_MAX, SMR_ERROR_OUTSIDE_FRAME);
+        REFUSED_PART(frame.parts[i].pixels = storage.bytes, SMR_ERROR_OVERLAPS_TRACKER);
+        REFUSED_PART(frame.parts[i].pixels = storage.bytes + target_size() - 1, SMR_ERROR_OVERLAPS_TRACKER);
+        REFUSED_PART(frame.parts[i].pixels = scratch.bytes, SMR_ERROR_OVERLAPS_TRACKER);
+        REFUSED_PART(frame.parts[i].pixels = scratch.bytes + workspace_size() - 1, SMR_ERROR_OVERLAPS_TRACKER);
+    }
+    REFUSED_PART(frame.width = WIDTH - 1, SMR_ERROR_OUTSIDE_FRAME);
+    REFUSED_PART(frame.height = 0, SMR_ERROR_OUTSIDE_FRAME);
+    /* Without pixels there is no second part, whatever else is said of it. */
+    frame = good_frame();
+    frame.parts[1].x = UINT16_MAX;
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+    /* One of the two is enough. */
+    frame.parts[1] = frame.parts[0];
+    frame.parts[0].width = frame.parts[0].height = 1;
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
 }
 
 static void boxes(void)
 {
-    static uint8_t wide[SMR_PIXELS + 1];
     smr_tracker *tracker = good_tracker();
     smr_frame frame = good_frame();
-    smr_rect target;
-#define REFUSED_BOX(x, y, width, height, wanted) \
-    target = rect(x, y, width, height); \
-    EXPECT(smr_lock(tracker, &frame, &target), wanted)
+    smr_rect box, window;
+#define REFUSED_BOX(left, top, across, down, wanted) \
+    box = rect(left, top, across, down); \
+    window = rect(-7, -7, 7, 7); \
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), wanted); \
+    HOLD((window.x == -7) == ((wanted) != SMR_OK)); \
+    EXPECT(smr_lock(tracker, &frame, &box), wanted)
     REFUSED_BOX(5, 5, 0, 6, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(5, 5, 6, 0, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(-1, 5, 6, 6, SMR_ERROR_BOX_OUTSIDE_FRAME);
     REFUSED_BOX(WIDTH - 5, 5, 6, 6, SMR_ERROR_BOX_OUTSIDE_FRAME);
     REFUSED_BOX(INT32_MAX, INT32_MIN, UINT16_MAX, UINT16_MAX, SMR_ERROR_BOX_OUTSIDE_FRAME);
-    frame.pixels += 10;
-    frame.size -= 10;
-    frame.width -= 10;
-    frame.x = 10;
-    REFUSED_BOX(9, 5, 6, 6, SMR_ERROR_BOX_NOT_IN_MEMORY);
-    REFUSED_BOX(10, 5, 6, 6, SMR_OK);
-
-    frame.pixels = wide;
-    frame.size = sizeof wide;
-    frame.width = frame.full_width = SMR_PIXELS + 1;
-    frame.height = frame.full_height = 1;
-    frame.stride = sizeof wide;
-    frame.x = 0;
-    REFUSED_BOX(0, 0, SMR_PIXELS + 1, 1, SMR_ERROR_BOX_TOO_LARGE);
-    REFUSED_BOX(0, 0, SMR_PIXELS, 1, SMR_OK);
+    REFUSED_BOX(0, 0, 1, 1, SMR_OK);
 }
 
+/* What only a box of the paper's tracker may not be: too large, or in too large a window. */
+static void capacities(void)
+{
+    static uint8_t wide[SMR_PIXELS + 1 > 2 * SMR_SPAN + 4 ? SMR_PIXELS + 1 : 2 * SMR_SPAN + 4];
+    smr_config config = good_config();
+    smr_tracker *tracker = good_tracker();
+    smr_frame frame = good_frame();
+    smr_rect box = rect(0, 0, SMR_PIXELS + 1, 1);
+    frame.parts[0].pixels = wide;
+    frame.parts[0].size = frame.parts[0].stride = sizeof wide;
+    frame.width = frame.parts[0].width = sizeof wide;
+    frame.height = frame.parts[0].height = 1;
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_BOX_TOO_LARGE);
+    box.width = SMR_PIXELS;
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    box.width = 1;
+    config.paper.window_limit.x = SMR_SPAN / 2 + 1;
+    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_ERROR_WINDOW_TOO_LARGE);
+    config.paper.window_limit.x = (SMR_SPAN - 1) / 2;
+    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
+}
+
+/* The windows are what is read: with them it goes, with a column or a row less it does not. */
 static void windows(void)
 {
-    static uint8_t wide[2 * SMR_SPAN + 4];
-    smr_config config = good_config();
-    smr_tracker *tracker;
-    smr_frame frame = good_frame();
-    smr_rect target = rect(0, 0, 1, 1);
-    frame.pixels = wide;
-    frame.size = frame.stride = sizeof wide;
-    frame.width = frame.full_width = sizeof wide;
-    frame.height = frame.full_height = 1;
-    config.window_limit.x = SMR_SPAN / 2 + 1;
-    EXPECT(smr_init(&storage, sizeof storage, &config, &tracker), SMR_OK);
-    EXPECT(smr_lock(tracker, &frame, &target), SMR_ERROR_WINDOW_TOO_LARGE);
-    config.window_limit.x = (SMR_SPAN - 1) / 2;
-    EXPECT(smr_init(&storage, sizeof storage, &config, &tracker), SMR_OK);
-    EXPECT(smr_lock(tracker, &frame, &target), SMR_OK);
+    smr_tracker *tracker = good_tracker();
+    smr_frame frame;
+    smr_rect box = rect(26, 22, 8, 8), window, less, sweep = rect(-7, -7, 7, 7);
+    smr_answer answer;
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), SMR_OK);
+    HOLD(window.x > 0 && window.y > 0 && window.x + window.width < WIDTH && window.y + window.height < HEIGHT);
+    less = window;
+    less.width--;
+    frame = part_of_frame(&less);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
+    less = window;
+    less.y++;
+    less.height--;
+    frame = part_of_frame(&less);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
+    frame = part_of_frame(&window);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+
+    EXPECT(smr_window(tracker, &window), SMR_OK);
+    HOLD(robust || (window.x == 21 && window.y == 17 && window.width == 18 && window.height == 18));
+    EXPECT(smr_sweep_window(tracker, &sweep), SMR_OK);
+    HOLD(sweep.x == 0 && sweep.y == 0 && sweep.width == 0 && sweep.height == 0);
+    memset(&answer, 0x5A, sizeof answer);
+    less = window;
+    less.width--;
+    frame = part_of_frame(&less);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_WINDOW_NOT_IN_MEMORY);
+    less = window;
+    less.y++;
+    less.height--;
+    frame = part_of_frame(&less);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_WINDOW_NOT_IN_MEMORY);
+    HOLD(answer.bbox.x == 0x5A5A5A5A);
+    frame = part_of_frame(&window);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+    HOLD(answer.bbox.x == 26 && answer.bbox.y == 22 && answer.bbox.width == 8 && answer.bbox.height == 8);
+    HOLD(answer.fine.x == 26 * 256 || robust);
+    HOLD(answer.state == SMR_TRACKING && answer.ratio > 65000 && answer.found_again == 0);
 }
 
 static void order(void)
 {
     smr_tracker *tracker = good_tracker();
-    smr_frame frame = good_frame();
-    smr_rect target = rect(15, 10, 6, 6), window = rect(-7, -7, 7, 7);
+    smr_frame frame = good_frame(), other = good_frame();
+    smr_rect box = rect(26, 22, 8, 8), window = rect(-7, -7, 7, 7);
+    smr_fine_rect fine = {-7, -7, 7, 7};
+    smr_state state = SMR_LOST;
     smr_answer answer;
-    smr_image image;
-    uint16_t alpha = 777;
-    uint8_t done = 0;
+    uint8_t done = 7;
+    size_t written = 777;
     memset(&answer, 0x5A, sizeof answer);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_begin(tracker, &frame), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_alpha(tracker, &alpha), SMR_ERROR_NOT_LOCKED);
-    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && alpha == 777);
+    EXPECT(smr_sweep_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_moved(tracker, 1, 1), SMR_OK);
+    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && fine.x == -7 && state == SMR_LOST && done == 7 && written == 777);
 
-    EXPECT(smr_lock(tracker, &frame, &target), SMR_OK);
-    frame.height = frame.full_height = HEIGHT - 1;
-    EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_FRAME_SIZE_CHANGED);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
+    HOLD(fine.x == 26 * 256 && fine.y == 22 * 256 && fine.width == 8 * 256 && state == SMR_TRACKING);
+    other.height = other.parts[0].height = HEIGHT - 1;
+    EXPECT(smr_update(tracker, &other, &answer), SMR_ERROR_FRAME_SIZE_CHANGED);
 
-    frame = good_frame();
-    EXPECT(smr_window(tracker, &window), SMR_OK);
-    HOLD(window.x == 10 && window.y == 5 && window.width == 16 && window.height == 16);
-    frame.pixels = pixels + (size_t)window.y * WIDTH + (size_t)window.x;
-    frame.x = (uint16_t)window.x;
-    frame.y = (uint16_t)window.y;
-    frame.height = window.height;
-    frame.size = (size_t)(window.height - 1) * WIDTH + window.width;
-    frame.width = (uint16_t)(window.width - 1);
-    EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_WINDOW_NOT_IN_MEMORY);
-    HOLD(answer.bbox.x == 0x5A5A5A5A);
-    frame.width = window.width;
     EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_step(tracker, &other, 1, &done), SMR_ERROR_FRAME_SIZE_CHANGED);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
+    HOLD(done == 0);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
-    HOLD(answer.bbox.x == 15 && answer.bbox.y == 10 && answer.state == SMR_TRACKING && answer.ratio == 65535);
+    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_moved(tracker, 2 * 256, -3 * 256), SMR_OK);
+    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
+    HOLD(fine.x == 28 * 256 && fine.y == 19 * 256);
+    EXPECT(smr_moved(tracker, INT32_MAX, INT32_MIN), SMR_OK);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+}
+
+static void saved(void)
+{
+    static uint8_t again[sizeof bytes];
+    smr_tracker *tracker = locked_tracker();
+    smr_config config = good_config();
+    size_t written = 777, second;
+    memset(bytes, 0xA5, sizeof bytes);
+    EXPECT(smr_save(tracker, NULL, sizeof bytes, &written), SMR_ERROR_NULL);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_save(tracker, bytes, SIZE_MAX, &written), SMR_ERROR_MEMORY_TOO_LARGE);
+    EXPECT(smr_save(tracker, storage.bytes + target_size() - 1, 1, &written), SMR_ERROR_OVERLAPS_TRACKER);
+    EXPECT(smr_save(tracker, scratch.bytes, 1, &written), SMR_ERROR_OVERLAPS_TRACKER);
+    HOLD(written == 777 && bytes[0] == 0xA5);
+    EXPECT(smr_save(tracker, bytes, 0, &written), SMR_ERROR_BUFFER_TOO_SMALL);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
+    HOLD(written <= (robust ? SMR_ROBUST_SAVED_SIZE : SMR_PAPER_SAVED_SIZE));
+    EXPECT(smr_save(tracker, again, written - 1, &second), SMR_ERROR_BUFFER_TOO_SMALL);
+    EXPECT(smr_save(tracker, again, written, &second), SMR_OK);
+    HOLD(second == written && memcmp(bytes, again, written) == 0);
+
+    EXPECT(smr_restore(tracker, NULL, written), SMR_ERROR_NULL);
+    EXPECT(smr_restore(tracker, bytes, SIZE_MAX), SMR_ERROR_MEMORY_TOO_LARGE);
+    EXPECT(smr_restore(tracker, storage.bytes, 1), SMR_ERROR_OVERLAPS_TRACKER);
+    EXPECT(smr_restore(tracker, pixels, sizeof pixels), SMR_ERROR_NOT_SAVED);
+    EXPECT(smr_restore(tracker, bytes, 0), SMR_ERROR_NOT_SAVED);
+    EXPECT(smr_restore(tracker, bytes, written - 1), SMR_ERROR_TRUNCATED);
+    bytes[written - 5] ^= 1;
+    EXPECT(smr_restore(tracker, bytes, written), SMR_ERROR_DAMAGED);
+    bytes[4] ^= 0x55;
+    EXPECT(smr_restore(tracker, bytes, written), SMR_ERROR_OTHER_VERSION);
+    if (robust) {
+        config.robust.patience++;
+    } else {
+        config.paper.padding++;
+    }
+    EXPECT(smr_restore(tracker_in(&storage, &config), again, written), SMR_ERROR_OTHER_CONFIG);
+    EXPECT(smr_restore(good_tracker(), again, written), SMR_OK);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &second), SMR_OK);
+    HOLD(second == written && memcmp(bytes, again, written) == 0);
+}
+
+/* The template is shown where it is; the early template is copied, into enough memory and no further. */
+static void templates(void)
+{
+    smr_tracker *tracker = good_tracker();
+    smr_image image;
+    uint16_t alpha = 777;
+    memset(bytes, 0x5A, sizeof bytes);
+    memset(&image, 0x5A, sizeof image);
+    if (robust) {
+        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), SMR_ERROR_NOT_LOCKED);
+        tracker = locked_tracker();
+        EXPECT(smr_early_template(tracker, bytes, 16 * 16 - 1, &image), SMR_ERROR_BUFFER_TOO_SMALL);
+        HOLD(bytes[0] == 0x5A && image.width == 0x5A5A);
+        EXPECT(smr_early_template(tracker, bytes, 16 * 16, &image), SMR_OK);
+        HOLD(image.pixels == bytes && image.width == 16 && image.height == 16); /* a grid of half pixels */
+        HOLD(bytes[16 * 16] == 0x5A && memchr(bytes, 0x5A, 16 * 16) != bytes);
+        return;
+    }
+    EXPECT(smr_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_alpha(tracker, &alpha), SMR_ERROR_NOT_LOCKED);
+    HOLD(image.width == 0x5A5A && alpha == 777);
+    tracker = locked_tracker();
     EXPECT(smr_template(tracker, &image), SMR_OK);
-    HOLD(image.width == 6 && image.height == 6 && image.pixels[6] == pixels[11 * WIDTH + 15]);
+    HOLD(image.width == 8 && image.height == 8 && image.pixels[8] == pixels[23 * WIDTH + 26]);
     EXPECT(smr_alpha(tracker, &alpha), SMR_OK);
     HOLD(alpha == 13);
 }
@@ -369,16 +701,25 @@ int main(void)
     }
     names();
     version();
-    sizes();
     tables();
-    configurations();
-    storages();
-    no_trackers();
-    pointers();
-    frames();
-    boxes();
-    windows();
-    order();
-    printf("misuse: %u claims, %u failed\n", tried, failed);
+    fillings();
+    for (robust = 0; robust < 2; robust++) {
+        sizes();
+        configurations();
+        storages();
+        no_trackers();
+        shared_workspaces();
+        other_methods();
+        pointers();
+        frames();
+        boxes();
+        windows();
+        order();
+        saved();
+        templates();
+    }
+    robust = 0;
+    capacities();
+    printf("misuse: %u claims of both trackers, %u failed\n", tried, failed);
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

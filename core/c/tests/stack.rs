@@ -3,8 +3,8 @@
 #![allow(unsafe_code)] // calls of the C interface, and a look at the stack
 
 use smr::{
-    ROBUST_STORAGE_SIZE, STORAGE_SIZE, smr_config, smr_config_paper, smr_init, smr_robust_config,
-    smr_robust_config_default, smr_robust_init, smr_status, smr_table, smr_table_init,
+    PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera,
+    smr_config_robust, smr_init, smr_status, smr_table, smr_table_init,
 };
 use std::hint::black_box;
 use std::mem::MaybeUninit;
@@ -59,36 +59,29 @@ fn what_is_taken_is_noticed() {
     assert!((0..2000).contains(&little) && (99_000..102_000).contains(&much), "{little}, {much}");
 }
 
-#[test]
-fn a_tracker_is_made_in_its_storage() {
-    let taken = stack_of(|| {
-        static mut STORAGE: Storage<STORAGE_SIZE> = Storage([0; STORAGE_SIZE]);
-        let (mut config, mut tracker) = (MaybeUninit::<smr_config>::uninit(), ptr::null_mut());
-        // SAFETY: the storage is used here alone; the configuration is written before it is read.
+/// Bytes of stack to make a tracker.
+fn stack_of_init<const TARGET: usize, const WORKSPACE: usize>(
+    fill: unsafe extern "C" fn(*mut smr_config) -> smr_status,
+) -> usize {
+    let (mut storage, mut workspace) = (Box::new(Storage([0; TARGET])), Box::new(Storage([0; WORKSPACE])));
+    stack_of(move || {
+        let (mut config, mut tracker) = (MaybeUninit::uninit(), ptr::null_mut());
+        // SAFETY: the memory is used here alone; the configuration is written before it is read.
         let status = unsafe {
-            smr_config_paper(config.as_mut_ptr());
-            smr_init((&raw mut STORAGE).cast(), STORAGE_SIZE, config.as_ptr(), &raw mut tracker)
+            fill(config.as_mut_ptr());
+            let (storage, workspace) = (storage.0.as_mut_ptr().cast(), workspace.0.as_mut_ptr().cast());
+            smr_init(storage, TARGET, workspace, WORKSPACE, config.as_ptr(), &raw mut tracker)
         };
         assert_eq!(status, smr_status::SMR_OK);
-    });
-    println!("smr_init: {taken}");
-    assert!(taken < 4096, "smr_init takes {taken} bytes of stack");
+    })
 }
 
 #[test]
-fn a_robust_tracker_is_made_in_its_storage() {
-    let taken = stack_of(|| {
-        static mut STORAGE: Storage<ROBUST_STORAGE_SIZE> = Storage([0; ROBUST_STORAGE_SIZE]);
-        let (mut config, mut tracker) = (MaybeUninit::<smr_robust_config>::uninit(), ptr::null_mut());
-        // SAFETY: the storage is used here alone; the configuration is written before it is read.
-        let status = unsafe {
-            smr_robust_config_default(config.as_mut_ptr());
-            smr_robust_init((&raw mut STORAGE).cast(), ROBUST_STORAGE_SIZE, config.as_ptr(), &raw mut tracker)
-        };
-        assert_eq!(status, smr_status::SMR_OK);
-    });
-    println!("smr_robust_init: {taken}");
-    assert!(taken < 4096, "smr_robust_init takes {taken} bytes of stack");
+fn trackers_are_made_in_their_memory() {
+    let paper = stack_of_init::<PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE>(smr_config_camera);
+    let robust = stack_of_init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust);
+    println!("smr_init: {paper}, robust {robust}");
+    assert!(paper < 4096 && robust < 4096, "smr_init takes {paper} bytes of stack, for a robust tracker {robust}");
 }
 
 #[test]

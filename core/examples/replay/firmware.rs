@@ -1,24 +1,76 @@
-//! The firmware: locks, then reads a window, updates and answers, frame after frame.
+//! The firmware: locks, then reads what the tracker asks for, updates and answers, frame after frame.
 
 use crate::host_file::HostFile;
 use crate::measure::{Timer, spin, stack};
 use cortex_m::Peripherals;
-use cortex_m::peripheral::SYST;
 use cortex_m_rt::entry;
 use semihosting::process::exit;
-use smr_core::{Answer, Config, Frame, Image, Radius, Rect, State, Tracker};
+use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Target, paper, robust};
 
-const VERSION: u32 = 2;
-/// The window, to each side. It does not grow: there would be no room for what it would read.
-const RADIUS: u16 = 16;
-const SPAN: usize = 2 * RADIUS as usize + 1;
-/// The largest box: 64x64, or another shape of as many pixels whose window fits the buffer.
-const TEMPLATE_PIXELS: usize = 64 * 64;
-const BUFFER_PIXELS: usize = (64 + 2 * RADIUS as usize) * (64 + 2 * RADIUS as usize);
-const HEADER: usize = 9 * 4;
+const VERSION: u32 = 3;
+const HEADER: usize = 11 * 4;
 const CALIBRATION: u32 = 2_000_000;
+/// Numbers of a record.
+const RECORD: usize = 20;
+/// What stands for a number that there is not.
+const NONE: u32 = u32::MAX;
 
-type Replayed = Tracker<TEMPLATE_PIXELS, SPAN>;
+/// The window of `smr`, to each side. It does not grow: there would be no room for what it would read.
+const RADIUS: u16 = 16;
+/// The largest box of `smr`: 64x64, or another shape of as many pixels whose window fits the buffer.
+const TEMPLATE_PIXELS: usize = 64 * 64;
+const SMR_BUFFER: usize = (64 + 2 * RADIUS as usize) * (64 + 2 * RADIUS as usize);
+/// Two windows of `robust`, of a target of up to 48x48 pixels at the size it was locked on.
+const ROBUST_BUFFER: usize = 48 * 1024;
+
+type Smr = Paper<TEMPLATE_PIXELS, { 2 * RADIUS as usize + 1 }>;
+
+/// A tracker as it is replayed. All it takes is on the stack, so that the stack that was used is all of it.
+trait Replayed: Target {
+    const METHOD: u32;
+    /// The most pixels of a box, and the radius of the window; 0 where there is no such bound.
+    const BOUNDS: (u32, u16);
+    /// For pixels; a saved target fits, too.
+    type Buffer: AsMut<[u8]>;
+
+    fn numbers() -> Self::Config;
+
+    fn buffer() -> Self::Buffer;
+}
+
+impl Replayed for Smr {
+    const METHOD: u32 = 0;
+    #[allow(clippy::cast_possible_truncation)] // it is small
+    const BOUNDS: (u32, u16) = (TEMPLATE_PIXELS as u32, RADIUS);
+    type Buffer = [u8; SMR_BUFFER];
+
+    fn numbers() -> paper::Config {
+        let mut config = paper::Config::camera();
+        config.window = paper::Radius { x: RADIUS, y: RADIUS };
+        config.window_limit = config.window;
+        config
+    }
+
+    #[inline(always)]
+    fn buffer() -> Self::Buffer {
+        [0; SMR_BUFFER]
+    }
+}
+
+impl Replayed for Robust {
+    const METHOD: u32 = 1;
+    const BOUNDS: (u32, u16) = (0, 0);
+    type Buffer = [u8; ROBUST_BUFFER];
+
+    fn numbers() -> robust::Config {
+        robust::Config::robust()
+    }
+
+    #[inline(always)]
+    fn buffer() -> Self::Buffer {
+        [0; ROBUST_BUFFER]
+    }
+}
 
 /// Why the firmware does not go on. The numbers are the protocol's.
 #[derive(Clone, Copy)]
@@ -27,7 +79,7 @@ enum Refusal {
     BadInput = 1,
     /// The box has more pixels than the template.
     BoxTooLarge = 2,
-    /// The pixels of the search window are more than the buffer.
+    /// The pixels that the tracker asks for are more than the buffer.
     WindowTooLarge = 3,
     /// The tracker does not lock, for another reason.
     NoLock = 4,
@@ -39,12 +91,11 @@ enum Refusal {
 
 #[entry]
 fn main() -> ! {
-    static mut BUFFER: [u8; BUFFER_PIXELS] = [0; BUFFER_PIXELS];
     let (Some(peripherals), Some(mut answers)) = (Peripherals::take(), HostFile::create(c"answers.smr")) else {
         exit(1)
     };
     let mut frame = 0;
-    let end = replay(BUFFER, peripherals.SYST, &mut answers, &mut frame);
+    let end = choose(Timer::new(peripherals.SYST), &mut answers, &mut frame);
     let record = match end {
         Ok(()) => {
             let (used, room) = stack();
@@ -56,41 +107,90 @@ fn main() -> ! {
     exit(i32::from(end.is_err() || written.is_err()))
 }
 
+/// Has the tracker that is asked for follow the target.
+fn choose(timer: Timer, answers: &mut HostFile, at: &mut u32) -> Result<(), Refusal> {
+    let recording = Recording::open()?;
+    match recording.method {
+        Smr::METHOD => replay::<Smr>(recording, timer, answers, at),
+        Robust::METHOD => replay::<Robust>(recording, timer, answers, at),
+        _ => Err(Refusal::BadInput),
+    }
+}
+
 /// `at` is the frame that it is busy with, from 1.
-fn replay(buffer: &mut [u8], timer: SYST, answers: &mut HostFile, at: &mut u32) -> Result<(), Refusal> {
-    let mut timer = Timer::new(timer);
+#[inline(never)] // each with its own stack: only the one that runs is measured
+fn replay<T: Replayed>(
+    mut recording: Recording,
+    mut timer: Timer,
+    answers: &mut HostFile,
+    at: &mut u32,
+) -> Result<(), Refusal> {
+    let mut buffer = T::buffer();
+    let buffer = buffer.as_mut();
+    // Both stay where they are made: what is moved is on the stack twice.
+    let (mut made, mut workspace) = (T::new(T::numbers()), T::workspace());
+    let Ok(target) = &mut made else { return Err(Refusal::NoLock) };
     let ticks = timer.measure(|| spin(CALIBRATION)).1;
     #[allow(clippy::cast_possible_truncation)] // usize is u32 here
-    let [pixels, span, room, size] =
-        [TEMPLATE_PIXELS as u32, SPAN as u32, BUFFER_PIXELS as u32, size_of::<Replayed>() as u32];
-    write(answers, &[1, VERSION, pixels, span, RADIUS.into(), room, size, CALIBRATION, ticks])?;
-
-    let mut recording = Recording::open()?;
-    let mut config = Config::camera();
-    config.window = Radius { x: RADIUS, y: RADIUS };
-    config.window_limit = config.window;
-    let mut tracker = Replayed::new(config).map_err(|_| Refusal::NoLock)?;
+    let [room, target_size, workspace_size] =
+        [buffer.len() as u32, size_of::<T>() as u32, size_of::<T::Workspace>() as u32];
+    let (pixels, radius) = T::BOUNDS;
+    write(
+        answers,
+        &[1, VERSION, T::METHOD, pixels, radius.into(), room, target_size, workspace_size, CALIBRATION, ticks],
+    )?;
 
     *at = 1;
-    if recording.target.area() > pixels {
+    if pixels > 0 && recording.target.area() > pixels {
         return Err(Refusal::BoxTooLarge);
     }
-    let first = recording.read(0, recording.target, buffer)?;
-    tracker.lock(&first, recording.target).map_err(|_| Refusal::NoLock)?;
+    let bounds = Rect::new(0, 0, recording.width, recording.height);
+    let first = recording.read(0, target.lock_window(bounds, recording.target), None, buffer)?;
+    target.lock(&mut workspace, &first, recording.target).map_err(|_| Refusal::NoLock)?;
     for index in 1..recording.frames {
         *at = index + 1;
-        let window = tracker.window().ok_or(Refusal::NoUpdate)?;
-        let frame = recording.read(index, window, buffer)?;
-        let (answer, ticks) = timer.measure(|| tracker.update(&frame));
-        let answer = answer.map_err(|_| Refusal::NoUpdate)?;
-        write(answers, &record(*at, &answer, hash(&tracker), ticks))?;
+        let window = target.window().ok_or(Refusal::NoUpdate)?;
+        let frame = recording.read(index, window, target.sweep_window(), buffer)?;
+        let (answer, ticks, longest) = update((target, &mut workspace), &frame, recording.step, &mut timer)?;
+        let work = T::work(&workspace);
+        // The pixels are not needed any more.
+        let saved = target.save(buffer).ok().and_then(|size| buffer.get(..size)).ok_or(Refusal::NoUpdate)?;
+        write(answers, &record(*at, &answer, fnv(saved), [work, ticks, longest]))?;
     }
     Ok(())
+}
+
+/// The answer, the ticks that it took, and those of the longest step.
+fn update<T: Target>(
+    (target, workspace): (&mut T, &mut T::Workspace),
+    frame: &Frame<'_>,
+    step: u32,
+    timer: &mut Timer,
+) -> Result<(Answer, u32, u32), Refusal> {
+    if step == 0 {
+        let (answer, ticks) = timer.measure(|| target.update(workspace, frame));
+        return Ok((answer.map_err(|_| Refusal::NoUpdate)?, ticks, ticks));
+    }
+    let (update, first) = timer.measure(|| target.begin(workspace, frame));
+    let mut update = update.map_err(|_| Refusal::NoUpdate)?;
+    let (mut sum, mut longest) = (first, first);
+    loop {
+        let (done, ticks) = timer.measure(|| update.step(step));
+        (sum, longest) = (sum.saturating_add(ticks), longest.max(ticks));
+        if done {
+            break;
+        }
+    }
+    let (answer, ticks) = timer.measure(|| update.finish());
+    Ok((answer, sum.saturating_add(ticks), longest.max(ticks)))
 }
 
 /// `frames.smr`, of which single rows of a window are read.
 struct Recording {
     file: HostFile,
+    method: u32,
+    /// The work of a step; 0 is all at once.
+    step: u32,
     width: u16,
     height: u16,
     frames: u32,
@@ -107,55 +207,77 @@ impl Recording {
         if (word(), word()) != (u32::from_le_bytes(*b"SMRF"), VERSION) {
             return Err(Refusal::BadInput);
         }
+        let (method, step) = (word(), word());
         let (width, height, frames) = (size(word())?, size(word())?, word());
         let (x, y) = (size(word())?.into(), size(word())?.into());
         let target = Rect::new(x, y, size(word())?, size(word())?);
-        Ok(Self { file, width, height, frames, target })
+        Ok(Self { file, method, step, width, height, frames, target })
     }
 
-    /// The part of frame `index` (from 0) in `rect`, which lies inside it.
-    fn read<'b>(&mut self, index: u32, rect: Rect, buffer: &'b mut [u8]) -> Result<Frame<'b>, Refusal> {
+    /// The part of frame `index` (from 0) in `rect`, which lies inside it, and that in `other`.
+    fn read<'b>(
+        &mut self,
+        index: u32,
+        rect: Rect,
+        other: Option<Rect>,
+        buffer: &'b mut [u8],
+    ) -> Result<Frame<'b>, Refusal> {
         // A box smaller than the padding can be wholly outside. Nothing is read then, but a frame has a pixel.
         let rect = if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
+        let (first, rest) = buffer.split_at_mut_checked(pixels(rect)).ok_or(Refusal::WindowTooLarge)?;
+        let (image, x, y) = self.part(index, rect, first)?;
+        let frame = Frame::part(image, x, y, self.width, self.height).map_err(|_| Refusal::BadInput)?;
+        let Some(other) = other else { return Ok(frame) };
+        let second = rest.get_mut(..pixels(other)).ok_or(Refusal::WindowTooLarge)?;
+        let (image, x, y) = self.part(index, other, second)?;
+        frame.and_part(image, x, y).map_err(|_| Refusal::BadInput)
+    }
+
+    /// Fills `pixels` with as many of the frame.
+    fn part<'b>(&mut self, index: u32, rect: Rect, pixels: &'b mut [u8]) -> Result<(Image<'b>, u16, u16), Refusal> {
         let (x, y) = (size(rect.x.cast_unsigned())?, size(rect.y.cast_unsigned())?);
-        let width = usize::from(rect.width);
-        let part = buffer.get_mut(..width * usize::from(rect.height)).ok_or(Refusal::WindowTooLarge)?;
         let first_row = u64::from(index) * u64::from(self.height) + u64::from(y);
-        for (row, pixels) in (first_row..).zip(part.chunks_exact_mut(width.max(1))) {
+        for (row, pixels) in (first_row..).zip(pixels.chunks_exact_mut(usize::from(rect.width).max(1))) {
             let start = HEADER as u64 + row * u64::from(self.width) + u64::from(x);
             self.file.read(start, pixels).ok_or(Refusal::BadInput)?;
         }
-        let image = Image::new(part, rect.width, rect.height).map_err(|_| Refusal::BadInput)?;
-        Frame::part(image, x, y, self.width, self.height).map_err(|_| Refusal::BadInput)
+        Ok((Image::new(pixels, rect.width, rect.height).map_err(|_| Refusal::BadInput)?, x, y))
     }
+}
+
+fn pixels(rect: Rect) -> usize {
+    usize::from(rect.width) * usize::from(rect.height)
 }
 
 fn size(word: u32) -> Result<u16, Refusal> {
     u16::try_from(word).map_err(|_| Refusal::BadInput)
 }
 
-fn record(frame: u32, answer: &Answer, hash: u32, ticks: u32) -> [u32; 15] {
-    let Answer { bbox, ratio, alpha, found, .. } = *answer;
+fn record(frame: u32, answer: &Answer, hash: u32, [work, ticks, longest]: [u32; 3]) -> [u32; RECORD] {
+    let Answer { fine, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
     let state = match answer.state {
         State::Tracking => 0,
         State::Leaving => 1,
-        State::Lost => 2,
+        State::Uncertain => 2,
+        State::Lost => 3,
     };
-    let [left, top, peak_x, peak_y] = [bbox.x, bbox.y, found.peak.x, found.peak.y].map(i32::cast_unsigned);
-    let [ratio, runner_up_ratio, alpha] = [ratio, answer.runner_up_ratio.unwrap_or(0), alpha].map(u32::from);
-    let (score, runner_up, asked) = (found.peak.score, found.runner_up.unwrap_or(0), found.runner_up.is_some().into());
-    [2, frame, left, top, state, ratio, runner_up_ratio, alpha, peak_x, peak_y, score, runner_up, asked, hash, ticks]
+    let [left, top] = [fine.x, fine.y].map(i32::cast_unsigned);
+    let [runner_up_ratio, alpha] = [runner_up_ratio, alpha].map(|number| number.map_or(NONE, u32::from));
+    let box_and_state = [2, frame, left, top, fine.width, fine.height, state];
+    let figures = [confidence.into(), ratio.into(), runner_up_ratio, alpha, scale, found_again.into(), hash];
+    let mut record = [0; RECORD];
+    let numbers = box_and_state.into_iter().chain(figures).chain([work, ticks, longest]);
+    record.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+    record
 }
 
-/// FNV-1a over the template's bytes.
-fn hash(tracker: &Replayed) -> u32 {
-    let template = tracker.template();
-    let pixels = template.iter().flat_map(|template| template.rows().flatten());
-    pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193))
+/// FNV-1a.
+fn fnv(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0x811C_9DC5, |hash, &byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 fn write(answers: &mut HostFile, numbers: &[u32]) -> Result<(), Refusal> {
-    let mut bytes = [0; 64];
+    let mut bytes = [0; 4 * RECORD];
     for (bytes, number) in bytes.chunks_exact_mut(4).zip(numbers) {
         for (byte, value) in bytes.iter_mut().zip(number.to_le_bytes()) {
             *byte = value;

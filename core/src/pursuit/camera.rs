@@ -1,7 +1,7 @@
 //! The camera model: turns a place in the picture into an angle to the optical axis.
 
 use super::PursuitConfigError;
-use crate::Rect;
+use crate::FineRect;
 use micromath::F32;
 
 /// A pinhole camera with square pixels.
@@ -46,10 +46,18 @@ impl Camera {
     ///
     /// The two axes are treated separately. With the camera tilted by t, a turn of the pan servo moves the picture by only
     /// cos(t) of it, so the pan axis approaches the target more slowly there.
-    pub(super) fn error_radians(&self, target: Rect) -> (f32, f32) {
+    pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;
         (self.angle_radians(x), self.angle_radians(-y))
+    }
+
+    /// How far the picture moves to the right and down, in units of 1/256 pixel, when the camera turns so far right and up. Exact
+    /// near the optical axis; farther out a little more.
+    #[allow(clippy::cast_possible_truncation)] // a conversion saturates, and 0 is what is not a number
+    pub(super) fn picture_motion(&self, right_radians: f32, up_radians: f32) -> (i32, i32) {
+        let units = |radians: f32| (256.0 * self.focal_length_pixels * radians) as i32;
+        (units(-right_radians), units(up_radians))
     }
 
     fn angle_radians(&self, offset_pixels: f32) -> f32 {
@@ -73,30 +81,39 @@ impl Camera {
     }
 }
 
-/// The middle of `size` pixels from `first` on. Exact for every frame: below 2^24 halves of a pixel.
-fn middle(first: i32, size: u16) -> f32 {
-    first as f32 + f32::from(size) / 2.0
+/// The middle of `size` units of 1/256 pixel from `first` on, in pixels.
+fn middle(first: i32, size: u32) -> f32 {
+    (first as f32 + size as f32 / 2.0) / 256.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Rect;
     use proptest::prelude::*;
 
     #[test]
     fn right_and_up_are_positive() {
         let camera = Camera::centred(160.0, 160, 120);
-        assert_eq!(camera.error_radians(Rect::new(70, 50, 20, 20)), (0.0, 0.0));
-        let (right, up) = camera.error_radians(Rect::new(80, 40, 20, 20));
+        assert_eq!(camera.error_radians(Rect::new(70, 50, 20, 20).into()), (0.0, 0.0));
+        let (right, up) = camera.error_radians(Rect::new(80, 40, 20, 20).into());
         assert!(right > 0.0 && up > 0.0 && right == up);
-        assert_eq!(camera.error_radians(Rect::new(60, 60, 20, 20)), (-right, -up));
+        assert_eq!(camera.error_radians(Rect::new(60, 60, 20, 20).into()), (-right, -up));
+    }
+
+    #[test]
+    fn a_turn_of_the_camera_moves_the_picture_the_other_way() {
+        let camera = Camera::centred(160.0, 160, 120);
+        assert_eq!(camera.picture_motion(0.1, 0.2), (-16 * 256, 32 * 256));
+        let (x, y) = camera.picture_motion(f32::NAN, f32::INFINITY);
+        assert_eq!((x, y), (0, i32::MAX));
     }
 
     proptest! {
         #[test]
-        fn angles_are_those_of_the_pinhole(x in any::<i32>(), width in any::<u16>(), focal in 1.0..5000.0f32) {
+        fn angles_are_those_of_the_pinhole(x in -65_535..65_535i32, width in any::<u16>(), focal in 1.0..5000.0f32) {
             let camera = Camera::centred(focal, 320, 240);
-            let (angle, _) = camera.error_radians(Rect::new(x, 0, width, 1));
+            let (angle, _) = camera.error_radians(Rect::new(x, 0, width, 1).into());
             let exact = ((f64::from(x) + f64::from(width) / 2.0 - 160.0) / f64::from(focal)).atan();
             prop_assert!((f64::from(angle) - exact).abs() < 0.003, "{} for {}", angle, exact);
         }
@@ -108,7 +125,7 @@ mod tests {
         ) {
             let camera = Camera { focal_length_pixels: focal, principal_x_pixels: x, principal_y_pixels: y };
             if camera.check().is_ok() {
-                let (right, up) = camera.error_radians(Rect::new(target.0, target.1, target.2, target.3));
+                let (right, up) = camera.error_radians(Rect::new(target.0, target.1, target.2, target.3).into());
                 prop_assert!(right.abs() < 1.58 && up.abs() < 1.58, "{} {}", right, up);
             }
         }

@@ -5,7 +5,8 @@
 //!
 //! ```
 //! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};
-//! use smr_core::{Config, Frame, Image, Radius, Rect, Tracker};
+//! use smr_core::paper::{Config, Radius};
+//! use smr_core::{Frame, Image, Paper, Rect, Tracker};
 //! # use embedded_hal_mock::eh1::{digital, pwm};
 //! # let servo_at = |duty| {
 //! #     pwm::Mock::new(&[pwm::Transaction::max_duty_cycle(62_500), pwm::Transaction::set_duty_cycle(duty)])
@@ -33,20 +34,21 @@
 //!     tilt: axis,
 //!     tilt_servo: servo,
 //!     hold_seconds: 2.0,
+//!     delay_frames: 1,
 //! };
 //! let mut pursuit = Pursuit::new(config, pan_pin, tilt_pin, led_pin)?;
 //!
 //! let mut config = Config::camera();
 //! config.window = Radius { x: 8, y: 8 };
 //! config.window_limit = Radius { x: 16, y: 16 };
-//! let mut tracker = Tracker::<256, 33>::new(config)?;
+//! let mut tracker = Tracker::<Paper<256, 33>>::new(config)?;
 //! # let pixels: Vec<u8> = (0..64 * 48u32).map(|i| (i * i >> 7) as u8).collect();
 //! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
 //! tracker.lock(&frame, Rect::new(34, 16, 12, 12))?;
 //!
 //! // In each frame, 1/30 of a second after the last one:
-//! let answer = tracker.update(&frame)?;
-//! let command = pursuit.follow(&answer, 1.0 / 30.0)?;
+//! let (answer, command) = pursuit.follow(&mut tracker, &frame, 1.0 / 30.0)?;
+//! assert_eq!(answer.bbox.x, 34);
 //! // The target stands 8 pixels to the right of the middle and 2 above it: a third of the way in this frame.
 //! assert!((command.pan_radians - 0.041).abs() < 0.002 && (command.tilt_radians - 0.010).abs() < 0.001);
 //! # pan_mock.done();
@@ -63,7 +65,7 @@ pub use camera::Camera;
 pub use controller::Axis;
 pub use head::Servo;
 
-use crate::{Answer, State};
+use crate::{Answer, Frame, State, Target, Tracker, UpdateError};
 use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
@@ -85,6 +87,9 @@ pub struct PursuitConfig {
     pub tilt_servo: Servo,
     /// How long the head stays where it is when the target is lost, before it goes home. `f32::MAX` is for ever.
     pub hold_seconds: f32,
+    /// After how many frames a command shows in the picture, 0 to 3: 1 if the next frame is exposed before the servos have
+    /// turned. [`Pursuit::follow`] tells the tracker then how far the picture has moved.
+    pub delay_frames: u8,
 }
 
 impl PursuitConfig {
@@ -100,9 +105,15 @@ impl PursuitConfig {
         if self.hold_seconds < 0.0 {
             return Err(PursuitConfigError::Negative);
         }
+        if usize::from(self.delay_frames) >= TURNS {
+            return Err(PursuitConfigError::DelayTooLong);
+        }
         Ok(())
     }
 }
+
+/// Commands that can be on their way: the present one and those of the longest delay before.
+const TURNS: usize = 4;
 
 /// Where the head was last told to look, to the right and up from where both servos are at 0 radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +131,12 @@ pub type Commanded<P, T, L> = Result<
     PursuitError<<P as pwm::ErrorType>::Error, <T as pwm::ErrorType>::Error, <L as digital::ErrorType>::Error>,
 >;
 
+/// The tracker's answer and the command that was given, or the first error.
+pub type Followed<P, T, L> = Result<
+    (Answer, Command),
+    PursuitError<<P as pwm::ErrorType>::Error, <T as pwm::ErrorType>::Error, <L as digital::ErrorType>::Error>,
+>;
+
 /// Keeps the target centred: owns the pins of the pan servo, of the tilt servo and of the lock indicator.
 ///
 /// See the [module's example](self).
@@ -131,10 +148,14 @@ pub struct Pursuit<P, T, L> {
     hold_seconds: f32,
     /// How long no target has been seen.
     lost_seconds: f32,
+    /// By how much the last commands turned the head, the last one first, to the right and up.
+    turns: [(f32, f32); TURNS],
+    delay_frames: u8,
 }
 
 impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
-    /// A pursuit whose head is to be at home. No pin is touched before the first [`Pursuit::follow`] or [`Pursuit::wait`].
+    /// A pursuit whose head is to be at home. No pin is touched before the first [`Pursuit::follow`], [`Pursuit::steer`] or
+    /// [`Pursuit::wait`].
     /// Where the servos stand is not known, so they go to their first angle as fast as they can.
     ///
     /// # Errors
@@ -148,27 +169,51 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
             indicator,
             hold_seconds: config.hold_seconds,
             lost_seconds: 0.0,
+            turns: [(0.0, 0.0); TURNS],
+            delay_frames: config.delay_frames,
         })
     }
 
-    /// Steers by the tracker's answer to a frame, `elapsed_seconds` after the last call.
+    /// What there is to do in a frame, `elapsed_seconds` after the last one: finds the target, steers by the answer, and tells
+    /// the tracker how far the picture moves because the head turns.
     ///
-    /// While the state is tracking or leaving, the head turns to bring the middle of the box onto the optical axis, and the
-    /// indicator is on. While it is lost, this is [`Pursuit::wait`]. A target that is found again is followed at once.
+    /// # Errors
+    /// [`PursuitError::Update`] if the frame could not be searched; no pin was touched then. The others as for
+    /// [`Pursuit::steer`].
+    pub fn follow<F: Target>(
+        &mut self,
+        tracker: &mut Tracker<F>,
+        frame: &Frame<'_>,
+        elapsed_seconds: f32,
+    ) -> Followed<P, T, L> {
+        check_elapsed(elapsed_seconds)?;
+        let answer = tracker.update(frame).map_err(PursuitError::Update)?;
+        let command = self.steer(&answer, elapsed_seconds)?;
+        let (right, down) = self.picture_motion();
+        tracker.moved(right, down);
+        Ok((answer, command))
+    }
+
+    /// Steers by the tracker's answer to a frame, `elapsed_seconds` after the last call. For those who update the tracker
+    /// themselves, in steps for example; they tell it of [`Pursuit::picture_motion`], too.
+    ///
+    /// While the target is not lost, the head turns to bring the middle of the box onto the optical axis. When it is lost, this
+    /// is [`Pursuit::wait`]. The indicator is on while the state is tracking or leaving. A target that is found again is
+    /// followed at once.
     ///
     /// # Errors
     /// [`PursuitError`]. If a pin fails, the others are still written; the first error is the one returned. The axis
     /// whose pin failed is taken to be where it was.
-    pub fn follow(&mut self, answer: &Answer, elapsed_seconds: f32) -> Commanded<P, T, L> {
+    pub fn steer(&mut self, answer: &Answer, elapsed_seconds: f32) -> Commanded<P, T, L> {
         if answer.state == State::Lost {
             return self.wait(elapsed_seconds);
         }
         check_elapsed(elapsed_seconds)?;
         self.lost_seconds = 0.0;
-        let (right, up) = self.camera.error_radians(answer.bbox);
+        let (right, up) = self.camera.error_radians(answer.fine);
         let pan = self.pan.axis.toward(self.pan.radians, right, elapsed_seconds);
         let tilt = self.tilt.axis.toward(self.tilt.radians, up, elapsed_seconds);
-        self.turn_to(pan, tilt, true)
+        self.turn_to(pan, tilt, answer.state != State::Uncertain)
     }
 
     /// What to do in a frame without a target, lost or not yet locked on: the indicator is off, the head stays where it
@@ -185,7 +230,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// #     deadband_radians: 0.0, slew_radians_per_second: 1.0, return_radians_per_second: 1.0 };
     /// # let servo = Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
     /// # let config = PursuitConfig { camera: Camera::centred(100.0, 160, 120), pan: axis, tilt: axis,
-    /// #     pan_servo: servo, tilt_servo: servo, hold_seconds: 1.0 };
+    /// #     pan_servo: servo, tilt_servo: servo, hold_seconds: 1.0, delay_frames: 0 };
     /// let mut pursuit = Pursuit::new(config, pan, tilt, led)?;
     /// let command = pursuit.wait(0.0)?; // the first pulses: the head goes home
     /// assert_eq!((command.pan_radians, command.tilt_radians), (0.0, 0.0));
@@ -194,7 +239,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// ```
     ///
     /// # Errors
-    /// As [`Pursuit::follow`].
+    /// As [`Pursuit::steer`].
     pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
         check_elapsed(elapsed_seconds)?;
         self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
@@ -203,6 +248,14 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         let pan = self.pan.axis.homeward(self.pan.radians, homeward_seconds);
         let tilt = self.tilt.axis.homeward(self.tilt.radians, homeward_seconds);
         self.turn_to(pan, tilt, false)
+    }
+
+    /// How far the picture moves until the next frame because the head turns, to the right and down, in units of 1/256 pixel: for
+    /// [`Target::moved`]. It is that of the command [`PursuitConfig::delay_frames`] before the last one.
+    #[must_use]
+    pub fn picture_motion(&self) -> (i32, i32) {
+        let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();
+        self.camera.picture_motion(right, up)
     }
 
     /// Where the head was last told to look; home before the first call.
@@ -217,11 +270,16 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     }
 
     fn turn_to(&mut self, pan_radians: f32, tilt_radians: f32, locked: bool) -> Commanded<P, T, L> {
+        let before = self.command();
         let pan = self.pan.turn_to(pan_radians).map_err(PursuitError::Pan);
         let tilt = self.tilt.turn_to(tilt_radians).map_err(PursuitError::Tilt);
         let indicator = self.indicator.set_state(locked.into()).map_err(PursuitError::Indicator);
+        let after = self.command();
+        self.turns.rotate_right(1);
+        let [last, ..] = &mut self.turns;
+        *last = (after.pan_radians - before.pan_radians, after.tilt_radians - before.tilt_radians);
         pan.and(tilt).and(indicator)?;
-        Ok(self.command())
+        Ok(after)
     }
 }
 
@@ -252,6 +310,8 @@ pub enum PursuitConfigError {
     PulseNotInPeriod,
     /// The pulses at both limits are the same.
     PulsesEqual,
+    /// A command shows in the picture after more than 3 frames.
+    DelayTooLong,
 }
 
 impl fmt::Display for PursuitConfigError {
@@ -266,13 +326,14 @@ impl fmt::Display for PursuitConfigError {
             Self::HomeOutsideLimits => "the home of an axis must lie between its limits",
             Self::PulseNotInPeriod => "the pulses of a servo must be shorter than its period",
             Self::PulsesEqual => "the pulses of a servo at its two limits must differ",
+            Self::DelayTooLong => "a command must show in the picture after 3 frames at most",
         })
     }
 }
 
 impl core::error::Error for PursuitConfigError {}
 
-/// Why the head was not steered: the errors of the pan pin, the tilt pin and the indicator's pin, as they came.
+/// Why the target was not followed: the tracker's error, or those of the pan pin, the tilt pin and the indicator's pin, as they came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PursuitError<P, T, L> {
@@ -284,6 +345,8 @@ pub enum PursuitError<P, T, L> {
     Indicator(L),
     /// The elapsed time is negative, infinite or not a number. No pin was touched.
     ElapsedTime,
+    /// The frame could not be searched. No pin was touched.
+    Update(UpdateError),
 }
 
 impl<P: fmt::Debug, T: fmt::Debug, L: fmt::Debug> fmt::Display for PursuitError<P, T, L> {
@@ -293,6 +356,7 @@ impl<P: fmt::Debug, T: fmt::Debug, L: fmt::Debug> fmt::Display for PursuitError<
             Self::Tilt(error) => write!(f, "the tilt servo's pin failed: {error:?}"),
             Self::Indicator(error) => write!(f, "the lock indicator's pin failed: {error:?}"),
             Self::ElapsedTime => f.write_str("the elapsed time is negative, infinite or not a number"),
+            Self::Update(error) => error.fmt(f),
         }
     }
 }

@@ -2,8 +2,7 @@
 
 use super::controller::tests::{PAN, any_axis};
 use super::*;
-use crate::Rect;
-use crate::search::{Found, Peak};
+use crate::{FineRect, Image, Paper, Rect, Robust, paper, robust};
 use embedded_hal::{digital, pwm};
 use embedded_hal_mock::eh1::{MockError, digital as pin_mock, pwm as pwm_mock};
 use proptest::prelude::*;
@@ -24,14 +23,24 @@ fn config() -> PursuitConfig {
         tilt: axis,
         tilt_servo: Servo { pulse_at_min_microseconds: 2000, pulse_at_max_microseconds: 1000, ..SERVO },
         hold_seconds: 1.0,
+        delay_frames: 1,
     }
 }
 
 /// The answer with a 20x20 box whose middle is at (`x`, `y`).
 fn answer(state: State, x: i32, y: i32) -> Answer {
     let bbox = Rect::new(x - 10, y - 10, 20, 20);
-    let peak = Peak { x: bbox.x, y: bbox.y, score: 1 };
-    Answer { bbox, state, ratio: 1, runner_up_ratio: None, alpha: 13, found: Found { peak, runner_up: None } }
+    Answer {
+        bbox,
+        fine: bbox.into(),
+        state,
+        confidence: 1,
+        ratio: 1,
+        runner_up_ratio: None,
+        alpha: Some(13),
+        scale: 1 << 16,
+        found_again: false,
+    }
 }
 
 fn duties(of: &[u16]) -> pwm_mock::Mock {
@@ -63,10 +72,10 @@ fn writes(
 fn duties_are_exact() {
     // 32 of 160 pixels are 0.2: micromath's atan of it is 0.1957 radians. A tenth of a second at ten times that.
     writes(&[1598, 1598], &[1500, 1598], &[true, true], |pursuit| {
-        let command = pursuit.follow(&answer(State::Tracking, 112, 60), 0.1).unwrap();
+        let command = pursuit.steer(&answer(State::Tracking, 112, 60), 0.1).unwrap();
         assert!((command.pan_radians - 0.1957).abs() < 0.0001 && command.tilt_radians == 0.0, "{command:?}");
         // Below the middle: down, which on the reversed tilt servo is the longer pulse.
-        let command = pursuit.follow(&answer(State::Leaving, 80, 92), 0.1).unwrap();
+        let command = pursuit.steer(&answer(State::Leaving, 80, 92), 0.1).unwrap();
         assert_eq!(command.tilt_radians, -command.pan_radians);
         assert_eq!(command, pursuit.command());
     });
@@ -77,7 +86,7 @@ fn the_slew_rate_and_the_limits_hold() {
     // 2 radians a second, a quarter of a second: half a radian of two, 250 of 1000 microseconds.
     writes(&[1750, 2000, 2000], &[1250, 1000, 1000], &[true; 3], |pursuit| {
         for _ in 0..3 {
-            pursuit.follow(&answer(State::Tracking, 10_000, -10_000), 0.25).unwrap();
+            pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25).unwrap();
         }
         assert_eq!(pursuit.command(), Command { pan_radians: 1.0, tilt_radians: 1.0 });
     });
@@ -89,25 +98,25 @@ fn a_lost_target_is_waited_for_then_the_head_goes_home_and_resumes() {
     let indicator = [true, false, false, false, false, false, false, true];
     writes(&pan, &[1500; 8], &indicator, |pursuit| {
         let far_right = answer(State::Tracking, 10_000, 60);
-        pursuit.follow(&far_right, 0.25).unwrap();
+        pursuit.steer(&far_right, 0.25).unwrap();
         // Two half seconds of hold, of the next half one the half beyond a hold of 1 second: 0.25 s at 0.5 radians a second.
-        pursuit.follow(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
-        pursuit.follow(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
-        pursuit.follow(&answer(State::Lost, 10_000, 60), 0.25).unwrap();
+        pursuit.steer(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
+        pursuit.steer(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
+        pursuit.steer(&answer(State::Lost, 10_000, 60), 0.25).unwrap();
         pursuit.wait(0.5).unwrap();
         pursuit.wait(0.5).unwrap();
         assert_eq!(pursuit.command().pan_radians, 0.0);
         pursuit.wait(f32::MAX).unwrap();
-        pursuit.follow(&far_right, 0.25).unwrap();
+        pursuit.steer(&far_right, 0.25).unwrap();
     });
 }
 
 #[test]
 fn the_hold_ends_within_a_frame_and_starts_anew() {
     writes(&[1750, 1625, 1875, 1875], &[1500; 4], &[true, false, true, false], |pursuit| {
-        pursuit.follow(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
+        pursuit.steer(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
         pursuit.wait(1.5).unwrap(); // half a second of it beyond the hold
-        pursuit.follow(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
+        pursuit.steer(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
         pursuit.wait(1.0).unwrap();
     });
 }
@@ -116,9 +125,9 @@ fn the_hold_ends_within_a_frame_and_starts_anew() {
 fn a_time_that_is_none_touches_no_pin() {
     writes(&[], &[], &[], |pursuit| {
         for elapsed in [f32::NAN, f32::INFINITY, -0.001, f32::NEG_INFINITY] {
-            let tracking = pursuit.follow(&answer(State::Tracking, 0, 0), elapsed);
+            let tracking = pursuit.steer(&answer(State::Tracking, 0, 0), elapsed);
             assert_eq!(tracking, Err(PursuitError::ElapsedTime));
-            assert_eq!(pursuit.follow(&answer(State::Lost, 0, 0), elapsed), Err(PursuitError::ElapsedTime));
+            assert_eq!(pursuit.steer(&answer(State::Lost, 0, 0), elapsed), Err(PursuitError::ElapsedTime));
         }
     });
 }
@@ -140,7 +149,7 @@ fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
     let follow = |pan: pwm_mock::Mock, tilt: pwm_mock::Mock, indicator: pin_mock::Mock| {
         let config = PursuitConfig { tilt_servo: SERVO, ..config() };
         let mut pursuit = Pursuit::new(config, pan, tilt, indicator).unwrap();
-        let mut follow = || pursuit.follow(&answer(State::Tracking, 10_000, -10_000), 0.25);
+        let mut follow = || pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25);
         let (first, second) = (follow().unwrap_err(), follow().unwrap());
         let (mut pan, mut tilt, mut indicator) = pursuit.release();
         pan.done();
@@ -190,6 +199,8 @@ fn a_configuration_is_checked_when_the_pursuit_is_built() {
     let not_in_period = Some(PursuitConfigError::PulseNotInPeriod);
     assert_eq!(refused(|config| config.pan_servo.period_microseconds = 0), not_in_period);
     assert_eq!(refused(|config| config.tilt_servo.period_microseconds = 0), not_in_period);
+    assert_eq!(refused(|config| config.delay_frames = 3), None);
+    assert_eq!(refused(|config| config.delay_frames = 4), Some(PursuitConfigError::DelayTooLong));
 }
 
 /// A pin that takes everything and remembers the last duty.
@@ -227,6 +238,54 @@ impl OutputPin for Pin {
     }
 }
 
+/// 160x120 pixels that show a target of 24x24 at (`x`, `y`).
+fn seen(x: usize, y: usize) -> Vec<u8> {
+    let hash = |x: usize, y: usize, seed: usize| ((x * 31 + y * 57 + seed).wrapping_mul(2_654_435_761) >> 16) as u8;
+    let level = |px: usize, py: usize| match (px.checked_sub(x), py.checked_sub(y)) {
+        (Some(px @ 0..24), Some(py @ 0..24)) => hash(px / 4, py / 4, 1),
+        _ => 80 + hash(px / 9, py / 9, 9) / 5,
+    };
+    (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
+}
+
+/// The head turns to the target; the tracker looks for it where the picture has moved by then.
+fn follows<T: Target>(target: T::Config, delay_frames: u8) {
+    let mut tracker = std::boxed::Box::new(Tracker::<T>::new(target).unwrap());
+    let mut pursuit =
+        Pursuit::new(PursuitConfig { delay_frames, ..config() }, Pin::default(), Pin::default(), Pin::default())
+            .unwrap();
+    let first = seen(100, 30);
+    let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
+    let error = pursuit.follow(&mut tracker, &frame, 0.03).unwrap_err();
+    assert_eq!(error, PursuitError::Update(UpdateError::NotLocked));
+    assert_eq!(error.to_string(), "there is no target yet: lock first");
+    tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
+    let before = tracker.window().unwrap();
+    let mut expected = (0, 0);
+    for number in 0..=delay_frames {
+        let (answer, command) = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
+        if number == 0 {
+            assert_eq!((answer.bbox, answer.state), (Rect::new(100, 30, 24, 24), State::Tracking));
+            assert!(command.pan_radians > 0.05 && command.tilt_radians > 0.02, "{command:?}");
+            expected = ((command.pan_radians * 160.0) as i32, (command.tilt_radians * 160.0) as i32);
+        }
+        let moved = tracker.window().unwrap();
+        let by = (before.x - moved.x, moved.y - before.y);
+        let wanted = if number == delay_frames { expected } else { (0, 0) };
+        assert!((by.0 - wanted.0).abs() <= 1 && (by.1 - wanted.1).abs() <= 1, "{number}: {by:?}, not {wanted:?}");
+    }
+}
+
+#[test]
+fn the_tracker_is_told_how_far_the_picture_moves() {
+    let mut small = paper::Config::camera();
+    small.window = paper::Radius { x: 8, y: 8 };
+    for delay_frames in [0, 1, 3] {
+        follows::<Paper<1024, 161>>(small, delay_frames);
+        follows::<Robust>(robust::Config::robust(), delay_frames);
+    }
+}
+
 proptest! {
     /// Whatever passes the check, whatever the tracker answers, whenever: the pulses stay between the two of the servo.
     #[test]
@@ -242,8 +301,8 @@ proptest! {
         let mut pursuit = Pursuit::new(config, Pin::default(), Pin::default(), Pin::default()).unwrap();
         for ((x, y), state, elapsed) in frames {
             let state = [State::Tracking, State::Leaving, State::Lost][usize::from(state)];
-            let answer = Answer { bbox: Rect::new(x, y, 20, 20), ..answer(state, 0, 0) };
-            if pursuit.follow(&answer, elapsed).is_ok() {
+            let answer = Answer { fine: FineRect { x, y, width: 5120, height: 5120 }, ..answer(state, 0, 0) };
+            if pursuit.steer(&answer, elapsed).is_ok() {
                 prop_assert!((1000..=2000).contains(&pursuit.pan.pin.duty), "{}", pursuit.pan.pin.duty);
                 prop_assert!((1000..=2000).contains(&pursuit.tilt.pin.duty), "{}", pursuit.tilt.pin.duty);
             }

@@ -58,6 +58,7 @@ impl Equals {
 }
 
 impl<const SPAN: usize> Leaders<SPAN> {
+    #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }

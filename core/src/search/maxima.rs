@@ -15,6 +15,7 @@ pub(super) struct Maxima<const SPAN: usize> {
 }
 
 impl<const SPAN: usize> Maxima<SPAN> {
+    #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
         Self { columns: Vec::new(), rows: Vec::new() }
     }

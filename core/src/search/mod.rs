@@ -10,7 +10,7 @@ mod scan;
 mod window;
 
 pub(crate) use scan::{Scene, Search};
-pub use window::Window;
+pub use window::{Radius, Window};
 
 use maxima::Maxima;
 
@@ -46,7 +46,7 @@ pub struct Found {
     /// The offset with the largest score.
     pub peak: Peak,
     /// The largest score outside the peak's neighbourhood; 0 if the window does not reach beyond it. `None` if nothing
-    /// depends on it: see [`RunnerUp`](crate::RunnerUp).
+    /// depends on it: see [`RunnerUp`](crate::paper::RunnerUp).
     pub runner_up: Option<u32>,
 }
 

@@ -67,6 +67,7 @@ impl Tile {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
+    #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
         Self { bytes: Vec::new(), reach: Vec::new(), shape }

@@ -42,11 +42,11 @@ enum Stage {
     /// The next of nine offsets spread over the window.
     Scout(i32),
     /// The next row of ranges of a pass.
-    Spread(Place, usize),
+    Spread(TilePass, usize),
     /// The next group.
-    Exclude(Place, usize),
+    Exclude(TilePass, usize),
     /// The next offset of a group that is left.
-    Refine(Place, usize, usize),
+    Refine(TilePass, usize, usize),
     /// Without groups: the next offset.
     Offsets(usize, usize),
     Done,
@@ -54,7 +54,7 @@ enum Stage {
 
 /// First offset of the tile, and the pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Place {
+struct TilePass {
     column: usize,
     row: usize,
     pass: usize,
@@ -88,6 +88,7 @@ fn first_step(window: &Window) -> i32 {
 const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
+    #[inline(always)] // made where it stays
     pub(crate) const fn new() -> Self {
         let tile = Tile { column: 0, row: 0, columns: 0, rows: 0 };
         Self {
@@ -235,14 +236,14 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     fn first(&mut self, scene: &Scene<'_>) -> Stage {
         if self.pruning && self.ranges.divide(&scene.window, scene.template) {
-            Stage::Spread(Place { column: 0, row: 0, pass: 0 }, 0)
+            Stage::Spread(TilePass { column: 0, row: 0, pass: 0 }, 0)
         } else {
             Stage::Offsets(0, 0)
         }
     }
 
     #[inline(never)] // one copy in flash
-    fn spread(&mut self, scene: &Scene<'_>, place: Place, row: usize, work: u32) -> Stage {
+    fn spread(&mut self, scene: &Scene<'_>, place: TilePass, row: usize, work: u32) -> Stage {
         if row == 0 && place.pass == 0 {
             self.tile = self.ranges.tile(&scene.window, place.column, place.row);
             self.ranges.start(&self.tile, area(scene));
@@ -262,7 +263,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     #[inline(never)] // one copy in flash
-    fn exclude(&mut self, scene: &Scene<'_>, place: Place, group: usize, work: u32) -> Stage {
+    fn exclude(&mut self, scene: &Scene<'_>, place: TilePass, group: usize, work: u32) -> Stage {
         let (tile, needed) = (self.tile, self.leaders.needed());
         let mut from = group;
         while let Some(group) = self.ranges.next(&tile, from, needed) {
@@ -275,14 +276,14 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
         self.spend(words(tile.groups().saturating_sub(from)));
         if place.pass + 1 < self.ranges.passes() {
-            Stage::Spread(Place { pass: place.pass + 1, ..place }, 0)
+            Stage::Spread(TilePass { pass: place.pass + 1, ..place }, 0)
         } else {
             Stage::Refine(place, 0, 0)
         }
     }
 
     #[inline(never)] // one copy in flash
-    fn refine(&mut self, scene: &Scene<'_>, place: Place, group: usize, offset: usize, work: u32) -> Stage {
+    fn refine(&mut self, scene: &Scene<'_>, place: TilePass, group: usize, offset: usize, work: u32) -> Stage {
         let tile = self.tile;
         let (mut from, mut offset) = (group, offset);
         while let Some(group) = self.ranges.next(&tile, from, self.leaders.needed()) {
@@ -313,7 +314,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     fn score_in_group(
         &mut self,
         scene: &Scene<'_>,
-        place: Place,
+        place: TilePass,
         group: (usize, usize),
         new: (usize, usize),
         offset: usize,
@@ -328,13 +329,13 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The next tile.
-    fn next(&self, scene: &Scene<'_>, place: Place) -> Stage {
+    fn next(&self, scene: &Scene<'_>, place: TilePass) -> Stage {
         let (columns, rows) = scene.window.size();
         let tile = self.tile;
         if tile.column + tile.columns < columns {
-            Stage::Spread(Place { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
+            Stage::Spread(TilePass { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
         } else if tile.row + tile.rows < rows {
-            Stage::Spread(Place { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
+            Stage::Spread(TilePass { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
         } else {
             Stage::Done
         }

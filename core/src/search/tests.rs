@@ -1,8 +1,9 @@
 //! The search against a map of all scores: it must find what is there, whatever it leaves out and wherever it is cut.
 
+use super::Radius;
 use super::*;
 use crate::similarity::{Backend, CutTable, Scorer, Table, score_at};
-use crate::{Frame, Image, Radius, Rect};
+use crate::{Frame, Image, Rect};
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 

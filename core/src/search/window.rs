@@ -1,7 +1,17 @@
 //! The search window: which positions the box may take in the next frame (step 1 of the method).
 
-use crate::{Radius, Rect};
+use crate::image::Rect;
 use core::ops::RangeInclusive;
+
+/// How far the search window reaches to each side of the last position, in pixels: offsets -x..=x and -y..=y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Radius {
+    /// To the left and to the right.
+    pub x: u16,
+    /// Up and down.
+    pub y: u16,
+}
 
 /// All positions of the box within a radius of its last one, cut where it would leave the padded frame.
 ///
@@ -22,7 +32,7 @@ impl Window {
     /// The window of `radius` around `target`, on a frame with the size of `bounds` and `padding` pixels around it.
     ///
     /// ```
-    /// use smr_core::{Radius, Rect, search::Window};
+    /// use smr_core::{Rect, search::{Radius, Window}};
     /// let frame = Rect::new(0, 0, 320, 240);
     /// let window = Window::new(Rect::new(5, 100, 50, 50), Radius { x: 60, y: 50 }, frame, 20);
     /// assert_eq!(window.xs(), -20..=65); // cut at the left edge of the padding

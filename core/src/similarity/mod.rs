@@ -11,7 +11,9 @@ mod table;
 
 pub(crate) use arch::Products;
 pub use arch::{Backend, Scorer};
-pub(crate) use products::Layout;
+#[cfg(any(smr_dsp, smr_helium))]
+pub(crate) use arch::{pair, sectors};
+pub(crate) use products::{Layout, ROOM, Room};
 pub use table::{CutTable, Table, TableError};
 
 use crate::image::{Frame, Image, Rect};

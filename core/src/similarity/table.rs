@@ -143,7 +143,7 @@ impl CutTable {
         entries: [0; 256],
         threshold: 0,
         #[cfg(any(smr_dsp, smr_helium))]
-        chord: Table::ONE as u32,
+        chord: 0,
     };
 
     /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.

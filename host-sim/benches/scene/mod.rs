@@ -2,11 +2,12 @@
 
 use host_sim::sequence::GrayFrame;
 use host_sim::sequence::synthetic::{self, HEIGHT, WIDTH};
+use smr_core::paper::{Config, Radius};
 use smr_core::similarity::Backend;
-use smr_core::{Answer, Config, Radius, Rect, Tracker};
+use smr_core::{Answer, Paper, Rect, Tracker};
 
 /// Room for a template of 64x64 pixels and a window of +-16, as on a microcontroller.
-pub type Small = Tracker<4096, 33>;
+pub type Small = Tracker<Paper<4096, 33>>;
 
 /// Three frames in which the target moves freely.
 const FIRST: usize = 40;

@@ -1,10 +1,11 @@
-//! Instructions of an update on the emulated boards: the firmware in QEMU, with its window of +-16, on the recordings' own
+//! Instructions of an update on the emulated boards: the firmware in QEMU, smr with its window of +-16, on the recordings' own
 //! boxes.
 
 use crate::emulator::Recording;
 use crate::emulator::firmware;
 use crate::emulator::protocol::TooBig;
 use crate::emulator::qemu::{Qemu, Setup};
+use crate::evaluate::{CoreKind, Origin};
 use crate::sequence::Sequence;
 use crate::spread::Spread;
 use anyhow::{Context, Result};
@@ -15,6 +16,7 @@ use std::process::Stdio;
 /// A board.
 pub struct Board {
     setup: Setup,
+    method: CoreKind,
     elf: PathBuf,
     counts: Vec<u64>,
     figures: Figures,
@@ -23,6 +25,8 @@ pub struct Board {
 /// What was measured on a board.
 #[derive(Clone, Debug, Serialize)]
 pub struct Figures {
+    #[serde(flatten)]
+    pub origin: Origin,
     pub machine: &'static str,
     /// Instructions of each update, over all frames of all recordings.
     pub instructions: Spread<u64>,
@@ -48,16 +52,17 @@ impl Board {
     ///
     /// # Errors
     /// It does not build.
-    pub fn new(setup: Setup) -> Result<Self> {
+    pub fn new(setup: Setup, method: CoreKind) -> Result<Self> {
         let elf = firmware::build("replay", setup.machine)?;
         let figures = Figures {
+            origin: Origin::new(method.into(), serde_json::Map::new()),
             machine: setup.machine.name(),
             instructions: Spread::default(),
             recordings: vec![],
             skipped: vec![],
             differences: vec![],
         };
-        Ok(Self { setup, elf, counts: vec![], figures })
+        Ok(Self { setup, method, elf, counts: vec![], figures })
     }
 
     /// Runs it on a recording, in whole.
@@ -68,7 +73,7 @@ impl Board {
         let target = sequence.start()?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
         let Sequence { name, frames, .. } = sequence;
-        let recording = Recording::write(&name, frames, target, usize::MAX, folder.path())?;
+        let recording = Recording::write(&name, (self.method, 0), frames, target, usize::MAX, folder.path())?;
         let report = match self.run(&recording, folder.path()) {
             Err(error) if error.is::<TooBig>() => {
                 self.figures.skipped.push(format!("{name}: {error}"));

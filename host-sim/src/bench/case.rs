@@ -1,10 +1,11 @@
 //! What is timed: one search of one template in one frame of a recording.
 
-use crate::Tracker;
+use crate::Paper;
 use crate::sequence::{GrayFrame, Sequence};
 use anyhow::{Context, Result};
+use smr_core::paper::{Config, Radius};
 use smr_core::similarity::Backend;
-use smr_core::{Config, Image, Radius, Rect};
+use smr_core::{Image, Rect, Robust, Target, Tracker, robust};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -91,7 +92,7 @@ impl Case {
             return Ok(None);
         }
         let crop = frames[2].frame().patch(window).context("the window lies in the frame")?;
-        let (crop, template) = (copy(crop), copy(tracker.template().context("the tracker is locked")?));
+        let (crop, template) = (copy(crop), copy(tracker.target().template().context("the tracker is locked")?));
         Ok(Some(Self { frames, target, radius, crop, template }))
     }
 
@@ -106,19 +107,29 @@ impl Case {
         (2 * u64::from(self.radius.x) + 1) * (2 * u64::from(self.radius.y) + 1)
     }
 
-    /// A tracker that is about to search the third frame.
+    /// A tracker of the paper's with this window, without a target.
     ///
     /// # Errors
     /// The tracker's.
-    pub fn tracker(&self, backend: Backend, pruning: bool) -> Result<Box<Tracker>> {
+    pub fn tracker(&self, backend: Backend, pruning: bool) -> Result<Box<Tracker<Paper>>> {
         tracker(backend, pruning, self.radius)
+    }
+
+    /// A robust tracker without a target. Its window is its own.
+    ///
+    /// # Errors
+    /// The tracker's.
+    pub fn robust(backend: Backend) -> Result<Box<Tracker<Robust>>> {
+        let mut config = robust::Config::robust();
+        config.backend = Some(backend);
+        Ok(Box::new(Tracker::new(config)?))
     }
 
     /// Brings a tracker, whatever it did before, to the state before the search.
     ///
     /// # Errors
     /// The tracker's.
-    pub fn prepare(&self, tracker: &mut Tracker) -> Result<()> {
+    pub fn prepare<T: Target>(&self, tracker: &mut Tracker<T>) -> Result<()> {
         prepare(tracker, &self.frames, self.target)
     }
 
@@ -129,7 +140,7 @@ impl Case {
     }
 }
 
-fn tracker(backend: Backend, pruning: bool, radius: Radius) -> Result<Box<Tracker>> {
+fn tracker(backend: Backend, pruning: bool, radius: Radius) -> Result<Box<Tracker<Paper>>> {
     let mut config = Config::paper();
     config.window = radius;
     config.window_limit = radius;
@@ -138,7 +149,7 @@ fn tracker(backend: Backend, pruning: bool, radius: Radius) -> Result<Box<Tracke
     Ok(Box::new(Tracker::new(config)?))
 }
 
-fn prepare(tracker: &mut Tracker, frames: &[Rc<GrayFrame>; 3], target: Rect) -> Result<()> {
+fn prepare<T: Target>(tracker: &mut Tracker<T>, frames: &[Rc<GrayFrame>; 3], target: Rect) -> Result<()> {
     tracker.lock(&frames[0].frame(), target)?;
     tracker.update(&frames[1].frame())?;
     Ok(())
@@ -200,7 +211,7 @@ mod tests {
             assert_eq!((case.offsets(), case.comparisons()), (17 * 9, 17 * 9 * 32 * 16));
             let mut tracker = case.tracker(Backend::Scalar, false)?;
             case.prepare(&mut tracker)?;
-            let template: Vec<u8> = tracker.template().unwrap().rows().flatten().copied().collect();
+            let template: Vec<u8> = tracker.target().template().unwrap().rows().flatten().copied().collect();
             assert_eq!(template, case.template.pixels);
             assert!(Case::new(triple, Size::Of(64, 64), Radius { x: 60, y: 50 })?.is_none());
             assert!(Case::new(triple, Size::Own, Radius { x: 4, y: 4 })?.is_some());

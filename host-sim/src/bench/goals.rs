@@ -5,7 +5,7 @@ use super::report::Report;
 use super::sad::Sad;
 use super::searches::Way;
 use serde::Serialize;
-use smr_core::Radius;
+use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 
 /// What the goals are stated for.
@@ -76,7 +76,10 @@ fn ratio(report: &Report, radius: Radius, of: Way, to: Way, at_most: f64) -> Goa
 }
 
 fn instructions(report: &Report, machine: &str, processor: &str, at_most: f64) -> Goal {
-    let board = report.boards.iter().find(|board| board.machine == machine && !board.recordings.is_empty());
+    let board = report
+        .boards
+        .iter()
+        .find(|board| board.machine == machine && board.origin.method == "smr" && !board.recordings.is_empty());
     let measured = board.map(|board| board.instructions.median as f64 / 1e6);
     Goal::new(format!("{processor} ({machine}), +-16: an update"), at_most, "M instructions", measured)
 }

@@ -21,17 +21,20 @@ pub mod speeds;
 pub mod table;
 
 use crate::clock::Patience;
+use crate::evaluate::CoreKind;
 use crate::sequence::Sequence;
 use anyhow::{Context, Result};
 use case::Size;
 use searches::{Searches, Way};
-use smr_core::Radius;
+use smr_core::paper::Radius;
 use speeds::Speeds;
 use std::time::Duration;
 
 /// The options of a run.
 #[derive(Clone, Debug)]
 pub struct Settings {
+    /// The trackers of smr-core that are measured.
+    pub methods: Vec<CoreKind>,
     pub template: Size,
     pub windows: Vec<Radius>,
     /// One frame in this many is timed.
@@ -61,11 +64,12 @@ impl Bench {
     /// About `expected` cases will come.
     #[must_use]
     pub fn new(settings: Settings, expected: usize) -> Self {
-        let ways = Way::all();
+        let ways = Way::all(&settings.methods);
         let expected = u32::try_from(expected).unwrap_or(u32::MAX);
         let searches = |&radius| Searches::new(radius, settings.template, &ways, settings.each, expected);
         let windows = settings.windows.iter().map(searches).collect();
-        let speeds = Speeds::new(settings.each / 4, expected.div_ceil(SPEEDS_EVERY));
+        let cases = if settings.methods.contains(&CoreKind::Smr) { expected.div_ceil(SPEEDS_EVERY) } else { 0 };
+        let speeds = Speeds::new(settings.each / 4, cases);
         Self { settings, recordings: vec![], windows, speeds, opencv: None }
     }
 
@@ -80,7 +84,7 @@ impl Bench {
             for window in &mut self.windows {
                 window.add(triple, &name, self.settings.patience)?;
             }
-            if count % SPEEDS_EVERY == 0 {
+            if count % SPEEDS_EVERY == 0 && self.settings.methods.contains(&CoreKind::Smr) {
                 self.speeds.add(triple, self.settings.patience)?;
             }
             count += 1;

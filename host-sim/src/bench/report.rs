@@ -6,15 +6,19 @@ use super::sad::Sad;
 use super::searches::{Searches, Timed, Way};
 use super::speeds::Speed;
 use super::{Bench, opencv};
+use crate::evaluate::MethodKind;
 use crate::spread::Spread;
 use serde::{Serialize, Serializer};
-use smr_core::Radius;
+use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 use std::time::Duration;
 
 /// All measurements of a run.
 #[derive(Serialize)]
 pub struct Report {
+    /// That of this program.
+    pub version: &'static str,
+    pub methods: Vec<&'static str>,
     /// What this machine says its processor is.
     pub processor: String,
     pub recordings: Vec<String>,
@@ -61,10 +65,13 @@ pub struct Row {
     pub way: Way,
     pub cases: usize,
     pub nanoseconds: Spread<u64>,
-    /// Time divided by all offsets and pixels, also those that were not compared; the median.
-    pub nanoseconds_per_offset_pixel: f64,
-    /// The share of an exhaustive search's comparisons that were made; the median.
+    /// Time divided by all offsets and pixels, also those that were not compared; the median. `None` from the robust tracker,
+    /// whose window is its own.
+    pub nanoseconds_per_offset_pixel: Option<f64>,
+    /// The share of an exhaustive search's comparisons that were made; the median. `None` where they are not counted.
     pub work_left: Option<f64>,
+    /// Work of an update in the units of `Update::step`; the median. `None` where it is not counted.
+    pub work: Option<u64>,
 }
 
 /// How many times as long one way takes as another: the median of the cases' ratios.
@@ -82,6 +89,8 @@ impl Report {
     #[must_use]
     pub fn new(bench: &Bench, boards: Vec<Figures>, eval: Option<Duration>) -> Self {
         let mut report = Self {
+            version: env!("CARGO_PKG_VERSION"),
+            methods: bench.settings.methods.iter().map(|&method| MethodKind::from(method).name()).collect(),
             processor: processor(),
             recordings: bench.recordings.clone(),
             template: match bench.settings.template {
@@ -99,7 +108,8 @@ impl Report {
             goals: vec![],
         };
         for board in &report.boards {
-            let named = board.differences.iter().map(|difference| format!("{}: {difference}", board.machine));
+            let name = format!("{}, {}", board.machine, board.origin.method);
+            let named = board.differences.iter().map(|difference| format!("{name}: {difference}"));
             report.differences.extend(named);
         }
         report.goals = goals::all(&report);
@@ -148,15 +158,18 @@ impl Row {
             return None;
         }
         let nanoseconds: Vec<u64> = times.iter().map(|(time, _)| nanoseconds(*time)).collect();
+        let in_window = !matches!(timed.way, Way::Robust(_));
         let each: Vec<f64> = times.iter().map(|(time, all)| time.as_secs_f64() * 1e9 / *all as f64).collect();
         let left: Vec<f64> =
             timed.work.iter().zip(comparisons).filter_map(|(work, &all)| Some((*work)? as f64 / all as f64)).collect();
+        let work: Vec<u64> = timed.work.iter().copied().flatten().collect();
         Some(Self {
             way: timed.way,
             cases: times.len(),
             nanoseconds: Spread::of(&nanoseconds),
-            nanoseconds_per_offset_pixel: Spread::of(&each).median,
-            work_left: (!left.is_empty()).then(|| Spread::of(&left).median),
+            nanoseconds_per_offset_pixel: in_window.then(|| Spread::of(&each).median),
+            work_left: (in_window && !left.is_empty()).then(|| Spread::of(&left).median),
+            work: (!work.is_empty()).then(|| Spread::of(&work).median),
         })
     }
 }
@@ -181,6 +194,7 @@ fn pairs() -> Vec<(Way, Way)> {
     for backend in Backend::available() {
         let [pruned, exhaustive] = [true, false].map(|pruning| Way::Update { backend, pruning });
         pairs.push((pruned, exhaustive));
+        pairs.push((Way::Robust(backend), pruned));
         pairs.extend(yardsticks.iter().flat_map(|&yardstick| [(pruned, yardstick), (exhaustive, yardstick)]));
     }
     pairs

@@ -2,20 +2,23 @@
 
 use super::case::{Case, Size, Triple};
 use super::sad::Sad;
-use crate::Tracker;
 use crate::clock::{Budget, Patience, shortest, timed};
+use crate::evaluate::CoreKind;
 use crate::sequence::GrayFrame;
 use anyhow::{Result, ensure};
+use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
-use smr_core::{Answer, Radius};
+use smr_core::{Answer, Target, Tracker};
 use std::fmt;
 use std::time::Duration;
 
 /// A way to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// `Tracker::update`; without pruning it scores every offset in full.
+    /// An update of the paper's tracker; without pruning it scores every offset in full.
     Update { backend: Backend, pruning: bool },
+    /// An update of the robust tracker, which has a window of its own.
+    Robust(Backend),
     /// A search of the least sum of absolute differences.
     Sad(Sad),
     /// `matchTemplate`, in another process.
@@ -28,6 +31,7 @@ impl fmt::Display for Way {
         match self {
             Self::Update { backend, pruning: true } => write!(f, "{backend:?}, pruned"),
             Self::Update { backend, pruning: false } => write!(f, "{backend:?}, exhaustive"),
+            Self::Robust(backend) => write!(f, "robust, {backend:?}"),
             Self::Sad(Sad::Plain) => f.write_str("SAD, plain loop"),
             Self::Sad(Sad::Psadbw) => f.write_str("SAD, AVX2 psadbw"),
             Self::OpenCv => f.write_str("OpenCV matchTemplate"),
@@ -36,12 +40,18 @@ impl fmt::Display for Way {
 }
 
 impl Way {
-    /// What this machine can run here; the fastest backends first.
+    /// What this machine can run of `methods` and beside them; the fastest backends first.
     #[must_use]
-    pub fn all() -> Vec<Self> {
-        let updates = |backend| [true, false].map(|pruning| Self::Update { backend, pruning });
+    pub fn all(methods: &[CoreKind]) -> Vec<Self> {
+        let of_method = |method: &CoreKind| match method {
+            CoreKind::Smr => {
+                let updates = |backend| [true, false].map(|pruning| Self::Update { backend, pruning });
+                Backend::available().flat_map(updates).collect::<Vec<_>>()
+            }
+            CoreKind::Robust => Backend::available().map(Self::Robust).collect(),
+        };
         let sads = Sad::available().map(Self::Sad);
-        Backend::available().flat_map(updates).chain(sads).chain([Self::OpenCv]).collect()
+        methods.iter().flat_map(of_method).chain(sads).chain([Self::OpenCv]).collect()
     }
 }
 
@@ -148,7 +158,13 @@ impl Way {
     /// `None` for what does not run here.
     fn run(self, case: &Case, patience: Patience) -> Result<Option<Done>> {
         let (done, spent) = timed(|| match self {
-            Self::Update { backend, pruning } => update(case, backend, pruning, patience).map(Some),
+            Self::Update { backend, pruning } => {
+                let mut done = update(case, &mut *case.tracker(backend, pruning)?, patience)?;
+                // What was counted is at most what is done, and may be a little more than all there is.
+                done.work = if pruning { done.work } else { Some(case.comparisons()) };
+                Ok(Some(done))
+            }
+            Self::Robust(backend) => update(case, &mut *Case::robust(backend)?, patience).map(Some),
             Self::Sad(sad) => Ok(Some(least_sum(case, sad, patience)?)),
             Self::OpenCv => Ok(None),
         });
@@ -156,29 +172,17 @@ impl Way {
     }
 }
 
-fn update(case: &Case, backend: Backend, pruning: bool, patience: Patience) -> Result<Done> {
-    let mut tracker = case.tracker(backend, pruning)?;
+fn update<T: Target>(case: &Case, tracker: &mut Tracker<T>, patience: Patience) -> Result<Done> {
     let mut answer = None;
     // The search changes the tracker: each time it starts from the same state.
     let time = shortest(patience, || {
-        case.prepare(&mut tracker)?;
+        case.prepare(tracker)?;
         let frame = case.frame();
         let (result, time) = timed(|| tracker.update(&frame));
         answer = Some(result?);
         Ok(time)
     })?;
-    let work = if pruning { work(case, &mut tracker)? } else { case.comparisons() };
-    Ok(Done { time, spent: Duration::ZERO, work: Some(work), answer, sum: None })
-}
-
-/// Comparisons that an update makes.
-fn work(case: &Case, tracker: &mut Tracker) -> Result<u64> {
-    case.prepare(tracker)?;
-    let mut update = tracker.begin(&case.frame())?;
-    while !update.step(u32::MAX) {}
-    let work = update.work();
-    let _ = update.finish();
-    Ok(work)
+    Ok(Done { time, spent: Duration::ZERO, work: Some(tracker.work().into()), answer, sum: None })
 }
 
 fn least_sum(case: &Case, sad: Sad, patience: Patience) -> Result<Done> {
@@ -191,12 +195,15 @@ fn least_sum(case: &Case, sad: Sad, patience: Patience) -> Result<Done> {
     Ok(Done { time, spent: Duration::ZERO, work: Some(case.comparisons()), answer: None, sum })
 }
 
-/// The first answer that differs from the first way's. A runner-up that one of them did not look for is not compared.
+/// The first answer that differs from that of the first way of the same tracker. A runner-up that one of them did not look for is
+/// not compared.
 fn difference(answers: &[(Way, Answer)]) -> Option<String> {
-    let same = |a: &Answer| (a.bbox, a.state, a.ratio, a.alpha, a.found.peak);
-    let (first, rest) = answers.split_first()?;
-    let (way, answer) = rest.iter().find(|(_, answer)| same(answer) != same(&first.1))?;
-    Some(format!("{way} answers {answer:?}, {} {:?}", first.0, first.1))
+    let same = |answer: &Answer| Answer { runner_up_ratio: None, ..*answer };
+    let is_robust = |way: Way| matches!(way, Way::Robust(_));
+    answers.iter().find_map(|(way, answer)| {
+        let (first, expected) = answers.iter().find(|(first, _)| is_robust(*first) == is_robust(*way))?;
+        (same(answer) != same(expected)).then(|| format!("{way} answers {answer:?}, {first} {expected:?}"))
+    })
 }
 
 #[cfg(test)]
@@ -207,7 +214,7 @@ mod tests {
 
     #[test]
     fn every_way_is_timed_in_every_case_and_all_agree() {
-        let ways = Way::all();
+        let ways = Way::all(&[CoreKind::Smr, CoreKind::Robust]);
         let radius = Radius { x: 4, y: 3 };
         let mut searches = Searches::new(radius, Size::Of(16, 16), &ways, Duration::from_secs(60), 3);
         let patience = Patience { repeats: 2, enough: Duration::from_secs(1) };
@@ -219,6 +226,8 @@ mod tests {
         let scalar = |pruning| Way::Update { backend: Backend::Scalar, pruning };
         assert_eq!(timed(scalar(false)).work, [Some(63 * 256); 3]);
         assert!(timed(scalar(true)).times.iter().all(Option::is_some));
+        let robust = timed(Way::Robust(Backend::Scalar));
+        assert!(robust.times.iter().all(Option::is_some) && robust.work.iter().all(|work| *work > Some(0)));
         assert!(timed(Way::OpenCv).times.iter().all(Option::is_none));
 
         assert_eq!(searches.pending().len(), 3);
@@ -230,13 +239,15 @@ mod tests {
 
     #[test]
     fn answers_that_differ_are_noticed() {
-        let mut tracker = Tracker::new(smr_core::Config::paper()).unwrap();
+        let mut tracker = Tracker::<crate::Paper>::new(smr_core::paper::Config::paper()).unwrap();
         let frame = synthetic::frame(0);
         tracker.lock(&frame.frame(), smr_core::Rect::new(36, 24, 24, 28)).unwrap();
         let answer = tracker.update(&frame.frame()).unwrap();
-        let (one, other) = (Way::Update { backend: Backend::Scalar, pruning: false }, Way::OpenCv);
+        let (one, other) = (Way::Robust(Backend::Scalar), Way::Robust(Backend::Avx2));
         assert_eq!(difference(&[(one, answer), (other, answer)]), None);
-        let moved = Answer { alpha: answer.alpha + 1, ..answer };
-        assert!(difference(&[(one, answer), (other, moved)]).unwrap().starts_with("OpenCV matchTemplate answers"));
+        let moved = Answer { confidence: answer.confidence ^ 1, ..answer };
+        assert!(difference(&[(one, answer), (other, moved)]).unwrap().starts_with("robust, Avx2 answers"));
+        let paper = Way::Update { backend: Backend::Scalar, pruning: true };
+        assert_eq!(difference(&[(one, answer), (paper, moved)]), None, "another tracker");
     }
 }

@@ -5,7 +5,7 @@ use crate::clock::{Budget, Patience, shortest, timed};
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::Serialize;
-use smr_core::Radius;
+use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 use std::time::Duration;
 

@@ -6,7 +6,7 @@ use super::report::{Report, Row, Window};
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use crate::evaluate::aligned;
 use crate::spread::Spread;
-use smr_core::Radius;
+use smr_core::paper::Radius;
 
 const NOTHING: &str = "-";
 
@@ -40,7 +40,7 @@ fn window(window: &Window) -> String {
     if *cases == 0 {
         return title + "\n";
     }
-    let header = ["way", "searches", "median us", "p95 us", "max us", "ns/offset/pixel", "work left"];
+    let header = ["way", "searches", "median us", "p95 us", "max us", "ns/offset/pixel", "work left", "work"];
     let mut lines = vec![header.map(String::from).to_vec()];
     lines.extend(ways.iter().map(row));
     format!("{title}\n{}", aligned(&lines, 1))
@@ -54,8 +54,9 @@ fn row(row: &Row) -> Vec<String> {
         microseconds(row.nanoseconds.median),
         microseconds(row.nanoseconds.p95),
         microseconds(row.nanoseconds.max),
-        format!("{:.4}", row.nanoseconds_per_offset_pixel),
+        row.nanoseconds_per_offset_pixel.map_or(NOTHING.to_owned(), |each| format!("{each:.4}")),
         row.work_left.map_or(NOTHING.to_owned(), |left| format!("{:.1} %", left * 100.0)),
+        row.work.map_or(NOTHING.to_owned(), |work| work.to_string()),
     ]
 }
 
@@ -107,31 +108,32 @@ fn speeds(speeds: &[Speed]) -> String {
 }
 
 fn boards(report: &Report) -> String {
-    let header = ["instructions of an update, +-16", "recording", "box", "frames", "median", "p95", "max"];
+    let header = ["instructions of an update", "method", "recording", "box", "frames", "median", "p95", "max"];
     let mut lines = vec![header.map(String::from).to_vec()];
     let mut notes = String::new();
     for board in &report.boards {
         lines.extend(board.recordings.iter().map(|measured| {
             let [width, height] = measured.target;
-            let names = [board.machine, &measured.sequence, &format!("{width}x{height}")].map(str::to_owned);
+            let size = format!("{width}x{height}");
+            let names = [board.machine, board.origin.method, &measured.sequence, &size].map(str::to_owned);
             instructions(names, measured.frames, measured.instructions)
         }));
         if !board.recordings.is_empty() {
             lines.push(all_of(board));
         }
         for skipped in &board.skipped {
-            notes += &format!("left out on {}: {skipped}\n", board.machine);
+            notes += &format!("left out on {}, {}: {skipped}\n", board.machine, board.origin.method);
         }
     }
-    aligned(&lines, 2) + &notes
+    aligned(&lines, 3) + &notes
 }
 
 fn all_of(board: &Figures) -> Vec<String> {
     let frames = board.recordings.iter().map(|measured| measured.frames).sum();
-    instructions([board.machine, "all", NOTHING].map(str::to_owned), frames, board.instructions)
+    instructions([board.machine, board.origin.method, "all", NOTHING].map(str::to_owned), frames, board.instructions)
 }
 
-fn instructions(names: [String; 3], frames: u32, of: Spread<u64>) -> Vec<String> {
+fn instructions(names: [String; 4], frames: u32, of: Spread<u64>) -> Vec<String> {
     let figures = [frames.into(), of.median, of.p95, of.max].map(|figure| figure.to_string());
     names.into_iter().chain(figures).collect()
 }
@@ -160,11 +162,19 @@ mod tests {
     use crate::bench::report::{OpenCv, Ratio};
     use crate::bench::sad::Sad;
     use crate::bench::searches::Way;
+    use crate::evaluate::{MethodKind, Origin};
 
     fn report() -> Report {
         let plain = Way::Sad(Sad::Plain);
         let nanoseconds = Spread { median: 1_250, p95: 2_000, max: 3_000 };
-        let row = |way, work_left| Row { way, cases: 2, nanoseconds, nanoseconds_per_offset_pixel: 0.5, work_left };
+        let row = |way, work_left| Row {
+            way,
+            cases: 2,
+            nanoseconds,
+            nanoseconds_per_offset_pixel: Some(0.5),
+            work_left,
+            work: None,
+        };
         let ratios = vec![Ratio { of: plain, to: Way::OpenCv, cases: 2, median: 1.5 }];
         let (near, ways) = (Radius { x: 1, y: 1 }, vec![row(plain, Some(1.0)), row(Way::OpenCv, None)]);
         let window = Window { window: near, offsets: 9, cases: 2, skipped: 1, ways, ratios };
@@ -174,12 +184,15 @@ mod tests {
         let measured = Measured { sequence: "one".into(), target, frames: 7, instructions: figures };
         let board = Figures {
             machine: "mps2-an386",
+            origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             instructions: figures,
             recordings: vec![measured],
             skipped: vec!["two: the box is too big".into()],
             differences: vec![],
         };
         Report {
+            version: "0",
+            methods: vec!["smr"],
             processor: "a processor".into(),
             recordings: vec!["one".into(), "two".into()],
             template: "own".into(),
@@ -200,14 +213,14 @@ mod tests {
         let expected = [
             "a processor, one thread; one, two: every 5. frame with ground truth, template own",
             "window +-1x1: 9 offsets, 2 searches; 1 left out, for which the frame has no room",
-            "SAD, plain loop              2        1.2     2.0     3.0           0.5000    100.0 %",
-            "OpenCV matchTemplate         2        1.2     2.0     3.0           0.5000          -",
+            "SAD, plain loop              2        1.2     2.0     3.0           0.5000    100.0 %     -",
+            "OpenCV matchTemplate         2        1.2     2.0     3.0           0.5000          -     -",
             "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
             "OpenCV 5.0.0: a call on the same pixels",
             "SAD, plain loop         OpenCV matchTemplate  1.500        -",
-            "mps2-an386                       one        24x28       7      10   20   30",
-            "mps2-an386                       all            -       7      10   20   30",
-            "left out on mps2-an386: two: the box is too big",
+            "mps2-an386                 smr     one        24x28       7      10   20   30",
+            "mps2-an386                 smr     all            -       7      10   20   30",
+            "left out on mps2-an386, smr: two: the box is too big",
             "goals are stated for templates of 64x64 (on boards: the recordings' own boxes) in the six TLD recordings \
              (../shared/sequences/tld); measured: one, two",
             "work  2.000 s   1.000 s  within: 0.50 of it",

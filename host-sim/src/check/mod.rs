@@ -1,11 +1,136 @@
-//! `smr-core` against the references, score by score, through a recording: one file for each tracker.
+//! `smr-core` against the references, number by number, through a recording: what is compared of each tracker stands in a file of its own.
 
-mod paper;
+pub mod paper;
 pub mod robust;
 
-pub use paper::{Check, OtherPeak, Report};
-
+use crate::sequence::GrayFrame;
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
+use smr_core::{Answer, Frame, Rect, Target, Tracker, UpdateError};
+
+/// A tracker of smr-core that can be set beside its reference.
+pub trait Checked: Target {
+    /// The tracker in f64, with its own copy of all numbers.
+    type Reference;
+    type Numbers;
+    /// What was compared, counted.
+    type Counts: Serialize + Default;
+
+    /// The reference, started on the box `target` (left, top, width, height) in a frame of this `size`.
+    fn reference(
+        numbers: Self::Numbers,
+        first: &[u8],
+        size: (i64, i64),
+        target: (i64, i64, i64, i64),
+    ) -> Self::Reference;
+
+    /// Nothing compared yet.
+    fn counts(_target: Rect) -> Self::Counts {
+        Self::Counts::default()
+    }
+
+    /// Compares what both have learned from the first frame.
+    fn locked(_core: &Self, _reference: &Self::Reference) -> Option<Mismatch> {
+        None
+    }
+
+    /// Updates both with one more frame and compares them; `number` is that of the frame.
+    ///
+    /// # Errors
+    /// Core's.
+    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Mismatch>>;
+}
+
+/// Both trackers and what was counted of them.
+pub struct Sides<T: Checked> {
+    core: Box<Tracker<T>>,
+    reference: T::Reference,
+    counts: T::Counts,
+    step: u32,
+}
+
+impl<T: Checked> Sides<T> {
+    /// Core's answer to a frame, in steps.
+    fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
+        let mut update = self.core.begin(frame)?;
+        while !update.step(self.step) {}
+        Ok(update.finish())
+    }
+}
+
+/// What was compared, and what was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report<C> {
+    /// The recording's name.
+    pub sequence: String,
+    /// Frames compared: all but the first, which is locked on, or up to and including the first violation.
+    pub frames: usize,
+    /// The first frame in which something that must hold did not.
+    pub violation: Option<Violation>,
+    #[serde(flatten)]
+    pub counts: C,
+}
+
+/// Runs both trackers side by side, one frame at a time.
+pub struct Check<T: Checked> {
+    name: String,
+    sides: Sides<T>,
+    frames: usize,
+    violation: Option<Violation>,
+}
+
+impl<T: Checked> Check<T> {
+    /// Locks both on `target` in the first frame; core is updated in steps of so much work. `numbers` and `config` are meant to
+    /// be the same, said twice.
+    ///
+    /// # Errors
+    /// Core's.
+    pub fn lock(
+        name: &str,
+        (config, numbers): (T::Config, T::Numbers),
+        step: u32,
+        first: &GrayFrame,
+        target: Rect,
+    ) -> Result<Self> {
+        let mut core = Box::new(Tracker::<T>::new(config)?);
+        core.lock(&first.frame(), target).with_context(|| format!("{name}: cannot lock on {target:?}"))?;
+        let Rect { x, y, width, height } = target;
+        let size = (first.width.into(), first.height.into());
+        let box_ = (x.into(), y.into(), width.into(), height.into());
+        let (reference, counts) = (T::reference(numbers, &first.pixels, size, box_), T::counts(target));
+        let violation = T::locked(core.target(), &reference).map(|mismatch| mismatch.in_frame(1));
+        let sides = Sides { core, reference, counts, step };
+        Ok(Self { name: name.to_owned(), sides, frames: 0, violation })
+    }
+
+    /// True if everything that must hold did so far.
+    #[must_use]
+    pub const fn holds(&self) -> bool {
+        self.violation.is_none()
+    }
+
+    /// Compares one more frame. After a violation the two no longer walk side by side: there is nothing to go on with.
+    ///
+    /// # Errors
+    /// Core's, and there was a violation before.
+    pub fn update(&mut self, frame: &GrayFrame) -> Result<()> {
+        if !self.holds() {
+            bail!("{}: a check ends with its first violation", self.name);
+        }
+        self.frames += 1;
+        let number = self.frames + 1;
+        let mismatch = T::compare(&mut self.sides, frame, number)?;
+        self.violation = mismatch.map(|mismatch| mismatch.in_frame(number));
+        Ok(())
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn into_report(self) -> Report<T::Counts> {
+        let Self { name: sequence, sides: Sides { counts, .. }, frames, violation } = self;
+        Report { sequence, frames, violation, counts }
+    }
+}
 
 /// What did not hold, where.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -20,16 +145,8 @@ pub struct Violation {
     pub reference: String,
 }
 
-/// The most that a score of `pixels` pixels can differ from the exact sum, in units of 1/65535.
-fn bound(pixels: u32) -> f64 {
-    let n = f64::from(pixels);
-    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each off by 2^-52 of itself, and rounds
-    // each partial sum of at most n * 65535 by another 2^-53 of itself.
-    n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
-}
-
 /// Something compared, and the two values that differ.
-struct Mismatch {
+pub struct Mismatch {
     what: String,
     core: String,
     reference: String,

@@ -7,7 +7,7 @@ use crate::evaluate::robustness::Starts;
 use crate::evaluate::{MethodKind, Variant};
 use anyhow::Result;
 use clap::ValueEnum;
-use smr_core::{Config, robust};
+use smr_core::{paper, robust};
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -42,14 +42,16 @@ impl Ablate {
 
 /// The paper's tracker, the robust one, and the robust one without each of its parts.
 fn variants() -> Vec<Variant> {
+    let robust = |config: robust::Config| Variant::new(MethodKind::Robust, &config.into());
     let whole = robust::Config::robust();
     let without = Part::value_variants().iter().map(|&part| {
         let mut config = whole;
         part.leave_out(&mut config);
-        Variant::robust(format!("without {}", part.name()), config)
+        let options = serde_json::Map::from_iter([("without".to_owned(), vec![part.name()].into())]);
+        robust(config).named(format!("without {}", part.name())).given(options)
     });
-    let paper = Variant::new(MethodKind::Smr, &Config::paper().into());
-    [paper, Variant::robust("robust".to_owned(), whole)].into_iter().chain(without).collect()
+    let paper = Variant::new(MethodKind::Smr, &paper::Config::paper().into());
+    [paper, robust(whole)].into_iter().chain(without).collect()
 }
 
 #[cfg(test)]

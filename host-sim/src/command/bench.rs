@@ -3,7 +3,7 @@
 use super::qemu_options::EmulatorOptions;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
-use super::tracker_options::{Pair, PaperOnly};
+use super::tracker_options::Pair;
 use super::{Outcome, say};
 use crate::bench::boards::{Board, Figures};
 use crate::bench::case::{self, Size};
@@ -11,13 +11,14 @@ use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
 use crate::clock::{Patience, timed};
 use crate::emulator::qemu::Machine;
-use crate::evaluate::{self, MethodKind, Variant};
+use crate::evaluate::{self, CoreKind, MethodKind, Variant};
 use crate::output::Output;
 use crate::report::{diagram, speeds};
 use anyhow::{Context, Result, anyhow, ensure};
+use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use smr_core::{Config, Radius};
+use smr_core::paper::{Config, Radius};
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
@@ -38,6 +39,11 @@ pub struct Bench {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "SEQ", default_value = "synthetic")]
     paths: Vec<PathBuf>,
+    /// Which trackers; several are separated by commas
+    ///
+    /// Beside them a plain SAD search and OpenCV, always. The window of robust is its own: it is timed in the cases of each window.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,robust")]
+    method: Vec<CoreKind>,
     /// Size of the template, or `own`: that of the recording's box
     #[arg(long, value_name = "WxH", default_value = "64x64")]
     template: Template,
@@ -69,13 +75,10 @@ pub struct Bench {
     emulator: EmulatorOptions,
     #[command(flatten)]
     recording: RecordingOptions,
-    #[command(flatten)]
-    tracker: PaperOnly,
 }
 
 impl Bench {
     pub fn run(self) -> Result<Outcome> {
-        self.tracker.check("bench")?;
         let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
         let plot = self.plot.as_deref().map(Output::create).transpose()?;
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
@@ -124,8 +127,15 @@ impl Bench {
         Ok((frames / SEARCHES).max(1))
     }
 
+    /// Each once.
+    fn methods(&self) -> Vec<CoreKind> {
+        let asked = |method: &CoreKind| self.method.contains(method);
+        CoreKind::value_variants().iter().copied().filter(asked).collect()
+    }
+
     fn settings(&self, every: usize) -> Settings {
         Settings {
+            methods: self.methods(),
             template: self.template.0,
             windows: self.window.iter().map(|&Pair(x, y)| Radius { x, y }).collect(),
             every,
@@ -137,10 +147,13 @@ impl Bench {
 
     /// Instructions of an update on every board that is asked for, on the same recordings.
     fn boards(&self, paths: &[PathBuf]) -> Result<Vec<Figures>> {
-        let bar = progress_bar("recordings on boards", self.machine.len() * paths.len());
+        let methods = self.methods();
+        let bar = progress_bar("recordings on boards", self.machine.len() * methods.len() * paths.len());
         let mut figures = Vec::new();
-        for &machine in &self.machine {
-            let mut board = Board::new(self.emulator.setup(machine))?;
+        for (&machine, &method) in
+            self.machine.iter().flat_map(|machine| methods.iter().map(move |method| (machine, method)))
+        {
+            let mut board = Board::new(self.emulator.setup(machine), method)?;
             for path in paths {
                 board.add(self.recording.open(path)?)?;
                 bar.inc(1);

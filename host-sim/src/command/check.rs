@@ -1,13 +1,16 @@
-//! `host-sim check`: smr-core against the reference, on recordings or on two built-in ones.
+//! `host-sim check`: smr-core against the reference, on recordings or on built-in ones.
 
 use super::recording_options::RecordingOptions;
-use super::tracker_options::{Preset, TrackerOptions};
+use super::tracker_options::TrackerOptions;
 use super::{Outcome, say};
-use crate::check::{self, Violation, robust};
-use crate::sequence::{self, Frames, GrayFrame};
+use crate::Paper;
+use crate::check::{self, Checked, Violation, paper, robust};
+use crate::evaluate::{CoreKind, Origin};
+use crate::sequence;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use smr_core::Robust;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -17,6 +20,9 @@ pub struct Check {
     /// The recordings; `synthetic`, `periodic` and `border` if none is given
     #[arg(value_name = "SEQ", default_values = sequence::CHECKED)]
     sequences: Vec<PathBuf>,
+    /// Which tracker
+    #[arg(long, value_enum, default_value = "smr")]
+    method: CoreKind,
     /// Compare only the first N frames after the one that is locked on
     #[arg(long, value_name = "N")]
     frames: Option<NonZeroUsize>,
@@ -29,28 +35,20 @@ pub struct Check {
     tracker: TrackerOptions,
 }
 
-/// What was compared, by the tracker it was compared of.
+/// What was compared, with all that its tracker has counts of.
 #[derive(Debug, Serialize)]
-#[serde(untagged)]
-enum Report {
-    Paper(check::Report),
-    Robust(robust::Report),
+struct Report {
+    #[serde(flatten)]
+    origin: Origin,
+    #[serde(flatten)]
+    report: check::Report<Counts>,
 }
 
-impl Report {
-    fn holds(&self) -> bool {
-        match self {
-            Self::Paper(report) => report.holds(),
-            Self::Robust(report) => report.holds(),
-        }
-    }
-
-    fn frames(&self) -> usize {
-        match self {
-            Self::Paper(report) => report.frames,
-            Self::Robust(report) => report.frames,
-        }
-    }
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Counts {
+    Paper(paper::Counts),
+    Robust(robust::Counts),
 }
 
 impl Check {
@@ -60,7 +58,7 @@ impl Check {
         let result = self.sequences.iter().try_for_each(|path| {
             let report = self.check(path)?;
             if !self.json {
-                say(|out| describe(&report, out))?;
+                say(|out| describe(&report.report, out))?;
             }
             reports.push(report);
             Ok(())
@@ -69,53 +67,53 @@ impl Check {
             let json = serde_json::to_string_pretty(&reports)?;
             say(|out| writeln!(out, "{json}"))?;
         }
-        result.map(|()| if reports.iter().all(Report::holds) { Outcome::Holds } else { Outcome::CheckFailed })
+        let holds = |report: &Report| report.report.violation.is_none();
+        result.map(|()| if reports.iter().all(holds) { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
     fn check(&self, path: &Path) -> Result<Report> {
+        let variant = self.tracker.variant(self.method.into())?;
+        let configs = variant.configs();
+        let report = match self.method {
+            CoreKind::Smr => {
+                let numbers = self.tracker.reference_numbers();
+                self.compare::<Paper>(path, (configs.paper, numbers), configs.step, Counts::Paper)?
+            }
+            CoreKind::Robust => {
+                let numbers = self.tracker.robust_reference_numbers();
+                self.compare::<Robust>(path, (configs.robust, numbers), configs.step, Counts::Robust)?
+            }
+        };
+        Ok(Report { origin: variant.origin(), report })
+    }
+
+    /// Frame by frame, until something does not hold.
+    fn compare<T: Checked>(
+        &self,
+        path: &Path,
+        numbers: (T::Config, T::Numbers),
+        step: u32,
+        counts: fn(T::Counts) -> Counts,
+    ) -> Result<check::Report<Counts>> {
         let sequence = self.recording.open(path)?;
         let target = sequence.start()?;
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
-        let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(self.most())));
-        let report = match self.tracker.preset() {
-            Preset::Paper | Preset::Camera => {
-                let (config, numbers) = (self.tracker.config()?, self.tracker.reference_numbers());
-                let mut run = check::Check::lock(&name, config, numbers, &first, target)?;
-                self.walk(frames, &progress, |frame| run.update(frame).map(|()| run.report().holds()))?;
-                Report::Paper(run.into_report())
-            }
-            Preset::Robust => {
-                let config = self.tracker.robust()?;
-                let mut run = robust::Check::lock(&name, config, robust::numbers(&config), &first, target)?;
-                self.walk(frames, &progress, |frame| run.update(frame).map(|()| run.report().holds()))?;
-                Report::Robust(run.into_report())
-            }
-        };
-        progress.finish_and_clear();
-        ensure!(report.frames() > 0, "{name}: only one frame, which is locked on: there is nothing to compare");
-        Ok(report)
-    }
-
-    fn most(&self) -> usize {
-        self.frames.map_or(usize::MAX, NonZeroUsize::get)
-    }
-
-    /// Frame by frame, as long as `holds` says so.
-    fn walk(
-        &self,
-        frames: Frames,
-        progress: &ProgressBar,
-        mut holds: impl FnMut(&GrayFrame) -> Result<bool>,
-    ) -> Result<()> {
-        for frame in frames.take(self.most()) {
-            let holds = holds(&frame?)?;
-            progress.inc(1);
-            if !holds {
+        let most = self.frames.map_or(usize::MAX, NonZeroUsize::get);
+        let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(most)));
+        let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;
+        for frame in frames.take(most) {
+            if !run.holds() {
                 break;
             }
+            run.update(&frame?)?;
+            progress.inc(1);
         }
-        Ok(())
+        progress.finish_and_clear();
+        let check::Report { sequence, frames, violation, counts: counted } = run.into_report();
+        let compared = frames > 0 || violation.is_some();
+        ensure!(compared, "{name}: only one frame, which is locked on: there is nothing to compare");
+        Ok(check::Report { sequence, frames, violation, counts: counts(counted) })
     }
 }
 
@@ -129,24 +127,34 @@ fn progress(name: &str, length: Option<usize>) -> ProgressBar {
     bar.with_message(name.to_owned())
 }
 
-fn describe(report: &Report, out: &mut impl Write) -> io::Result<()> {
-    match report {
-        Report::Paper(report) => describe_paper(report, out),
-        Report::Robust(report) => describe_robust(report, out),
+fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<()> {
+    let check::Report { sequence, frames, violation, counts } = report;
+    let (compared, equal) = match counts {
+        Counts::Paper(paper::Counts { scores, runners_up, .. }) => (
+            format!("{scores} scores"),
+            format!(
+                "scores, peaks, alpha, boxes, states, templates; the runner-up in {runners_up} frames, where it is asked for"
+            ),
+        ),
+        Counts::Robust(robust::Counts { responses, .. }) => (
+            format!("{responses} responses"),
+            "windows, features, responses, weights, early templates, ratios, confidence, states, scales, boxes"
+                .to_owned(),
+        ),
+    };
+    writeln!(out, "{sequence}: {frames} frames, {compared}")?;
+    match violation {
+        Some(violation) => describe_violation(violation, out)?,
+        None => writeln!(out, "  equal, bit for bit: {equal}")?,
+    }
+    match counts {
+        Counts::Paper(counts) => describe_paper(counts, out),
+        Counts::Robust(counts) => describe_robust(counts, out),
     }
 }
 
-fn describe_robust(report: &robust::Report, out: &mut impl Write) -> io::Result<()> {
-    let robust::Report { sequence, frames, responses, uncertain, lost, learned, swept, found_again, .. } = report;
-    writeln!(out, "{sequence}: {frames} frames, {responses} responses")?;
-    match &report.violation {
-        Some(violation) => describe_violation(violation, out)?,
-        None => writeln!(
-            out,
-            "  equal, bit for bit: windows, features, responses, weights, early templates, ratios, confidence, states, \
-             scales, boxes"
-        )?,
-    }
+fn describe_robust(counts: &robust::Counts, out: &mut impl Write) -> io::Result<()> {
+    let robust::Counts { uncertain, lost, learned, swept, found_again, .. } = counts;
     writeln!(
         out,
         "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; {swept} windows of the sweep, found again \
@@ -154,20 +162,13 @@ fn describe_robust(report: &robust::Report, out: &mut impl Write) -> io::Result<
     )
 }
 
-fn describe_paper(report: &check::Report, out: &mut impl Write) -> io::Result<()> {
-    let check::Report { sequence, frames, scores, runners_up, largest_difference, bound, .. } = report;
-    writeln!(out, "{sequence}: {frames} frames, {scores} scores")?;
-    if let Some(violation) = &report.violation {
-        describe_violation(violation, out)?;
-    } else {
-        writeln!(
-            out,
-            "  equal, bit for bit: scores, peaks, alpha, boxes, states, templates; \
-             the runner-up in {runners_up} frames, where it is asked for"
-        )?;
-    }
-    describe_difference(*largest_difference, *bound, out)?;
-    match report.other_peaks.as_slice() {
+fn describe_paper(counts: &paper::Counts, out: &mut impl Write) -> io::Result<()> {
+    let paper::Counts { largest_difference, bound, other_peaks, .. } = counts;
+    writeln!(
+        out,
+        "  largest difference from an exact score: {largest_difference:.1} of at most {bound:.1} units of 1/65535"
+    )?;
+    match other_peaks.as_slice() {
         [] => writeln!(out, "  exact sums have the same arg max in every frame"),
         others => {
             writeln!(
@@ -188,8 +189,4 @@ fn describe_violation(violation: &Violation, out: &mut impl Write) -> io::Result
     writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
     writeln!(out, "    smr-core:  {}", violation.core)?;
     writeln!(out, "    reference: {}", violation.reference)
-}
-
-fn describe_difference(largest: f64, bound: f64, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "  largest difference from an exact score: {largest:.1} of at most {bound:.1} units of 1/65535")
 }

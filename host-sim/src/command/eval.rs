@@ -22,10 +22,10 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
-    /// What is measured; several are separated by commas [default: smr]. With --config robust `smr` is the robust tracker
+    /// What is measured; several are separated by commas [default: smr]
     ///
     /// On the recordings of the paper's table, and without an option that says something of start or tracker, the default is
-    /// all there is: both readings of the paper, the baselines, the robust tracker, and other trackers' results (--compare).
+    /// all there is: both readings of the paper, the robust tracker, the baselines, and other trackers' results (--compare).
     #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
@@ -42,7 +42,7 @@ pub struct Eval {
     /// over visible frames; mean IoU where there is an answer and the target is visible; correct answers over all answers;
     /// answers while the target is hidden; how often it came back, and in how many of these a correct answer came within 50
     /// frames; how often `tracking` was said and wrong (target hidden, or IoU at most 0.25), and how often it was not said
-    /// although the box was right; comparisons (at most) and time of an update. Then means over recordings with their
+    /// although the box was right; work (comparisons or products, at most) and time of an update. Then means over recordings with their
     /// standard errors, and over those of each folder; of several methods the paired differences to the first. A recording
     /// is in memory as a whole, and may have 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
@@ -61,9 +61,9 @@ pub struct Eval {
     /// set against the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
-    /// With --robustness: draw the chance that a frame is correct by the ratio that was reported in it: FILE.svg or FILE.png
+    /// With --robustness: draw the chance that a frame is correct by the confidence that was reported in it: FILE.svg or FILE.png
     ///
-    /// Over all frames of all runs of SMR, with the numbers as one more table. A frame without an answer is not correct, and
+    /// Over all frames of all runs of smr and robust, with the numbers as one more table. A frame without an answer is not correct, and
     /// neither is one in which the target is hidden.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     calibration: Option<PathBuf>,
@@ -105,14 +105,7 @@ impl Eval {
 
     /// What is asked for; SMR if nothing is.
     fn variants(&self) -> Result<Vec<Variant>> {
-        let mut methods = self.method.clone();
-        if methods.is_empty() {
-            methods.push(MethodKind::Smr);
-        }
-        drop_repeated(&mut methods);
-        self.tracker.check_for(&methods)?;
-        let configs = self.tracker.configs()?;
-        Ok(methods.into_iter().map(|kind| Variant::new(kind, &configs)).collect())
+        self.tracker.variants(if self.method.is_empty() { &[MethodKind::Smr] } else { &self.method })
     }
 
     /// True if no option tells what is to be measured.
@@ -122,9 +115,12 @@ impl Eval {
 
     fn measure_robustness(&self, variants: &[Variant]) -> Result<Outcome> {
         let form = self.calibration.as_deref().map(Form::of).transpose()?;
-        let smr = self.method.is_empty() || self.method.contains(&MethodKind::Smr);
+        let confident = variants.iter().any(|variant| variant.kind.is_core());
         let former = self.against.as_deref().map(Former::read).transpose()?;
-        ensure!(smr || form.is_none(), "--calibration is of the ratio that SMR reports: --method smr is missing");
+        ensure!(
+            confident || form.is_none(),
+            "--calibration is of the confidence of smr and robust: expected one of them in --method"
+        );
         let plot = self.calibration.as_deref().map(Output::create).transpose()?;
         let starts = match self.starts_every {
             Some(every) => Starts::Every(every),
@@ -186,13 +182,6 @@ fn is_published(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
 }
 
-/// The first of each stays where it is.
-fn drop_repeated(methods: &mut Vec<MethodKind>) {
-    let all = methods.clone();
-    let mut index = 0..;
-    methods.retain(|kind| index.next().is_some_and(|index| !all[..index].contains(kind)));
-}
-
 fn errors(evaluation: &Result<Evaluation>) -> &[Error] {
     match evaluation {
         Ok(evaluation) => &evaluation.failures,
@@ -212,8 +201,9 @@ mod tests {
 
     #[test]
     fn a_method_is_measured_once() {
-        let mut methods = [MethodKind::Sad, MethodKind::Smr, MethodKind::Sad].to_vec();
-        drop_repeated(&mut methods);
-        assert_eq!(methods, [MethodKind::Sad, MethodKind::Smr]);
+        let options = TrackerOptions::default();
+        let variants = options.variants(&[MethodKind::Sad, MethodKind::Smr, MethodKind::Sad]).unwrap();
+        let names: Vec<String> = variants.into_iter().map(|variant| variant.name).collect();
+        assert_eq!(names, ["sad", "smr"]);
     }
 }

@@ -38,6 +38,7 @@ struct Written {
     width: u16,
     height: u16,
     /// The box that was drawn; null where there is none.
+    #[serde(rename = "box")]
     bbox: Option<BoundingBox>,
     /// Whether `track` takes it: all of it must lie in the frame. Null where there is no box.
     inside: Option<bool>,

@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::{Configs, Results};
+use crate::evaluate::{MethodKind, Results, Variant};
 use crate::output::{Output, print};
 use crate::report::{self, Choice, Film};
 use crate::sequence::Sequence;
@@ -19,6 +19,9 @@ pub struct Report {
     /// The recording
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
+    /// Who is shown; several are separated by commas. The states are those of the first
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,sad")]
+    method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     #[arg(long, value_name = "DIR|FILE.html", required_unless_present = "png")]
     out: Option<PathBuf>,
@@ -46,13 +49,11 @@ struct Written {
 
 impl Report {
     pub fn run(self) -> Result<Outcome> {
-        let mut configs = self.tracker.configs()?;
-        // It is drawn; where nothing depends on it, looking for it changes nothing else.
-        configs.paper.runner_up = smr_core::RunnerUp::Always;
+        let methods = self.tracker.variants(&self.method)?;
         let sequence = self.recording.open(&self.sequence)?;
         let page = self.out.as_ref().map(|out| File::create(page_file(out, &sequence.name)?)).transpose()?;
         let png = self.png.clone().map(File::create).transpose()?;
-        let film = self.watch(sequence, &configs)?;
+        let film = self.watch(sequence, &methods)?;
         let mut files = Vec::new();
         if let Some(file) = page {
             files.push(file.write(report::page(&film)?.as_bytes())?);
@@ -65,9 +66,9 @@ impl Report {
         Ok(Outcome::Holds)
     }
 
-    fn watch(&self, sequence: Sequence, configs: &Configs) -> Result<Film> {
+    fn watch(&self, sequence: Sequence, methods: &[Variant]) -> Result<Film> {
         let progress = progress(sequence.length);
-        let film = report::watch(sequence, configs, self.choice(), || progress.inc(1));
+        let film = report::watch(sequence, methods, self.choice(), || progress.inc(1));
         progress.finish_and_clear();
         film
     }
@@ -123,6 +124,7 @@ fn json(film: &Film, files: &[Written]) -> Result<String> {
     let evaluation = film.evaluation()?;
     let results = Results::new(evaluation.as_slice());
     let object = serde_json::json!({
+        "methods": film.methods.iter().map(Variant::origin).collect::<Vec<_>>(),
         "sequence": film.name,
         "frames": film.moments.len(),
         "shown": film.shown(),

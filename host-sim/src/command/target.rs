@@ -2,15 +2,15 @@
 
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
-use super::tracker_options::PaperOnly;
 use super::{Outcome, say};
 use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
 use crate::emulator::{Recording, Report};
+use crate::evaluate::CoreKind;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
 use std::process::Stdio;
 
@@ -19,6 +19,12 @@ pub struct Target {
     /// The recording
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
+    /// Which tracker; smr is that of --config camera, with a window of +-16
+    #[arg(long, value_enum, default_value = "smr")]
+    method: CoreKind,
+    /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
+    #[arg(long, value_name = "WORK")]
+    step: Option<NonZeroU32>,
     /// Compare only the first N frames after the one that is locked on
     #[arg(long, value_name = "N")]
     frames: Option<NonZeroUsize>,
@@ -32,8 +38,6 @@ pub struct Target {
     qemu: QemuOptions,
     #[command(flatten)]
     recording: RecordingOptions,
-    #[command(flatten)]
-    tracker: PaperOnly,
 }
 
 /// All that is printed.
@@ -50,7 +54,7 @@ struct Measured<'a> {
 
 impl Target {
     pub fn run(self) -> Result<Outcome> {
-        self.tracker.check("target")?;
+        let step = self.step.map_or(0, NonZeroU32::get);
         let sequence = self.recording.open(&self.sequence)?;
         let target = sequence.start()?;
         let elf = match &self.elf {
@@ -60,7 +64,8 @@ impl Target {
         let sizes = Sizes::of(&elf)?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
         let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
-        let recording = Recording::write(&sequence.name, sequence.frames, target, most, folder.path())?;
+        let method = (self.method, step);
+        let recording = Recording::write(&sequence.name, method, sequence.frames, target, most, folder.path())?;
         let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
         let report = recording.compare(&mut qemu, folder.path())?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
@@ -77,8 +82,9 @@ impl Target {
 
 fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
     let Measured { machine, report, sizes, ram } = measured;
-    let Report { sequence, frames, tracker, instructions, .. } = report;
-    writeln!(out, "{sequence} on {machine}: {frames} frames answered as on the host, bit for bit")?;
+    let Report { origin, sequence, frames, instructions, longest_step, work, .. } = report;
+    let Report { target_bytes, workspace_bytes, buffer_bytes, .. } = report;
+    writeln!(out, "{sequence} on {machine}, {}: {frames} frames answered as on the host, bit for bit", origin.method)?;
     if let Some(difference) = &report.difference {
         writeln!(out, "  FAILED in frame {}: {}", difference.frame, difference.what)?;
         writeln!(out, "    target: {}", difference.target)?;
@@ -87,11 +93,20 @@ fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
     if let (Some(ram), Some(stack)) = (ram, report.stack) {
         writeln!(
             out,
-            "  RAM:   {ram} bytes: {} of statics, {} of stack (there are {})",
+            "  RAM:   {ram} bytes: {} of statics, {} of stack (there are {}); in it a target of {target_bytes}, a workspace of \
+             {workspace_bytes}, {buffer_bytes} for pixels",
             sizes.static_ram, stack.used, stack.room
         )?;
     }
-    writeln!(out, "  flash: {} bytes; a tracker: {tracker} bytes", sizes.flash)?;
+    writeln!(out, "  flash: {} bytes, with both trackers", sizes.flash)?;
     let [median, p95, max] = [instructions.median, instructions.p95, instructions.max];
-    writeln!(out, "  instructions of an update: median {median}, 95 % below {p95}, at most {max}")
+    writeln!(out, "  instructions of an update: median {median}, 95 % below {p95}, at most {max}")?;
+    if longest_step != instructions {
+        writeln!(
+            out,
+            "  instructions of its longest step: median {}, at most {}",
+            longest_step.median, longest_step.max
+        )?;
+    }
+    writeln!(out, "  work of an update: median {}, at most {}", work.median, work.max)
 }

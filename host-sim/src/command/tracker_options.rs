@@ -1,36 +1,38 @@
-//! The numbers of the method on the command line, the same for every command that runs the tracker.
+//! The numbers of the methods on the command line, the same for every command that runs a tracker.
 
-use crate::evaluate::{Configs, MethodKind};
-use crate::reference::Numbers;
+use crate::evaluate::{Configs, MethodKind, Variant};
+use crate::reference::{Numbers, robust as reference};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
+use serde_json::{Map, Value};
+use smr_core::paper::{Config, Fraction, Radius, RunnerUp};
+use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
-use smr_core::{Config, Fraction, Radius, RunnerUp, robust};
+use std::fmt;
+use std::num::NonZeroU32;
 use std::str::FromStr;
 
-/// Which tracker follows the target.
+/// Which numbers `smr` starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// The paper's tracker, to the letter
+    /// The paper's, to the letter
     #[default]
     Paper,
-    /// The paper's tracker for cameras: a bounded window, the template updated up to the edge
+    /// For cameras: a bounded window, the template updated up to the edge
     Camera,
-    /// The tracker that goes beyond the paper: holds when light, size and view change
+    /// Not a preset: here to be refused in words.
+    #[value(hide = true)]
     Robust,
 }
 
-/// Where the paper's value is not wanted.
+/// Where the usual value is not wanted. Each option says in brackets which methods take it, if that is not smr alone.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Tracker")]
+#[command(next_help_heading = "Tracker (options of smr, if not said otherwise)")]
 pub struct TrackerOptions {
-    /// Which tracker; of the options below, `robust` takes --backend and --without, `paper` and `camera` all others
+    /// Which numbers smr starts from
     #[arg(long, value_enum, default_value = "paper")]
     config: Preset,
-    /// Parts of the robust tracker to leave out; several are separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
-    without: Vec<Part>,
-    /// Search window to each side, in pixels [default: 60x50]
+    /// Search window to each side, in pixels [all but robust] [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
     /// Where the window of a lost target stops to grow; at least --window [default: at the end of
@@ -46,7 +48,7 @@ pub struct TrackerOptions {
     /// p = exp(-d / scale) of a difference of d gray levels, 1 to 4096 [default: 255]
     #[arg(long)]
     scale: Option<u16>,
-    /// Zeroes around the frame, in pixels [default: 20]
+    /// Zeroes around the frame, in pixels [all but robust] [default: 20]
     #[arg(long)]
     padding: Option<u16>,
     /// The runner-up is more than this many pixels away from the peak [default: 8]
@@ -58,17 +60,54 @@ pub struct TrackerOptions {
     /// The least similarity matching ratio of a peak that is believed, as N/M [default: none]
     #[arg(long, value_name = "N/M")]
     least_ratio: Option<Ratio>,
-    /// How scores are computed; changes nothing but the time [default: the fastest that
-    /// this machine has]
-    #[arg(long, value_name = "NAME", value_parser = backend)]
-    backend: Option<Backend>,
     /// Score every offset to its last pixel; changes nothing but the time
     #[arg(long)]
     exhaustive: bool,
     /// Look for the runner-up in every frame, not only where the gate's decision depends on it
     #[arg(long)]
     runner_up_always: bool,
+    /// Parts to leave out; several are separated by commas [robust]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
+    without: Vec<Part>,
+    /// How far the target is looked for to each side, in cells, 4 to 8 [robust] [default: 8]
+    #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u8).range(4..=8))]
+    reach: Option<u8>,
+    /// How many 256ths of itself the confidence keeps in each frame [robust] [default: 179]
+    #[arg(long, value_name = "256THS")]
+    patience: Option<u8>,
+    /// The target is lost while the confidence is below this, 0 to 65535 [robust] [default: 15733]
+    #[arg(long, value_name = "CONFIDENCE")]
+    lost_below: Option<u16>,
+    /// It is uncertain while the confidence is below this; at least --lost-below [robust] [default: 26666]
+    #[arg(long, value_name = "CONFIDENCE")]
+    uncertain_below: Option<u16>,
+    /// How far the filter goes towards what is best for the present frame, 0 to 256 256ths [robust] [default: 160]
+    #[arg(long, value_name = "256THS", value_parser = clap::value_parser!(u16).range(0..=256))]
+    learning_rate: Option<u16>,
+    /// How far the early template goes towards the present frame, 0 to 1024 1024ths [robust] [default: 1]
+    #[arg(long, value_name = "1024THS", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    early_rate: Option<u16>,
+    /// How scores are computed; changes nothing but the time [smr, robust] [default: the fastest that
+    /// this machine has]
+    #[arg(long, value_name = "NAME", value_parser = backend)]
+    backend: Option<Backend>,
+    /// Update in steps of so much work, as firmware with a deadline does; changes no answer [smr, robust] [default: all at once]
+    #[arg(long, value_name = "WORK")]
+    step: Option<NonZeroU32>,
 }
+
+/// An option that was given, and which methods take it.
+struct Given {
+    name: &'static str,
+    value: Value,
+    taken_by: &'static [MethodKind],
+}
+
+const SMR: &[MethodKind] = &[MethodKind::Smr];
+const ROBUST: &[MethodKind] = &[MethodKind::Robust];
+const CORE: &[MethodKind] = &[MethodKind::Smr, MethodKind::Robust];
+/// Those that search a window of a given radius in a padded frame.
+const WINDOWED: &[MethodKind] = &[MethodKind::Smr, MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc, MethodKind::Lk];
 
 /// The parts of the robust tracker, each of which can be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -94,14 +133,26 @@ impl Part {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
+    /// Whether the reference has it.
+    fn of(self, parts: &mut reference::Parts) -> &mut bool {
+        match self {
+            Self::Velocity => &mut parts.velocity,
+            Self::Near => &mut parts.near,
+            Self::Size => &mut parts.size,
+            Self::Verification => &mut parts.verification,
+            Self::Caution => &mut parts.caution,
+            Self::Sweep => &mut parts.sweep,
+        }
+    }
+
     /// Leaves it out of `config`.
     pub fn leave_out(self, config: &mut robust::Config) {
         match self {
-            Self::Velocity => config.velocity = false,
-            Self::Near => config.near = false,
+            Self::Velocity => *config = config.without(robust::Part::Velocity),
+            Self::Near => *config = config.without(robust::Part::Near),
             Self::Size => config.size = false,
-            Self::Verification => config.verification = false,
-            Self::Caution => config.caution = false,
+            Self::Verification => *config = config.without(robust::Part::Verification),
+            Self::Caution => *config = config.without(robust::Part::Caution),
             Self::Sweep => config.sweep = false,
         }
     }
@@ -109,18 +160,111 @@ impl Part {
 
 /// What this machine has, by its name in small letters.
 fn backend(text: &str) -> Result<Backend> {
-    let name_of = |backend: Backend| format!("{backend:?}").to_lowercase();
-    let names = || Backend::available().map(name_of).collect::<Vec<_>>().join(", ");
-    let found = Backend::available().find(|&backend| name_of(backend) == text);
+    let names = || Backend::available().map(backend_name).collect::<Vec<_>>().join(", ");
+    let found = Backend::available().find(|&backend| backend_name(backend) == text);
     found.with_context(|| format!("this machine has {}", names()))
 }
 
+fn backend_name(backend: Backend) -> String {
+    format!("{backend:?}").to_lowercase()
+}
+
 impl TrackerOptions {
-    /// The configuration of the paper's tracker with the options put in.
-    pub fn config(&self) -> Result<Config> {
-        if self.config != Preset::Robust && !self.without.is_empty() {
-            bail!("--without leaves out parts of the robust tracker: --config robust is missing");
+    /// `methods`, each once, with what they are built from.
+    ///
+    /// # Errors
+    /// An option that none of them takes, or that is out of range.
+    pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
+        self.check_for(methods)?;
+        let configs = self.configs()?;
+        let first = |index: usize| !methods[..index].contains(&methods[index]);
+        let variant = |index: usize| {
+            let kind = methods[index];
+            Variant::new(kind, &configs).given(self.options_of(kind))
+        };
+        Ok((0..methods.len()).filter(|&index| first(index)).map(variant).collect())
+    }
+
+    /// One method, with what it is built from.
+    ///
+    /// # Errors
+    /// An option that it does not take, or that is out of range.
+    pub fn variant(&self, method: MethodKind) -> Result<Variant> {
+        self.check_for(&[method])?;
+        Ok(Variant::new(method, &self.configs()?).given(self.options_of(method)))
+    }
+
+    /// All that is given, in the order of the help.
+    fn given(&self) -> Vec<Given> {
+        let text = |value: Option<String>| value.map(Value::from);
+        let number = |value: Option<u16>| value.map(Value::from);
+        let flag = |given: bool| given.then_some(Value::from(true));
+        let preset = match self.config {
+            Preset::Paper => None,
+            Preset::Camera => Some(Value::from("camera")),
+            Preset::Robust => Some(Value::from("robust")),
+        };
+        let parts: Vec<String> = self.without.iter().map(|part| part.name()).collect();
+        let all = [
+            ("config", preset, SMR),
+            ("window", text(self.window.map(|pair| pair.to_string())), WINDOWED),
+            ("window-limit", text(self.window_limit.map(|pair| pair.to_string())), SMR),
+            ("growth", number(self.growth), SMR),
+            ("k", text(self.k.map(|ratio| ratio.to_string())), SMR),
+            ("scale", number(self.scale), SMR),
+            ("padding", number(self.padding), WINDOWED),
+            ("neighbourhood", number(self.neighbourhood), SMR),
+            ("least-alpha", number(self.least_alpha.map(u16::from)), SMR),
+            ("least-ratio", text(self.least_ratio.map(|ratio| ratio.to_string())), SMR),
+            ("exhaustive", flag(self.exhaustive), SMR),
+            ("runner-up-always", flag(self.runner_up_always), SMR),
+            ("reach", number(self.reach.map(u16::from)), ROBUST),
+            ("patience", number(self.patience.map(u16::from)), ROBUST),
+            ("lost-below", number(self.lost_below), ROBUST),
+            ("uncertain-below", number(self.uncertain_below), ROBUST),
+            ("learning-rate", number(self.learning_rate), ROBUST),
+            ("early-rate", number(self.early_rate), ROBUST),
+            ("without", (!parts.is_empty()).then(|| Value::from(parts)), ROBUST),
+            ("backend", text(self.backend.map(backend_name)), CORE),
+            ("step", self.step.map(|step| Value::from(step.get())), CORE),
+        ];
+        let given = all.into_iter().filter_map(|(name, value, taken_by)| Some(Given { name, value: value?, taken_by }));
+        given.collect()
+    }
+
+    /// True if no option is given.
+    pub fn says_nothing(&self) -> bool {
+        self.given().is_empty()
+    }
+
+    /// What is given of the options that `method` takes, as it stands in JSON.
+    fn options_of(&self, method: MethodKind) -> Map<String, Value> {
+        let given = self.given().into_iter().filter(|given| given.taken_by.contains(&method));
+        given.map(|Given { name, value, .. }| (name.to_owned(), value)).collect()
+    }
+
+    /// # Errors
+    /// An option that none of `methods` takes.
+    fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
+        if self.config == Preset::Robust {
+            bail!("--config robust: the robust tracker is a method of its own: use --method robust");
         }
+        let taken = |given: &Given| methods.iter().any(|method| given.taken_by.contains(method));
+        if let Some(Given { name, taken_by, .. }) = self.given().iter().find(|given| !taken(given)) {
+            let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+            bail!("--{name} is an option of {}, not of {}", names(taken_by), names(methods));
+        }
+        Ok(())
+    }
+
+    /// What all methods are built from.
+    fn configs(&self) -> Result<Configs> {
+        let step = self.step.map_or(u32::MAX, NonZeroU32::get);
+        Ok(Configs { paper: self.paper()?, robust: self.robust()?, step })
+    }
+
+    /// The configuration of the paper's tracker with the options put in.
+    fn paper(&self) -> Result<Config> {
         let mut config = if self.config == Preset::Camera { Config::camera() } else { Config::paper() };
         if let Some(Pair(x, y)) = self.window {
             config.window = Radius { x, y };
@@ -164,79 +308,37 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// What all methods are built from.
-    pub fn configs(&self) -> Result<Configs> {
-        let robust = match self.preset() {
-            Preset::Paper | Preset::Camera => None,
-            Preset::Robust => Some(self.robust()?),
-        };
-        Ok(Configs { paper: self.config()?, robust })
-    }
-
-    /// Which tracker is asked for.
-    pub fn preset(&self) -> Preset {
-        self.config
-    }
-
     /// The robust tracker's configuration with the options put in.
-    ///
-    /// # Errors
-    /// An option that only the paper's tracker has.
-    pub fn robust(&self) -> Result<robust::Config> {
-        if let Some(name) = self.of_paper_only() {
-            bail!("{name} is an option of --config paper: the robust tracker has no such number");
-        }
+    fn robust(&self) -> Result<robust::Config> {
         let mut config = robust::Config::robust();
         self.without.iter().for_each(|part| part.leave_out(&mut config));
         config.backend = self.backend;
+        config.reach = self.reach.unwrap_or(config.reach);
+        config.patience = self.patience.unwrap_or(config.patience);
+        config.lost_below = self.lost_below.unwrap_or(config.lost_below);
+        config.uncertain_below = self.uncertain_below.unwrap_or(config.uncertain_below);
+        config.learning_rate = self.learning_rate.unwrap_or(config.learning_rate);
+        config.early_rate = self.early_rate.unwrap_or(config.early_rate);
+        let (lost, uncertain) = (config.lost_below, config.uncertain_below);
+        if uncertain < lost {
+            bail!("--uncertain-below {uncertain} is below --lost-below {lost}: expected {lost} to 65535");
+        }
         Ok(config)
     }
 
-    fn of_paper_only(&self) -> Option<&'static str> {
-        let given = [
-            (self.window.is_some(), "--window"),
-            (self.window_limit.is_some(), "--window-limit"),
-            (self.growth.is_some(), "--growth"),
-            (self.k.is_some(), "--k"),
-            (self.scale.is_some(), "--scale"),
-            (self.padding.is_some(), "--padding"),
-            (self.neighbourhood.is_some(), "--neighbourhood"),
-            (self.exhaustive, "--exhaustive"),
-            (self.least_alpha.is_some(), "--least-alpha"),
-            (self.least_ratio.is_some(), "--least-ratio"),
-            (self.runner_up_always, "--runner-up-always"),
-        ];
-        given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
-    }
-
-    /// True if no option is given.
-    pub fn says_nothing(&self) -> bool {
-        self.config == Preset::Paper
-            && self.without.is_empty()
-            && self.backend.is_none()
-            && self.of_paper_only().is_none()
-    }
-
-    /// # Errors
-    /// An option that none of `methods` takes: of SMR's numbers the others have --window and --padding alone.
-    pub fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
-        let given = [
-            (self.config != Preset::default(), "--config"),
-            (self.window_limit.is_some(), "--window-limit"),
-            (self.growth.is_some(), "--growth"),
-            (self.k.is_some(), "--k"),
-            (self.scale.is_some(), "--scale"),
-            (self.neighbourhood.is_some(), "--neighbourhood"),
-            (self.backend.is_some(), "--backend"),
-            (self.exhaustive, "--exhaustive"),
-            (self.runner_up_always, "--runner-up-always"),
-        ];
-        match given.into_iter().find(|(given, _)| *given) {
-            Some((_, name)) if !methods.contains(&MethodKind::Smr) => {
-                bail!("{name} is an option of smr, which is not measured: expected it in --method")
-            }
-            _ => Ok(()),
+    /// The same for its reference, which keeps its own copy of the numbers.
+    pub fn robust_reference_numbers(&self) -> reference::Numbers {
+        let mut numbers = reference::Numbers::robust();
+        for part in &self.without {
+            *part.of(&mut numbers.parts) = false;
         }
+        numbers.reach = self.reach.map_or(numbers.reach, i64::from);
+        numbers.trust_rate = self.patience.map_or(numbers.trust_rate, |patience| 256.0 - f64::from(patience));
+        numbers.lost_below = self.lost_below.map_or(numbers.lost_below, f64::from);
+        numbers.uncertain_below = self.uncertain_below.map_or(numbers.uncertain_below, f64::from);
+        numbers.step = self.learning_rate.map_or(numbers.step, |rate| f64::from(rate) / 256.0);
+        numbers.early_rate = self.early_rate.map_or(numbers.early_rate, |rate| f64::from(rate) / 1024.0);
+        numbers
     }
 
     /// The same for the reference, which keeps its own copy of the paper's numbers.
@@ -264,32 +366,15 @@ impl TrackerOptions {
     }
 }
 
-#[cfg(feature = "emulator")]
-/// For a command that runs the paper's tracker only: the other one is refused in words, not as an unknown option.
-#[derive(Args, Clone, Debug, Default)]
-pub struct PaperOnly {
-    /// Which tracker; only the paper's can be used here
-    #[arg(long, value_enum, default_value = "paper", help_heading = "Tracker")]
-    config: Preset,
-}
-
-#[cfg(feature = "emulator")]
-impl PaperOnly {
-    /// # Errors
-    /// Another tracker is asked for.
-    pub fn check(&self, command: &str) -> Result<()> {
-        match self.config {
-            Preset::Paper => Ok(()),
-            Preset::Camera | Preset::Robust => {
-                bail!("{command} is for the paper's tracker only: expected --config paper")
-            }
-        }
-    }
-}
-
 /// `60x50`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair(pub u16, pub u16);
+
+impl fmt::Display for Pair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.0, self.1)
+    }
+}
 
 impl FromStr for Pair {
     type Err = anyhow::Error;
@@ -312,6 +397,12 @@ impl Ratio {
         units
             .and_then(|units| u16::try_from(units).ok())
             .ok_or_else(|| anyhow!("expected a fraction from 0 to 1, like 1/4"))
+    }
+}
+
+impl fmt::Display for Ratio {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.0.numerator, self.0.denominator)
     }
 }
 

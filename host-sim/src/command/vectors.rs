@@ -1,7 +1,7 @@
 //! `host-sim vectors`: the conformance vectors, made anew.
 
 use super::Outcome;
-use super::tracker_options::Preset;
+use crate::evaluate::CoreKind;
 use crate::output::{Output, print};
 use crate::vectors;
 use anyhow::Result;
@@ -11,8 +11,8 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub struct Vectors {
     /// Which tracker's
-    #[arg(long, value_enum, default_value = "paper")]
-    config: Preset,
+    #[arg(long, value_enum, default_value = "smr")]
+    method: CoreKind,
     /// Write to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -21,9 +21,9 @@ pub struct Vectors {
 impl Vectors {
     pub fn run(self) -> Result<Outcome> {
         let file = self.out.as_deref().map(Output::create).transpose()?;
-        let text = match self.config {
-            Preset::Paper | Preset::Camera => vectors::text(), // one file for both: each case has its own numbers
-            Preset::Robust => vectors::robust::text(),
+        let text = match self.method {
+            CoreKind::Smr => vectors::text(),
+            CoreKind::Robust => vectors::robust::text(),
         };
         match file {
             Some(mut file) => {

@@ -10,14 +10,17 @@ pub mod firmware;
 pub mod protocol;
 pub mod qemu;
 
-use crate::Tracker;
+use crate::Paper;
+use crate::evaluate::{CoreKind, Origin};
 use crate::sequence::GrayFrame;
 use crate::spread::Spread;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use protocol::{Answered, Header, Hello, Record, Stack};
+use protocol::{Answered, Header, Hello, Record, Stack, Taken};
 use qemu::Qemu;
 use serde::Serialize;
-use smr_core::{Config, Radius, Rect};
+use serde_json::Map;
+use smr_core::paper::Radius;
+use smr_core::{Rect, Robust, Target, Tracker, paper, robust};
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, Write};
 use std::path::Path;
@@ -25,16 +28,24 @@ use std::path::Path;
 /// What was compared, and what the firmware took for it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
+    #[serde(flatten)]
+    pub origin: Origin,
     /// The recording's name.
     pub sequence: String,
     /// Frames answered alike: all but the first, which is locked on.
     pub frames: u32,
     /// The first frame whose answers differ.
     pub difference: Option<Difference>,
-    /// Bytes of a tracker.
-    pub tracker: u32,
-    /// Instructions of `Tracker::update`, in each frame.
+    /// Bytes of a target and of its workspace, and of the buffer for pixels.
+    pub target_bytes: u32,
+    pub workspace_bytes: u32,
+    pub buffer_bytes: u32,
+    /// Work of an update, in each frame, in the units of `Update::step`.
+    pub work: Spread<u64>,
+    /// Instructions of an update, in each frame.
     pub instructions: Spread<u64>,
+    /// Those of the longest step of each update.
+    pub longest_step: Spread<u64>,
     /// The same, one by one.
     #[serde(skip)]
     pub counts: Vec<u64>,
@@ -59,12 +70,13 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Writes up to `most` of `frames` into `folder`.
+    /// Writes up to `most` of `frames` into `folder`, to be followed by `method` in steps of so much work; 0 is all at once.
     ///
     /// # Errors
     /// The frames', fewer than two of them, or the disk's.
     pub fn write(
         name: &str,
+        (method, step): (CoreKind, u32),
         frames: impl Iterator<Item = Result<GrayFrame>>,
         target: Rect,
         most: usize,
@@ -72,7 +84,7 @@ impl Recording {
     ) -> Result<Self> {
         let cannot_write = || format!("cannot write {} for QEMU", protocol::FRAMES);
         let mut file = BufWriter::new(File::create(folder.join(protocol::FRAMES)).with_context(cannot_write)?);
-        let mut header = Header { width: 0, height: 0, frames: 0, target };
+        let mut header = Header { method, step, width: 0, height: 0, frames: 0, target };
         file.write_all(&header.bytes()).with_context(cannot_write)?;
         for frame in frames.take(most) {
             let frame = frame?;
@@ -100,18 +112,27 @@ impl Recording {
         };
         hello.check(&self.header)?;
         let mut host = Host::lock(self.header, hello.radius, folder).with_context(|| self.name.clone())?;
+        let step = Some(self.header.step).filter(|&step| step > 0).map(|step| ("step".to_owned(), step.into()));
         let mut report = Report {
+            origin: Origin::new(self.header.method.into(), Map::from_iter(step)),
             sequence: self.name.clone(),
             frames: 0,
             difference: None,
-            tracker: hello.tracker,
+            target_bytes: hello.target,
+            workspace_bytes: hello.workspace,
+            buffer_bytes: hello.buffer,
+            work: Spread::default(),
             instructions: Spread::default(),
+            longest_step: Spread::default(),
             counts: Vec::new(),
             stack: None,
         };
+        let (mut work, mut longest) = (Vec::new(), Vec::new());
         for number in 2..=self.header.frames {
-            let (answered, ticks) = self.answer(number, &hello, answers.next(qemu)?)?;
-            report.counts.push(hello.instructions(ticks));
+            let (answered, taken) = self.answer(number, &hello, answers.next(qemu)?)?;
+            work.push(u64::from(taken.work));
+            report.counts.push(hello.instructions(taken.ticks));
+            longest.push(hello.instructions(taken.longest));
             report.difference = difference(number, &answered, &host.update()?);
             if report.difference.is_some() {
                 break;
@@ -119,6 +140,7 @@ impl Recording {
             report.frames += 1;
         }
         report.instructions = Spread::of(&report.counts);
+        (report.work, report.longest_step) = (Spread::of(&work), Spread::of(&longest));
         if report.difference.is_none() {
             report.stack = Some(end(answers.next(qemu)?)?);
             qemu.finish()?;
@@ -126,9 +148,9 @@ impl Recording {
         Ok(report)
     }
 
-    fn answer(&self, number: u32, hello: &Hello, record: Record) -> Result<(Answered, u32)> {
+    fn answer(&self, number: u32, hello: &Hello, record: Record) -> Result<(Answered, Taken)> {
         match record {
-            Record::Answer { frame, answered, ticks } if frame == number => Ok((answered, ticks)),
+            Record::Answer { frame, answered, taken } if frame == number => Ok((answered, taken)),
             Record::Refused { frame, why } => {
                 Err(hello.refusal(why, &self.header)).with_context(|| format!("{}, frame {frame}", self.name))
             }
@@ -152,25 +174,53 @@ fn difference(frame: u32, target: &Answered, host: &Answered) -> Option<Differen
     pairs.into_iter().find_map(differing)
 }
 
+/// A tracker on this side.
+trait Follows {
+    fn lock(&mut self, frame: &GrayFrame, target: Rect) -> Result<()>;
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<Answered>;
+}
+
+impl<T: Target> Follows for Tracker<T> {
+    fn lock(&mut self, frame: &GrayFrame, target: Rect) -> Result<()> {
+        Ok(Self::lock(self, &frame.frame(), target)?)
+    }
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<Answered> {
+        let answer = Self::update(self, &frame.frame())?;
+        Answered::of(&answer, self)
+    }
+}
+
+/// The tracker as the firmware has it.
+fn tracker(method: CoreKind, radius: u16) -> Result<Box<dyn Follows>> {
+    Ok(match method {
+        CoreKind::Smr => {
+            let mut config = paper::Config::camera();
+            config.window = Radius { x: radius, y: radius };
+            config.window_limit = config.window;
+            Box::new(Tracker::<Paper>::new(config)?)
+        }
+        CoreKind::Robust => Box::new(Tracker::<Robust>::new(robust::Config::robust())?),
+    })
+}
+
 /// The tracker on this side, reading the very file that the firmware reads.
 struct Host {
-    tracker: Box<Tracker>,
+    tracker: Box<dyn Follows>,
     frames: BufReader<File>,
     frame: GrayFrame,
 }
 
 impl Host {
     fn lock(header: Header, radius: u16, folder: &Path) -> Result<Self> {
-        let mut config = Config::camera();
-        config.window = Radius { x: radius, y: radius };
-        config.window_limit = config.window;
         let mut frames = BufReader::new(File::open(folder.join(protocol::FRAMES))?);
         frames.read_exact(&mut header.bytes())?;
         let pixels = vec![0; usize::from(header.width) * usize::from(header.height)];
         let frame = GrayFrame { width: header.width, height: header.height, pixels };
-        let mut host = Self { tracker: Box::new(Tracker::new(config)?), frames, frame };
+        let mut host = Self { tracker: tracker(header.method, radius)?, frames, frame };
         host.read()?;
-        host.tracker.lock(&host.frame.frame(), header.target)?;
+        host.tracker.lock(&host.frame, header.target)?;
         Ok(host)
     }
 
@@ -180,8 +230,7 @@ impl Host {
 
     fn update(&mut self) -> Result<Answered> {
         self.read()?;
-        let answer = self.tracker.update(&self.frame.frame())?;
-        Ok(Answered::of(&answer, &self.tracker))
+        self.tracker.update(&self.frame)
     }
 }
 

@@ -1,11 +1,15 @@
 //! What host and firmware tell each other, byte by byte: `core/examples/replay/main.rs` describes it.
 
+use crate::evaluate::{CoreKind, name_of};
 use anyhow::{Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
-use smr_core::{Answer, Rect, State};
+use smr_core::{Answer, FineRect, Rect, State, Target, Tracker};
 use std::fmt;
 
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
+
+/// What stands for a number that there is not.
+const NONE: u32 = u32::MAX;
 
 /// The file that the firmware reads.
 pub const FRAMES: &str = "frames.smr";
@@ -14,11 +18,14 @@ pub const FRAMES: &str = "frames.smr";
 pub const ANSWERS: &str = "answers.smr";
 
 /// Bytes of a record in [`ANSWERS`].
-pub const RECORD: usize = 64;
+pub const RECORD: usize = 80;
 
 /// The beginning of [`FRAMES`].
 #[derive(Clone, Copy, Debug)]
 pub struct Header {
+    pub method: CoreKind,
+    /// The work of a step; 0 is all at once.
+    pub step: u32,
     pub width: u16,
     pub height: u16,
     pub frames: u32,
@@ -28,13 +35,15 @@ pub struct Header {
 impl Header {
     /// As it stands in the file.
     #[must_use]
-    pub fn bytes(&self) -> [u8; 36] {
-        let Self { width, height, frames, target } = *self;
+    pub fn bytes(&self) -> [u8; 44] {
+        let Self { method, step, width, height, frames, target } = *self;
         let place = [target.x, target.y].map(i32::cast_unsigned);
         let size = [target.width, target.height].map(u32::from);
         let magic = u32::from_le_bytes(*b"SMRF");
-        let words = [magic, VERSION, width.into(), height.into(), frames, place[0], place[1], size[0], size[1]];
-        let mut bytes = [0; 36];
+        let [left, top, across, down] = [place[0], place[1], size[0], size[1]];
+        let (width, height) = (width.into(), height.into());
+        let words = [magic, VERSION, number_of(method), step, width, height, frames, left, top, across, down];
+        let mut bytes = [0; 44];
         for (bytes, word) in bytes.chunks_exact_mut(4).zip(words) {
             bytes.copy_from_slice(&word.to_le_bytes());
         }
@@ -42,11 +51,19 @@ impl Header {
     }
 }
 
+/// As it stands in both files.
+const fn number_of(method: CoreKind) -> u32 {
+    match method {
+        CoreKind::Smr => 0,
+        CoreKind::Robust => 1,
+    }
+}
+
 /// One record of [`ANSWERS`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Record {
     Hello(Hello),
-    Answer { frame: u32, answered: Answered, ticks: u32 },
+    Answer { frame: u32, answered: Answered, taken: Taken },
     End(Stack),
     Refused { frame: u32, why: u32 },
 }
@@ -60,7 +77,9 @@ impl Record {
         let mut word = || words.next().unwrap_or(0);
         match word() {
             1 => Hello::read(word).map(Self::Hello),
-            2 => Ok(Self::Answer { frame: word(), answered: Answered::read(&mut word)?, ticks: word() }),
+            2 => {
+                Ok(Self::Answer { frame: word(), answered: Answered::read(&mut word)?, taken: Taken::read(&mut word) })
+            }
             3 => {
                 let _frames = word();
                 Ok(Self::End(Stack { used: word(), room: word() }))
@@ -86,12 +105,15 @@ impl std::error::Error for TooBig {}
 /// What the firmware has room for, and how fast its timer runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
+    method: u32,
+    /// The most pixels of a box; 0 if there is no such bound.
     template: u32,
-    /// The window's, to each side.
+    /// The window's, to each side; 0 if it has none.
     pub radius: u16,
-    buffer: u32,
-    /// Bytes of a tracker.
-    pub tracker: u32,
+    pub buffer: u32,
+    /// Bytes of a target, and of a workspace.
+    pub target: u32,
+    pub workspace: u32,
     /// This many instructions took so many ticks.
     calibration: (u32, u32),
 }
@@ -100,10 +122,15 @@ impl Hello {
     fn read(mut word: impl FnMut() -> u32) -> Result<Self> {
         let version = word();
         ensure!(version == VERSION, "the firmware speaks version {version} of the protocol: expected {VERSION}");
-        let (template, span, radius, buffer) = (word(), word(), word(), word());
-        let hello =
-            Self { template, radius: u16::try_from(radius)?, buffer, tracker: word(), calibration: (word(), word()) };
-        ensure!(span > radius, "the firmware's window of +-{radius} has no room on an axis of {span} offsets");
+        let hello = Self {
+            method: word(),
+            template: word(),
+            radius: u16::try_from(word())?,
+            buffer: word(),
+            target: word(),
+            workspace: word(),
+            calibration: (word(), word()),
+        };
         ensure!(
             hello.calibration.1 > 0,
             "the firmware's timer stands still: QEMU does not emulate it, or not with -icount"
@@ -119,12 +146,17 @@ impl Hello {
     }
 
     /// # Errors
-    /// The firmware has no room for the box, or for its search window, wherever it will be.
+    /// The firmware follows by another method, or has no room for the box, or for its search window, wherever it will be. How much
+    /// the robust tracker reads is known only on the way.
     pub fn check(&self, header: &Header) -> Result<()> {
+        ensure!(
+            self.method == number_of(header.method),
+            "the firmware does not follow by the method that was asked for"
+        );
         let reach = 2 * u32::from(self.radius);
         let most = |size: u16, frame: u16| (u32::from(size) + reach).min(frame.into());
         let (width, height) = (header.target.width, header.target.height);
-        if header.target.area() > self.template {
+        if self.template > 0 && header.target.area() > self.template {
             return Err(self.refusal(2, header));
         }
         if most(width, header.width).saturating_mul(most(height, header.height)) > self.buffer {
@@ -145,7 +177,8 @@ impl Hello {
                 self.template
             ))),
             3 => Error::new(TooBig(format!(
-                "the window of +-{radius} around {width}x{height} is more than the {} pixels of its buffer",
+                "the window{} around {width}x{height} is more than the {} pixels of its buffer",
+                if radius > 0 { format!(" of +-{radius}") } else { String::new() },
                 self.buffer
             ))),
             4 => anyhow!("the firmware cannot lock on the box {:?}", header.target),
@@ -163,77 +196,94 @@ pub struct Stack {
     pub room: u32,
 }
 
-/// An answer and the template after it, as far as they are compared.
+/// What an update took: work, and ticks of all of it and of its longest step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Taken {
+    pub work: u32,
+    pub ticks: u32,
+    pub longest: u32,
+}
+
+impl Taken {
+    fn read(word: &mut impl FnMut() -> u32) -> Self {
+        Self { work: word(), ticks: word(), longest: word() }
+    }
+}
+
+/// An answer and what is remembered after it, as far as they are compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answered {
-    position: (i32, i32),
+    fine: FineRect,
     state: State,
+    confidence: u32,
     ratio: u32,
-    /// 0 where it was not asked for, as the score.
-    runner_up_ratio: u32,
-    alpha: u32,
-    peak: (i32, i32),
-    score: u32,
-    runner_up: u32,
-    has_runner_up: u32,
-    template_hash: u32,
+    runner_up_ratio: Option<u32>,
+    alpha: Option<u32>,
+    scale: u32,
+    found_again: bool,
+    /// Of the target as it is saved: templates, weights, track.
+    hash: u32,
 }
 
 impl Answered {
     fn read(word: &mut impl FnMut() -> u32) -> Result<Self> {
+        let some = |word: u32| (word != NONE).then_some(word);
         Ok(Self {
-            position: (word().cast_signed(), word().cast_signed()),
+            fine: FineRect { x: word().cast_signed(), y: word().cast_signed(), width: word(), height: word() },
             state: match word() {
                 0 => State::Tracking,
                 1 => State::Leaving,
-                2 => State::Lost,
-                other => bail!("the firmware sent state {other}: expected 0 to 2"),
+                2 => State::Uncertain,
+                3 => State::Lost,
+                other => bail!("the firmware sent state {other}: expected 0 to 3"),
             },
+            confidence: word(),
             ratio: word(),
-            runner_up_ratio: word(),
-            alpha: word(),
-            peak: (word().cast_signed(), word().cast_signed()),
-            score: word(),
-            runner_up: word(),
-            has_runner_up: word(),
-            template_hash: word(),
+            runner_up_ratio: some(word()),
+            alpha: some(word()),
+            scale: word(),
+            found_again: word() != 0,
+            hash: word(),
         })
     }
 
     /// What `tracker` has just answered.
-    #[must_use]
-    pub fn of(answer: &Answer, tracker: &crate::Tracker) -> Self {
-        let template = tracker.template();
-        let pixels = template.iter().flat_map(|template| template.rows().flatten());
-        Self {
-            position: (answer.bbox.x, answer.bbox.y),
+    ///
+    /// # Errors
+    /// It has no target.
+    pub fn of<T: Target>(answer: &Answer, tracker: &Tracker<T>) -> Result<Self> {
+        let mut saved = vec![0; T::SAVED_SIZE];
+        let size = tracker.save(&mut saved)?;
+        // FNV-1a
+        let hash = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
+        Ok(Self {
+            fine: answer.fine,
             state: answer.state,
+            confidence: answer.confidence.into(),
             ratio: answer.ratio.into(),
-            runner_up_ratio: answer.runner_up_ratio.unwrap_or(0).into(),
-            alpha: answer.alpha.into(),
-            peak: (answer.found.peak.x, answer.found.peak.y),
-            score: answer.found.peak.score,
-            runner_up: answer.found.runner_up.unwrap_or(0),
-            has_runner_up: answer.found.runner_up.is_some().into(),
-            // FNV-1a
-            template_hash: pixels.fold(0x811C_9DC5, |hash, &pixel| (hash ^ u32::from(pixel)).wrapping_mul(0x0100_0193)),
-        }
+            runner_up_ratio: answer.runner_up_ratio.map(u32::from),
+            alpha: answer.alpha.map(u32::from),
+            scale: answer.scale,
+            found_again: answer.found_again,
+            hash: saved[..size].iter().fold(0x811C_9DC5, hash),
+        })
     }
 
     /// Every value, by the name that people read.
     #[must_use]
-    pub fn described(&self) -> [(&'static str, String); 10] {
+    pub fn described(&self) -> [(&'static str, String); 9] {
+        let FineRect { x, y, width, height } = self.fine;
+        let number = |number: Option<u32>| number.map_or("none".to_owned(), |number| number.to_string());
         [
-            ("box's position", format!("{:?}", self.position)),
-            ("state", format!("{:?}", self.state)),
+            ("box in 1/256 pixel", format!("{width}x{height} at ({x}, {y})")),
+            ("state", name_of(self.state).to_owned()),
+            ("confidence", self.confidence.to_string()),
             ("ratio", self.ratio.to_string()),
-            ("runner-up's ratio", self.runner_up_ratio.to_string()),
-            ("alpha", self.alpha.to_string()),
-            ("peak's position", format!("{:?}", self.peak)),
-            ("peak's score", self.score.to_string()),
-            ("runner-up's score", self.runner_up.to_string()),
-            ("whether there is a runner-up", self.has_runner_up.to_string()),
-            ("template's hash", format!("{:08x}", self.template_hash)),
+            ("runner-up's ratio", number(self.runner_up_ratio)),
+            ("alpha", number(self.alpha)),
+            ("scale", self.scale.to_string()),
+            ("whether it was found again", self.found_again.to_string()),
+            ("hash of the saved target", format!("{:08x}", self.hash)),
         ]
     }
 }
@@ -255,7 +305,7 @@ mod tests {
     }
 
     fn hello() -> Hello {
-        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 2_000_000, 80_000]))
+        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 3, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000]))
         else {
             panic!("a hello")
         };
@@ -263,15 +313,22 @@ mod tests {
     }
 
     fn header(width: u16, height: u16) -> Header {
-        Header { width: 320, height: 240, frames: 2, target: Rect::new(0, 0, width, height) }
+        Header {
+            method: CoreKind::Smr,
+            step: 0,
+            width: 320,
+            height: 240,
+            frames: 2,
+            target: Rect::new(0, 0, width, height),
+        }
     }
 
     #[test]
     fn other_versions_and_kinds_are_errors() {
-        assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 2"));
+        assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 3"));
         assert!(error(Record::read(&record(&[9]))).contains("kind 9"));
-        assert!(error(Record::read(&record(&[2, 2, 0, 0, 3]))).contains("state 3"));
-        assert!(error(Record::read(&record(&[1, 2, 4096, 33, 16, 9216, 4500, 1, 0]))).contains("stands still"));
+        assert!(error(Record::read(&record(&[2, 2, 0, 0, 3, 3, 4]))).contains("state 4"));
+        assert!(error(Record::read(&record(&[1, 3, 0, 4096, 16, 9216, 4500, 4600, 1, 0]))).contains("stands still"));
     }
 
     #[test]
@@ -290,9 +347,17 @@ mod tests {
 
     #[test]
     fn negative_positions_are_read() {
-        let words = [2, 7, u32::MAX, 5, 1, 6, 7, 8, u32::MAX - 1, 4, 9, 10, 1, 11, 12];
-        let Ok(Record::Answer { frame, answered, ticks }) = Record::read(&record(&words)) else { panic!("an answer") };
-        assert_eq!((frame, answered.position, answered.peak, ticks), (7, (-1, 5), (-2, 4), 12));
-        assert_eq!(answered.state, State::Leaving);
+        let words = [2, 7, u32::MAX, 5, 300, 400, 1, 6, 7, NONE, 8, 9, 1, 10, 11, 12, 13];
+        let Ok(Record::Answer { frame, answered, taken }) = Record::read(&record(&words)) else { panic!("an answer") };
+        assert_eq!((frame, answered.fine), (7, FineRect { x: -1, y: 5, width: 300, height: 400 }));
+        assert_eq!((answered.state, answered.runner_up_ratio, answered.alpha), (State::Leaving, None, Some(8)));
+        assert_eq!((answered.found_again, answered.hash), (true, 10));
+        assert_eq!(taken, Taken { work: 11, ticks: 12, longest: 13 });
+    }
+
+    #[test]
+    fn another_method_is_noticed() {
+        let header = Header { method: CoreKind::Robust, ..header(9, 9) };
+        assert!(error(hello().check(&header)).contains("method"));
     }
 }

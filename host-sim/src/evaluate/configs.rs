@@ -1,31 +1,32 @@
-//! What methods are built from: the numbers of the paper's tracker, and those of the robust one where it is asked for.
+//! What methods are built from: the numbers of both trackers of smr-core.
 
-use super::method::{Method, MethodKind, State};
+use super::method::{Method, MethodKind};
 use anyhow::Result;
 use clap::ValueEnum;
-use smr_core::{Config, Fraction, Rect, robust};
+use serde::Serialize;
+use serde_json::{Map, Value};
+use smr_core::paper::{Config, Fraction};
+use smr_core::{Rect, robust};
 
 /// The configurations of all methods.
 #[derive(Clone, Copy, Debug)]
 pub struct Configs {
     /// The paper's tracker's; the baselines take window and padding from it.
     pub paper: Config,
-    /// Where there is one, `smr` is the robust tracker.
-    pub robust: Option<robust::Config>,
+    pub robust: robust::Config,
+    /// The work of a step in which smr-core's trackers are updated; it changes no answer.
+    pub step: u32,
 }
 
 impl From<Config> for Configs {
     fn from(paper: Config) -> Self {
-        Self { paper, robust: None }
+        Self { paper, robust: robust::Config::robust(), step: u32::MAX }
     }
 }
 
-impl Configs {
-    /// The states that `smr` can be in, the best one first.
-    #[must_use]
-    pub const fn states(&self) -> [State; 3] {
-        let between = if self.robust.is_some() { State::Uncertain } else { State::Leaving };
-        [State::Tracking, between, State::Lost]
+impl From<robust::Config> for Configs {
+    fn from(robust: robust::Config) -> Self {
+        Self { robust, ..Config::paper().into() }
     }
 }
 
@@ -33,40 +34,70 @@ impl Configs {
 #[derive(Clone, Debug)]
 pub struct Variant {
     pub name: String,
-    kind: MethodKind,
+    pub kind: MethodKind,
     configs: Configs,
+    /// As on the command line, where they are given.
+    options: Map<String, Value>,
     inclusive: bool,
+}
+
+/// What a figure or an answer is of: in every JSON object that is printed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Origin {
+    /// That of this program.
+    pub version: &'static str,
+    pub method: &'static str,
+    /// The options that were given to it; what is not in here has its default.
+    pub options: Map<String, Value>,
+}
+
+impl Origin {
+    #[must_use]
+    pub fn new(kind: MethodKind, options: Map<String, Value>) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), method: kind.name(), options }
+    }
 }
 
 impl Variant {
     /// `kind`, under its own name.
     #[must_use]
     pub fn new(kind: MethodKind, configs: &Configs) -> Self {
-        Self { name: kind.name(configs).to_owned(), kind, configs: *configs, inclusive: false }
+        Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
     }
 
-    /// The robust tracker with other parts than all, which `name` tells.
+    /// The same, with the options that led to its configuration.
     #[must_use]
-    pub fn robust(name: String, config: robust::Config) -> Self {
-        let configs = Configs { robust: Some(config), ..Config::paper().into() };
-        Self { name, kind: MethodKind::Smr, configs, inclusive: false }
+    pub fn given(self, options: Map<String, Value>) -> Self {
+        Self { options, ..self }
     }
 
-    /// All that is set beside each other: both readings of the paper, the baselines, and the robust tracker.
+    #[must_use]
+    pub fn origin(&self) -> Origin {
+        Origin::new(self.kind, self.options.clone())
+    }
+
+    #[must_use]
+    pub const fn configs(&self) -> &Configs {
+        &self.configs
+    }
+
+    /// The same under another name.
+    #[must_use]
+    pub fn named(self, name: String) -> Self {
+        Self { name, ..self }
+    }
+
+    /// All that is set beside each other: both readings of the paper, the robust tracker, and the baselines.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let paper = Config::paper();
         let mut other = paper;
         other.k = Fraction::new(7, 20);
-        let other = Self {
-            name: "smr, k = 7/20, inclusive".to_owned(),
-            inclusive: true,
-            ..Self::new(MethodKind::Smr, &other.into())
-        };
+        let options = Map::from_iter([("k".to_owned(), "7/20".into()), ("inclusive".to_owned(), true.into())]);
+        let other = Self { inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
         let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());
         let mut all: Vec<Self> = MethodKind::value_variants().iter().map(of_kind).collect();
-        all.insert(1, other);
-        all.push(Self::robust("robust".to_owned(), robust::Config::robust()));
+        all.insert(1, other.named("smr, k = 7/20, inclusive".to_owned()));
         all
     }
 

@@ -2,6 +2,7 @@
 
 mod baseline;
 mod configs;
+mod core_kind;
 mod method;
 mod protocol;
 pub mod published;
@@ -9,8 +10,9 @@ mod results;
 pub mod robustness;
 mod table;
 
-pub use configs::{Configs, Variant};
-pub use method::{Evidence, Method, MethodKind, Report, Run, State};
+pub use configs::{Configs, Origin, Variant};
+pub use core_kind::CoreKind;
+pub use method::{Evidence, Method, MethodKind, Report, Run, name_of};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
 pub(crate) use table::aligned;
@@ -23,8 +25,8 @@ use std::path::{Path, PathBuf};
 /// Who answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Contestant {
-    /// A method that was run here, by its name.
-    Method(String),
+    /// A method that was run here, by its name in results, and what it was run with.
+    Method { name: String, origin: Origin },
     /// The result file of another tracker, by its name.
     File(String),
 }
@@ -34,9 +36,22 @@ impl Contestant {
     #[must_use]
     pub fn name(&self) -> &str {
         match self {
-            Self::Method(name) => name,
-            Self::File(name) => name,
+            Self::Method { name, .. } | Self::File(name) => name,
         }
+    }
+
+    /// `None` of another tracker's file.
+    #[must_use]
+    pub const fn origin(&self) -> Option<&Origin> {
+        match self {
+            Self::Method { origin, .. } => Some(origin),
+            Self::File(_) => None,
+        }
+    }
+
+    #[must_use]
+    pub fn of(variant: &Variant) -> Self {
+        Self::Method { name: variant.name.clone(), origin: variant.origin() }
     }
 }
 
@@ -82,7 +97,7 @@ pub fn evaluate(
     for (variant, answers) in variants.iter().zip(answers) {
         let score = answers.and_then(|answers| Score::new(&answers, &truth));
         let score = score.with_context(|| format!("{name}: {}", variant.name));
-        evaluation.add(Contestant::Method(variant.name.clone()), score);
+        evaluation.add(Contestant::of(variant), score);
     }
     for path in files {
         let score = evaluation.score_file(path, &truth);
@@ -167,7 +182,7 @@ mod tests {
     use super::*;
     use crate::sequence::Damage;
     use anyhow::bail;
-    use smr_core::Config;
+    use smr_core::paper::Config;
     use std::cell::Cell;
     use std::fs;
 
@@ -211,7 +226,7 @@ mod tests {
         assert_eq!(evaluation.visible, 4);
         assert!(evaluation.failures.is_empty());
         let correct = |(who, score): &(Contestant, Score)| (who.clone(), score.correct, score.correct_50);
-        let methods = ["sad", "smr"].map(|name| (Contestant::Method(name.to_owned()), 4, 4));
+        let methods = variants().map(|variant| (Contestant::of(&variant), 4, 4));
         assert_eq!(evaluation.scores.iter().map(correct).collect::<Vec<_>>(), methods);
     }
 

@@ -1,6 +1,6 @@
 //! What was measured, as one matrix: contestants down, sequences across. Everything that is printed comes from here.
 
-use super::{Contestant, Evaluation, Score, published};
+use super::{Contestant, Evaluation, Origin, Score, published};
 use serde::Serialize;
 
 /// The scores of every contestant on every sequence.
@@ -27,6 +27,9 @@ pub(super) const MEASURED: &str = "measured";
 /// One score as JSON.
 #[derive(Serialize)]
 pub struct Row<'a> {
+    /// Not of figures that come from elsewhere.
+    #[serde(flatten)]
+    origin: Option<&'a Origin>,
     tracker: &'a str,
     /// `measured` or `printed`
     source: &'static str,
@@ -80,7 +83,7 @@ impl Results {
             scores.filter_map(|(sequence, score)| {
                 let (tracker, sequence) = (line.contestant.name(), sequence.name.as_str());
                 let score = Figures::Measured(score.as_ref()?);
-                Some(Row { tracker, source: MEASURED, sequence, score })
+                Some(Row { origin: line.contestant.origin(), tracker, source: MEASURED, sequence, score })
             })
         });
         rows.collect()
@@ -90,7 +93,7 @@ impl Results {
         published::TABLE.iter().flat_map(|row| {
             self.sequences.iter().filter_map(|Column { name, .. }| {
                 let score = Figures::Printed { correct: row.correct(name)? };
-                Some(Row { tracker: row.tracker, source: published::SOURCE, sequence: name, score })
+                Some(Row { origin: None, tracker: row.tracker, source: published::SOURCE, sequence: name, score })
             })
         })
     }

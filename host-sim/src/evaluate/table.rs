@@ -103,7 +103,7 @@ pub fn aligned(lines: &[Vec<String>], names: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::{Contestant, Evaluation};
+    use crate::evaluate::{Contestant, Evaluation, MethodKind, Origin};
 
     fn evaluation(sequence: &str, scores: &[(Contestant, usize)]) -> Evaluation {
         let score = |correct: usize| {
@@ -116,7 +116,8 @@ mod tests {
     }
 
     fn method(name: &str) -> Contestant {
-        Contestant::Method(name.to_owned())
+        let origin = Origin::new(MethodKind::Smr, serde_json::Map::new());
+        Contestant::Method { name: name.to_owned(), origin }
     }
 
     fn results() -> Results {
@@ -170,6 +171,7 @@ t10                                        measured        3          -
     fn json_has_what_was_measured_then_what_is_printed() {
         let rows = serde_json::to_value(results().rows()).unwrap();
         let expected = serde_json::json!({
+            "version": env!("CARGO_PKG_VERSION"), "method": "smr", "options": {},
             "tracker": "smr", "source": "measured", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
             "correct_50": 2, "precision": 1.0, "recall": 0.5, "f": 2.0 / 3.0, "mean_iou": 0.5, "first_failure": 3,
         });

@@ -2,8 +2,8 @@
 
 use super::picture::{Canvas, WHITE, ink, palette};
 use super::{Color, color_of, encode, font};
-use crate::evaluate::State;
 use anyhow::{Result, bail};
+use smr_core::State;
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! What people look at: SMR and SAD side by side on a recording, as one page or as one picture; how fast it is and what
-//! its ratio is worth, as diagrams.
+//! What people look at: methods side by side on a recording, as one page or as one picture; how fast they are and what
+//! their confidence is worth, as diagrams.
 
 pub mod calibration;
 mod coordinates;
@@ -8,6 +8,7 @@ mod difference;
 mod encode;
 mod film;
 mod font;
+mod look;
 mod page;
 mod picture;
 mod plot;
@@ -22,7 +23,8 @@ pub use page::page;
 pub use picture::picture;
 pub use reel::Choice;
 
-use crate::evaluate::State;
+use crate::evaluate::MethodKind;
+use smr_core::State;
 
 /// A color as red, green, blue.
 type Color = [u8; 3];
@@ -31,6 +33,18 @@ type Color = [u8; 3];
 const SMR: Color = [255, 64, 64];
 const SAD: Color = [64, 140, 255];
 const TRUTH: Color = [0, 230, 90];
+
+/// The color of a method.
+const fn color_of_method(method: MethodKind) -> Color {
+    match method {
+        MethodKind::Smr => SMR,
+        MethodKind::Robust => [255, 130, 220],
+        MethodKind::Sad => SAD,
+        MethodKind::Ssd => [0, 205, 220],
+        MethodKind::Ncc => [200, 225, 90],
+        MethodKind::Lk => [235, 235, 235],
+    }
+}
 
 /// The color of a state. Tracking is what is expected: it does not catch the eye.
 const fn color_of(state: State) -> Color {

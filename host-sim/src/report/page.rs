@@ -1,10 +1,11 @@
 //! The whole report as one HTML page that needs nothing else: no script, no other file, no net.
 
 use super::difference::Difference;
-use super::film::{Film, Moment, Search, Still};
-use super::{Color, SAD, SMR, TRUTH, color_of, encode, plot, tile};
-use crate::evaluate::{Evaluation, Score, State, overlaps};
+use super::film::{Film, Still};
+use super::{Color, TRUTH, color_of, color_of_method, encode, plot, tile};
+use crate::evaluate::{Evaluation, Evidence, MethodKind, Score, Variant, name_of, overlaps};
 use anyhow::{Context, Result};
+use smr_core::State;
 
 /// The page.
 ///
@@ -25,38 +26,60 @@ pub fn page(film: &Film) -> Result<String> {
 }
 
 fn head(film: &Film) -> String {
-    let colors = [("smr", SMR), ("sad", SAD), ("truth", TRUTH), ("counts", counting_color(20))];
-    let states = [("tracking", State::Tracking), ("leaving", State::Leaving), ("lost", State::Lost)];
-    let colors = colors.into_iter().chain(states.map(|(name, state)| (name, color_of(state))));
-    let variables: String = colors.map(|(name, [r, g, b])| format!("--{name}: rgb({r}, {g}, {b}); ")).collect();
+    let methods = film.methods.iter().map(|method| (method.kind.name(), color_of_method(method.kind)));
+    let colors = [("truth", TRUTH), ("counts", counting_color(20))];
+    let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
+    let variables: String = methods
+        .chain(colors)
+        .chain(states)
+        .map(|(name, [r, g, b])| format!("--{name}: rgb({r}, {g}, {b}); "))
+        .collect();
+    // Of equal boxes all are seen: what is drawn first is wider.
+    let styles: String = (1..)
+        .zip(&film.methods)
+        .map(|(place, method)| {
+            let (name, width) = (method.kind.name(), 3 * place);
+            format!(
+                ".key.{name} {{ border: 3px solid var(--{name}); box-sizing: border-box; }}\n\
+                 .tile .{name} {{ stroke: var(--{name}); stroke-width: {width}; }}\n\
+                 .line.{name} {{ stroke: var(--{name}); }} .bars.{name} {{ fill: var(--{name}); }}\n"
+            )
+        })
+        .collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>SMR: {}</title>\n\
-         <style>\n:root {{ {variables}}}\n{}</style>\n</head>\n<body>\n",
+         <style>\n:root {{ {variables}}}\n{}{styles}</style>\n</head>\n<body>\n",
         escaped(&film.name),
         include_str!("page.css")
     )
 }
 
 fn summary(film: &Film) -> String {
-    let count = |state: State| film.moments.iter().filter(|moment| moment.smr.state == state).count();
-    let [first, second, third] = film.states;
-    let kind = if film.is_robust() { " (robust)" } else { "" };
+    let first = &film.methods[0];
+    let count = |state: State| film.moments.iter().filter(|moment| moment.first().state == state).count();
+    let states = first.kind.states().iter().map(|&state| format!("{} in {}", name_of(state), count(state)));
     format!(
-        "<h1>{}</h1>\n<p>{} frames of {}x{} pixels, locked on the box of {}. SMR{kind} was {} in {} frames, {} in {}, {} in \
-         {}.</p>\n",
+        "<h1>{}</h1>\n<p>{} frames of {}x{} pixels, locked on the box of {}. Frames by the state of {}: {}.</p>\n",
         escaped(&film.name),
         film.moments.len(),
         film.size.0,
         film.size.1,
         tile::words(film.start),
-        first.name(),
-        count(first),
-        second.name(),
-        count(second),
-        third.name(),
-        count(third)
+        title(first),
+        states.collect::<Vec<_>>().join(", ")
     )
+}
+
+/// A method's name as it stands on the page.
+fn title(method: &Variant) -> String {
+    method.name.to_uppercase()
+}
+
+/// The methods in their colors.
+fn keys(film: &Film) -> String {
+    let key = |method: &Variant| format!("<span class=\"key {}\"></span>{}", method.kind.name(), title(method));
+    film.methods.iter().map(key).collect()
 }
 
 fn scores(evaluation: &Evaluation) -> String {
@@ -99,68 +122,84 @@ fn strip(film: &Film) -> Result<String> {
         more => format!("<p class=\"note\">{more} more changes of state are not shown here; all are below.</p>\n"),
     };
     Ok(format!(
-        "<h2>Film strip</h2>\n<p class=\"note\"><span class=\"key smr\"></span>SMR<span class=\"key smr last\"></span>\
-         SMR's last box, while lost<span class=\"key sad\"></span>SAD{truth}<span class=\"key window\"></span>search \
-         window; black around the frame: padding</p>\n{left_out}<div class=\"strip\">\n{}</div>\n",
+        "<h2>Film strip</h2>\n<p class=\"note\">{}{truth}<span class=\"key window\"></span>search window; dashed: the last \
+         box, while lost; black around the frame: padding</p>\n{left_out}<div class=\"strip\">\n{}</div>\n",
+        keys(film),
         figures?
     ))
 }
 
 fn figure(film: &Film, still: &Still) -> Result<String> {
-    let evidence = film.moments[still.index].smr.evidence.map_or("locked here".to_owned(), |evidence| {
-        let runner_up = evidence.runner_up_ratio.map_or(String::new(), |ratio| format!(", runner-up {ratio:.3}"));
-        let alpha = evidence.alpha.map_or(String::new(), |alpha| format!(", alpha {alpha}"));
-        format!("{} {:.3}{runner_up}{alpha}", film.measure(), evidence.ratio)
+    let moment = &film.moments[still.index];
+    let known = film.methods.iter().zip(&moment.reports).filter_map(|(method, report)| {
+        let Evidence { confidence, ratio, runner_up_ratio, alpha, .. } = report.evidence?;
+        let runner_up = runner_up_ratio.map_or(String::new(), |ratio| format!(", runner-up {ratio:.3}"));
+        let alpha = alpha.map_or(String::new(), |alpha| format!(", alpha {alpha}"));
+        Some(format!("{}: confidence {confidence:.3}, ratio {ratio:.3}{runner_up}{alpha}", title(method)))
     });
+    let evidence = if still.index == 0 { "locked here".to_owned() } else { known.collect::<Vec<_>>().join("<br>") };
     let (number, tile) = (still.index + 1, tile::tile(film, still)?);
     Ok(format!("<figure id=\"f{number}\">{tile}<figcaption>{evidence}</figcaption></figure>\n"))
 }
 
 fn over_time(film: &Film) -> Result<String> {
-    let iou = |of| {
-        let truth = film.truth.as_ref();
-        truth.map(|truth| overlaps(&film.trajectory(of), truth).with_context(|| film.name.clone())).transpose()
+    let iou = |truth| {
+        let of = |method| overlaps(&film.trajectory(method), truth).with_context(|| film.name.clone());
+        (0..film.methods.len()).map(of).collect::<Result<Vec<_>>>()
     };
-    let overlaps = iou(Moment::smr)?.zip(iou(Moment::sad)?).map(|(smr, sad)| [smr, sad]);
+    let overlaps = film.truth.as_ref().map(|truth| iou(truth)).transpose()?;
     let about_iou = match overlaps {
         Some(_) => " Without an answer the IoU is 0; where the target is not visible there is none.",
         None => "",
     };
-    let about_alpha = if film.is_robust() { "" } else { " alpha is in gray levels;" };
-    let states = film.states.map(|state| format!("<span class=\"key {0}\"></span>{0}", state.name())).concat();
+    let smr = film.all_of(MethodKind::Smr).next().is_some();
+    let (runner_up, about_alpha) =
+        if smr { ("<span class=\"key runner-up\"></span>runner-up", " alpha is in gray levels;") } else { ("", "") };
+    let states = film.methods[0].kind.states();
+    let states: String =
+        states.iter().map(|&state| format!("<span class=\"key {0}\"></span>{0}", name_of(state))).collect();
     Ok(format!(
-        "<h2>Over time</h2>\n<p class=\"note\">{states}<span class=\"key smr\"></span>SMR\
-         <span class=\"key sad\"></span>SAD<span class=\"key runner-up\"></span>runner-up.{about_alpha} \
+        "<h2>Over time</h2>\n<p class=\"note\">{states}<span></span> ({}){}{runner_up}.{about_alpha} \
          The marks on top lead to the frames above.{about_iou}</p>\n<div class=\"scroll\">{}</div>\n",
+        title(&film.methods[0]),
+        keys(film),
         plot::over_time(film, overlaps)
     ))
 }
 
 fn differences(film: &Film) -> Result<String> {
-    let searches = film.stills.iter().filter_map(|still| Some((still, still.sight.search.as_ref()?)));
-    let figures: Result<String> = searches.map(|(still, search)| comparison(film, still, search)).collect();
+    let figures: Result<String> = film.stills.iter().map(|still| comparison(film, still)).collect();
     Ok(format!(
-        "<h2>Differences</h2>\n<p class=\"note\">|F - G| of each pixel of both winners to their templates, the brighter \
-         the more.<span class=\"key counts\"></span>counts: below alpha, with the share of such pixels. Under them how many pixels differ by how many \
-         gray levels: <span class=\"key smr\"></span>SMR<span class=\"key sad\"></span>SAD\
-         <span class=\"key threshold\"></span>alpha</p>\n<div class=\"strip large\">\n{}</div>\n",
+        "<h2>Differences</h2>\n<p class=\"note\">|F - G| of each pixel of the winners to their templates, the brighter \
+         the more.<span class=\"key counts\"></span>counts: below alpha, with the share of such pixels. Under them how many \
+         pixels differ by how many gray levels: {}<span class=\"key threshold\"></span>alpha of {}</p>\n\
+         <div class=\"strip large\">\n{}</div>\n",
+        keys(film),
+        title(&film.methods[0]),
         figures?
     ))
 }
 
-fn comparison(film: &Film, still: &Still, search: &Search) -> Result<String> {
-    let report = &film.moments[still.index].smr;
-    let alpha = search.alpha;
-    let belief = if report.target.is_some() { "" } else { " (not believed)" };
-    let counting = search.smr.counting(alpha) * 100.0;
-    let (number, state) = (still.index + 1, report.state.name());
+/// Nothing for the frame that was locked on.
+fn comparison(film: &Film, still: &Still) -> Result<String> {
+    let reports = &film.moments[still.index].reports;
+    let mut maps = String::new();
+    for ((method, report), sight) in film.methods.iter().zip(reports).zip(&still.sights) {
+        let Some(search) = &sight.search else { return Ok(String::new()) };
+        let belief = if report.target.is_some() { "" } else { " (not believed)" };
+        let counting = |alpha| format!(": {:.0}%", search.difference.counting(alpha) * 100.0);
+        maps += &format!(
+            "<div>{}<figcaption>{}{belief}{}</figcaption></div>",
+            map(&search.difference, search.alpha.unwrap_or(0))?,
+            title(method),
+            search.alpha.map_or(String::new(), counting)
+        );
+    }
+    let (number, state) = (still.index + 1, name_of(reports[0].state));
     Ok(format!(
-        "<figure><figcaption><a href=\"#f{number}\">frame {number}</a>, {state}</figcaption><div class=\"pair\">\
-         <div>{}<figcaption>SMR{belief}: {counting:.0}%</figcaption></div>\
-         <div>{}<figcaption>SAD</figcaption></div></div>{}</figure>\n",
-        map(&search.smr, alpha)?,
-        map(&search.sad, 0)?,
-        plot::histogram(search, alpha)
+        "<figure><figcaption><a href=\"#f{number}\">frame {number}</a>, {state}</figcaption><div class=\"pair\">{maps}</div>{}\
+         </figure>\n",
+        plot::histogram(film, still)
     ))
 }
 
@@ -199,13 +238,14 @@ mod tests {
     use super::*;
     use crate::report::{Choice, watch};
     use crate::sequence::{self, OpenOptions, Sequence, synthetic};
-    use smr_core::Config;
+    use smr_core::paper::Config;
     use std::path::Path;
 
     fn film(change: impl FnOnce(Sequence) -> Sequence) -> Film {
         let sequence = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let choice = Choice::Listed([0, 104, 180].into());
-        watch(change(sequence), &Config::paper().into(), choice, || ()).unwrap()
+        let variant = |kind| Variant::new(kind, &Config::paper().into());
+        watch(change(sequence), &[MethodKind::Smr, MethodKind::Sad].map(variant), choice, || ()).unwrap()
     }
 
     /// Every tag that is opened is closed, in the right order.
@@ -215,7 +255,7 @@ mod tests {
             let name = tag.split([' ', '\n']).next().unwrap();
             match name.strip_prefix('/') {
                 Some(closed) => assert_eq!(open.pop(), Some(closed)),
-                None if tag.ends_with('/') || ["meta", "img"].contains(&name) => (),
+                None if tag.ends_with('/') || ["meta", "img", "br"].contains(&name) => (),
                 None => open.push(name),
             }
         }

@@ -1,10 +1,11 @@
 //! The film strip as one picture: what a README shows.
 
 use super::film::{Film, Still};
-use super::{Color, SAD, SMR, TRUTH, color_of, encode, font};
-use crate::evaluate::State;
+use super::{Color, SAD, SMR, TRUTH, color_of, color_of_method, encode, font};
+use crate::evaluate::{MethodKind, name_of};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
+use smr_core::State;
 
 /// No side of a frame is longer in the picture.
 const TILE: u32 = 320;
@@ -21,6 +22,13 @@ const PAPER: u8 = 12;
 const BLACK: u8 = 0;
 pub(super) const WHITE: u8 = GRAYS - 1;
 const INKS: [Color; 6] = [SMR, SAD, TRUTH, color_of(State::Tracking), color_of(State::Leaving), color_of(State::Lost)];
+/// Those of the other methods; they are in the palette of a picture that shows one of them.
+const MORE_INKS: [Color; 4] = [
+    color_of_method(MethodKind::Robust),
+    color_of_method(MethodKind::Ssd),
+    color_of_method(MethodKind::Ncc),
+    color_of_method(MethodKind::Lk),
+];
 
 /// The frames to show, side by side with their boxes and states, as a PNG.
 ///
@@ -34,20 +42,23 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
     for (number, still) in (0..).zip(&film.stills) {
         let (left, top) = (GAP + number % COLUMNS * cell.0, GAP + number / COLUMNS * cell.1);
         Tile::new(left, top, still).draw(&mut canvas, film, still);
-        let report = &film.moments[still.index].smr;
+        let report = film.moments[still.index].first();
         let end = canvas.text(left, top + height + GAP / 2, &format!("frame {}  ", still.index + 1), WHITE);
-        canvas.text(end, top + height + GAP / 2, report.state.name(), ink(color_of(report.state)));
+        canvas.text(end, top + height + GAP / 2, name_of(report.state), ink(color_of(report.state)));
     }
     let mut left = GAP;
     for (word, ink) in legend(film) {
-        left = canvas.text(left, GAP + rows * cell.1, word, ink) + 2 * GAP;
+        left = canvas.text(left, GAP + rows * cell.1, &word, ink) + 2 * GAP;
     }
-    encode::png((canvas.width, canvas.height), &canvas.pixels, &palette())
+    let more = film.methods.iter().any(|method| MORE_INKS.contains(&color_of_method(method.kind)));
+    let more = if more { &MORE_INKS[..] } else { &[] };
+    encode::png((canvas.width, canvas.height), &canvas.pixels, &[&palette(), more].concat())
 }
 
-fn legend(film: &Film) -> impl Iterator<Item = (&'static str, u8)> {
-    let truth = film.truth.as_ref().map(|_| ("ground truth", ink(TRUTH)));
-    [("SMR", ink(SMR)), ("SAD", ink(SAD))].into_iter().chain(truth).chain([("search window", WHITE)])
+fn legend(film: &Film) -> impl Iterator<Item = (String, u8)> {
+    let methods = film.methods.iter().map(|method| (method.name.to_uppercase(), ink(color_of_method(method.kind))));
+    let truth = film.truth.as_ref().map(|_| ("ground truth".to_owned(), ink(TRUTH)));
+    methods.chain(truth).chain([("search window".to_owned(), WHITE)])
 }
 
 pub(super) fn palette() -> Vec<Color> {
@@ -57,7 +68,10 @@ pub(super) fn palette() -> Vec<Color> {
 
 /// Where `color` is in the palette.
 pub(super) fn ink(color: Color) -> u8 {
-    (GRAYS..).zip(INKS).find(|(_, known)| *known == color).map_or(WHITE, |(index, _)| index)
+    (GRAYS..)
+        .zip(INKS.into_iter().chain(MORE_INKS))
+        .find(|(_, known)| *known == color)
+        .map_or(WHITE, |(index, _)| index)
 }
 
 /// The size of a frame in the picture.
@@ -147,16 +161,17 @@ impl Tile {
     fn draw(&self, canvas: &mut Canvas, film: &Film, still: &Still) {
         self.frame(canvas, still);
         let moment = &film.moments[still.index];
-        if let Some(search) = &still.sight.search {
+        if let Some(window) = still.window() {
             // Black and white: to be seen on anything. Only what is in the frame is in the tile.
-            let seen = search.window.intersection(smr_core::Rect::new(0, 0, still.frame.width, still.frame.height));
+            let seen = window.intersection(smr_core::Rect::new(0, 0, still.frame.width, still.frame.height));
             self.outline(canvas, &seen.into(), &Pen { half: 0, ink: WHITE, gaps: Some(BLACK) });
         }
-        if let Some(sad) = moment.sad.target {
-            self.outline(canvas, &sad, &Pen::solid(2, ink(SAD)));
+        let drawn = (1..).zip(&film.methods).zip(moment.reports.iter().zip(&still.sights));
+        for ((half, method), (report, sight)) in drawn.collect::<Vec<_>>().into_iter().rev() {
+            let ink = ink(color_of_method(method.kind));
+            let gaps = report.target.is_some().then_some(ink);
+            self.outline(canvas, &sight.bbox, &Pen { half, ink, gaps });
         }
-        let gaps = moment.smr.target.is_some().then_some(ink(SMR));
-        self.outline(canvas, &still.sight.smr_box, &Pen { half: 1, ink: ink(SMR), gaps });
         if let Some(truth) = film.truth_at(still.index) {
             self.outline(canvas, &truth, &Pen::solid(0, ink(TRUTH)));
         }
@@ -211,14 +226,17 @@ fn whole(place: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::Variant;
     use crate::report::{Choice, watch};
     use crate::sequence::Damage;
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
-    use smr_core::Config;
+    use smr_core::paper::Config;
     use std::path::Path;
 
     fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
-        let film = watch(sequence, &Config::paper().into(), choice, || ()).unwrap();
+        let variant = |kind| Variant::new(kind, &Config::paper().into());
+        let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
+        let film = watch(sequence, &methods, choice, || ()).unwrap();
         image::load_from_memory(&picture(&film).unwrap()).unwrap().into_rgb8()
     }
 

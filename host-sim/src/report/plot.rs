@@ -1,8 +1,9 @@
 //! Numbers as SVG: those of every frame over time, and the differences of one frame as a histogram.
 
 use super::difference::{BAR, BARS};
-use super::film::{Film, Moment, Search};
-use crate::evaluate::{CORRECT, State};
+use super::film::{Film, Still};
+use crate::evaluate::{CORRECT, Evidence, MethodKind, name_of};
+use smr_core::State;
 use std::fmt::Write as _;
 
 const LEFT: f64 = 44.0;
@@ -23,18 +24,16 @@ struct Panel {
     lines: Vec<(&'static str, Vec<Option<f64>>)>,
 }
 
-/// Ratio and runner-up, alpha (of the robust tracker confidence alone), and (of SMR and of SAD) intersection over union, over a band of states.
-pub(super) fn over_time(film: &Film, overlaps: Option<[Vec<Option<f64>>; 2]>) -> String {
-    let mut panels = vec![ratios(film)];
-    if !film.is_robust() {
-        panels.push(alphas(film));
-    }
-    panels.extend(overlaps.map(|[smr, sad]| Panel {
+/// What smr and robust decided on, and intersection over union of all methods, over a band of the first one's states.
+pub(super) fn over_time(film: &Film, overlaps: Option<Vec<Vec<Option<f64>>>>) -> String {
+    let mut panels = decisions(film);
+    panels.extend(overlaps.map(|overlaps| Panel {
         title: "IoU",
         height: 120.0,
         most: 1.0,
         levels: vec![0.0, CORRECT, 0.5, 1.0],
-        lines: vec![("sad", sad), ("smr", smr)],
+        // What is drawn last is on top.
+        lines: film.methods.iter().map(|method| method.kind.name()).zip(overlaps).rev().collect(),
     }));
     let axis = Axis { frames: film.moments.len() };
     let bottom = TOP + BAND + panels.iter().map(|panel| GAP + panel.height).sum::<f64>();
@@ -49,30 +48,37 @@ pub(super) fn over_time(film: &Film, overlaps: Option<[Vec<Option<f64>>; 2]>) ->
     svg + &axis.draw(bottom) + "</svg>"
 }
 
-fn ratios(film: &Film) -> Panel {
-    let evidence = |value: fn(&crate::evaluate::Evidence) -> Option<f64>| {
-        film.moments.iter().map(|moment| moment.smr.evidence.as_ref().and_then(value)).collect::<Vec<_>>()
-    };
-    Panel {
-        title: film.measure(),
-        height: 150.0,
-        most: 1.0,
-        levels: vec![0.0, 0.5, 1.0],
-        lines: vec![
-            ("runner-up", evidence(|evidence| evidence.runner_up_ratio)),
-            ("smr", evidence(|evidence| Some(evidence.ratio))),
-        ],
+/// Ratio, runner-up and alpha of smr; confidence of robust.
+fn decisions(film: &Film) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    for method in film.all_of(MethodKind::Smr) {
+        let runner_up = evidence(film, method, |evidence| evidence.runner_up_ratio);
+        let ratio = evidence(film, method, |evidence| Some(evidence.ratio));
+        panels.push(Panel::of_one("ratio", vec![("runner-up", runner_up), ("smr", ratio)]));
+        panels.push(alphas(evidence(film, method, |evidence| evidence.alpha.map(f64::from))));
     }
+    for method in film.all_of(MethodKind::Robust) {
+        let confidence = evidence(film, method, |evidence| Some(evidence.confidence));
+        panels.push(Panel::of_one("confidence", vec![("robust", confidence)]));
+    }
+    panels
 }
 
-fn alphas(film: &Film) -> Panel {
-    let alpha = |moment: &Moment| moment.smr.evidence?.alpha.map(f64::from);
-    let alphas: Vec<_> = film.moments.iter().map(alpha).collect();
+fn evidence(film: &Film, method: usize, value: fn(&Evidence) -> Option<f64>) -> Vec<Option<f64>> {
+    film.moments.iter().map(|moment| moment.reports[method].evidence.as_ref().and_then(value)).collect()
+}
+
+fn alphas(alphas: Vec<Option<f64>>) -> Panel {
     let most = (alphas.iter().flatten().fold(1.0, |most: f64, &alpha| most.max(alpha)) / 8.0).ceil() * 8.0;
     Panel { title: "alpha", height: 80.0, most, levels: vec![0.0, most / 2.0, most], lines: vec![("alpha", alphas)] }
 }
 
 impl Panel {
+    /// Of numbers from 0 to 1.
+    fn of_one(title: &'static str, lines: Vec<(&'static str, Vec<Option<f64>>)>) -> Self {
+        Self { title, height: 150.0, most: 1.0, levels: vec![0.0, 0.5, 1.0], lines }
+    }
+
     fn draw(&self, axis: &Axis, top: f64) -> String {
         let y = |value: f64| top + self.height * (1.0 - value / self.most);
         let mut svg = format!("<text class=\"title\" x=\"{LEFT}\" y=\"{:.1}\">{}</text>", top - 5.0, self.title);
@@ -108,9 +114,9 @@ fn path(values: &[Option<f64>], x: impl Fn(usize) -> f64, y: impl Fn(f64) -> f64
 fn bands(film: &Film, axis: &Axis, bottom: f64) -> String {
     let mut svg = String::new();
     let mut first = 0;
-    for run in film.moments.chunk_by(|a, b| a.smr.state == b.smr.state) {
+    for run in film.moments.chunk_by(|a, b| a.first().state == b.first().state) {
         let (left, right) = (axis.edge(first), axis.edge(first + run.len()));
-        let (width, name) = (right - left, run[0].smr.state.name());
+        let (width, name) = (right - left, name_of(run[0].first().state));
         let title = format!("<title>{name}: frames {} to {}</title>", first + 1, first + run.len());
         let rect = |class: &str, height: f64| {
             format!(
@@ -118,7 +124,7 @@ fn bands(film: &Film, axis: &Axis, bottom: f64) -> String {
             )
         };
         svg += &rect("band", BAND);
-        if run[0].smr.state != State::Tracking {
+        if run[0].first().state != State::Tracking {
             svg += &rect("shade", bottom - TOP);
         }
         first += run.len();
@@ -166,22 +172,43 @@ fn step(frames: usize) -> usize {
     sizes.into_iter().find(|step| frames / step <= 12).unwrap_or(1)
 }
 
-/// How many pixels differ by how much: SMR's winner as bars, SAD's as a line, alpha across.
-pub(super) fn histogram(search: &Search, alpha: u16) -> String {
+/// How many pixels differ by how much: the first method's winner as bars, those of the others as lines, alpha across.
+pub(super) fn histogram(film: &Film, still: &Still) -> String {
     let (left, top, width, height) = (34.0, 6.0, 320.0, 110.0);
-    let (smr, sad) = (search.smr.histogram(), search.sad.histogram());
-    let most = smr.iter().chain(&sad).fold(0.0, |most: f64, &share| most.max(share)).max(0.01);
+    let searches = film.methods.iter().zip(still.sights.iter().filter_map(|sight| sight.search.as_ref()));
+    let histograms: Vec<_> =
+        searches.clone().map(|(method, search)| (method.kind.name(), search.difference.histogram())).collect();
+    let alpha = searches.clone().next().and_then(|(_, search)| search.alpha);
+    let all = histograms.iter().flat_map(|(_, shares)| shares);
+    let most = all.fold(0.0, |most: f64, &share| most.max(share)).max(0.01);
     let x = |bar: f64| left + width * bar / BARS as f64;
     let y = |share: f64| top + height * (1.0 - share / most);
     let bottom = top + height;
 
-    let bars: String = (0..)
-        .zip(smr)
-        .map(|(bar, share)| bar_path(x(f64::from(bar)), x(f64::from(bar) + 0.9), y(share), bottom))
+    let bars = |shares: &[f64; BARS]| {
+        let bars = (0..).zip(shares);
+        bars.map(|(bar, &share)| bar_path(x(f64::from(bar)), x(f64::from(bar) + 0.9), y(share), bottom))
+            .collect::<String>()
+    };
+    let steps = |shares: &[f64; BARS]| {
+        let steps = (0..).zip(shares);
+        steps.map(|(bar, &share)| format!("V{:.1}H{:.1}", y(share), x(f64::from(bar) + 1.0))).collect::<String>()
+    };
+    let paths: String = (0..)
+        .zip(&histograms)
+        .map(|(index, (name, shares))| match index {
+            0 => format!("<path class=\"bars {name}\" d=\"{}\"/>", bars(shares)),
+            _ => format!("<path class=\"line {name}\" d=\"M{left} {bottom}{}V{bottom}\"/>", steps(shares)),
+        })
         .collect();
-    let steps: String =
-        (0..).zip(sad).map(|(bar, share)| format!("V{:.1}H{:.1}", y(share), x(f64::from(bar) + 1.0))).collect();
-    let threshold = x((f64::from(alpha) / BAR as f64).min(BARS as f64));
+    let threshold = alpha.map_or(String::new(), |alpha| {
+        let at = x((f64::from(alpha) / BAR as f64).min(BARS as f64));
+        format!(
+            "<path class=\"threshold\" d=\"M{at:.1} {top}V{bottom}\"/><text x=\"{:.1}\" y=\"{}\">alpha {alpha}</text>",
+            at + 4.0,
+            top + 12.0
+        )
+    });
     let label = |gray: usize| {
         let more = if gray == BAR * BARS { "+" } else { "" };
         let x = x(gray as f64 / BAR as f64);
@@ -191,14 +218,10 @@ pub(super) fn histogram(search: &Search, alpha: u16) -> String {
     format!(
         "<svg class=\"histogram\" viewBox=\"0 0 {} {}\" role=\"img\">\
          <path class=\"grid\" d=\"M{left} {bottom}h{width}M{left} {top}h{width}\"/>\
-         <path class=\"bars\" d=\"{bars}\"/><path class=\"line sad\" d=\"M{left} {bottom}{steps}V{bottom}\"/>\
-         <path class=\"threshold\" d=\"M{threshold:.1} {top}V{bottom}\"/>\
-         <text x=\"{:.1}\" y=\"{}\">alpha {alpha}</text>\
+         {paths}{threshold}\
          <text x=\"{}\" y=\"{}\" text-anchor=\"end\">{:.0}%</text>{labels}</svg>",
         left + width + 16.0,
         bottom + 18.0,
-        threshold + 4.0,
-        top + 12.0,
         left - 5.0,
         top + 9.0,
         most * 100.0

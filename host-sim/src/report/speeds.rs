@@ -3,7 +3,7 @@
 use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, TOP};
 use super::{Color, SAD, SMR, TRUTH, color_of, font};
 use crate::bench::speeds::{Speed, TEMPLATES, WINDOWS};
-use crate::evaluate::State;
+use smr_core::State;
 
 /// Of the templates, from the smallest to the largest.
 const COLORS: [Color; 4] = [SAD, TRUTH, color_of(State::Leaving), SMR];
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     fn speeds() -> Vec<Speed> {
-        let speed = |template: u16, window: smr_core::Radius| {
+        let speed = |template: u16, window: smr_core::paper::Radius| {
             let offsets = (2 * u32::from(window.x) + 1) * (2 * u32::from(window.y) + 1);
             let pruned = 1e9 / f64::from(offsets) / f64::from(template).powi(2);
             // Not everything was timed.

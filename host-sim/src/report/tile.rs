@@ -2,6 +2,7 @@
 
 use super::encode;
 use super::film::{Film, Still};
+use crate::evaluate::name_of;
 use crate::sequence::BoundingBox;
 use anyhow::Result;
 use smr_core::Rect;
@@ -15,17 +16,20 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
     let moment = &film.moments[still.index];
     let picture = encode::data_uri("image/jpeg", &encode::jpeg(&still.frame)?);
 
-    let window = still.sight.search.as_ref().map(|search| {
-        let window = search.window.into();
+    let window = still.window().map(|window| {
+        let window = window.into();
         outline("window-under", &window) + &outline("window", &window)
     });
     // Each where it is; the ones below are drawn wider, so that of equal boxes all are seen.
-    let sad = moment.sad.target.map(|sad| outline("sad", &sad));
-    let smr = outline(if moment.smr.target.is_some() { "smr" } else { "smr last" }, &still.sight.smr_box);
+    let boxes = film.methods.iter().zip(moment.reports.iter().zip(&still.sights)).rev();
+    let boxes = boxes.map(|(method, (report, sight))| {
+        let last = if report.target.is_some() { "" } else { " last" };
+        outline(&format!("{}{last}", method.kind.name()), &sight.bbox)
+    });
     let truth = film.truth_at(still.index).map(|truth| outline("truth", &truth));
-    let boxes = [window, sad, Some(smr), truth].into_iter().flatten().collect::<String>();
+    let boxes = window.into_iter().chain(boxes).chain(truth).collect::<String>();
 
-    let (number, state) = (still.index + 1, moment.smr.state.name());
+    let (number, state) = (still.index + 1, name_of(moment.first().state));
     let letters = f64::from(whole) / 17.0;
     let (x, y) = (f64::from(-margin) + letters * 0.5, f64::from(-margin) + letters * 1.2);
     Ok(format!(

@@ -98,25 +98,30 @@ pub(super) fn sequence() -> Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Tracker;
-    use smr_core::{Answer, Config, State};
+    use crate::Paper;
+    use smr_core::paper::Config;
+    use smr_core::search::Found;
+    use smr_core::{Answer, State, Tracker};
 
     /// In the frames that the script is about it decides what it is said to decide.
     #[test]
     fn the_papers_rules_decide_in_the_frames_they_are_meant_for() {
-        let mut tracker = Tracker::new(Config::paper()).unwrap();
+        let mut tracker = Tracker::<Paper>::new(Config::paper()).unwrap();
         let mut frames = frames();
         let first = frames.next().unwrap();
         tracker.lock(&first.frame(), sequence().start().unwrap()).unwrap();
-        let answers: Vec<Answer> = frames.map(|frame| tracker.update(&frame.frame()).unwrap()).collect();
-        let answer = |frame: usize| answers[frame - 1];
+        let answers: Vec<(Answer, Found)> = frames
+            .map(|frame| (tracker.update(&frame.frame()).unwrap(), tracker.workspace().found().unwrap()))
+            .collect();
+        let answer = |frame: usize| answers[frame - 1].0;
+        let runner_up = |frame: usize| answers[frame - 1].1.runner_up;
         let ratio = |frame: usize| f64::from(answer(frame).ratio) / f64::from(answer(frame).runner_up_ratio.unwrap());
         assert_eq!(answer(10).state, State::Leaving);
-        assert!((11..=15).all(|frame| answer(frame).found.runner_up.is_some()), "returning");
+        assert!((11..=15).all(|frame| runner_up(frame).is_some()), "returning");
         assert!((13..=14).all(|frame| ratio(frame) < 1.2 && answer(frame).state == State::Tracking), "the lead");
         assert_eq!([15, 16, 17].map(|frame| answer(frame).state), [State::Lost; 3]);
         assert!((18..=20).all(|frame| answer(frame).state == State::Tracking), "found again");
-        assert_eq!((answer(19).found.runner_up, answer(20).found.runner_up), (None, None));
+        assert_eq!((runner_up(19), runner_up(20)), (None, None));
         assert_eq!([21, 23].map(|frame| answer(frame).state), [State::Leaving; 2]);
         assert_eq!(answer(24).state, State::Tracking);
         for (frame, &((x, y), _)) in SCRIPT.iter().enumerate().skip(1).filter(|(_, script)| script.0 != NOWHERE) {

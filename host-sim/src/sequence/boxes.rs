@@ -9,8 +9,8 @@
 //! Numbers are separated by commas, tabs or spaces. Other trackers' results have the TLD form, too.
 
 use anyhow::{Context, Result, anyhow, ensure};
+use smr_core::FineRect;
 use smr_core::Rect;
-use smr_core::robust::FineRect;
 use std::fmt;
 use std::fs;
 use std::path::Path;

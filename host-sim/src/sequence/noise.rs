@@ -45,7 +45,7 @@ pub(super) fn sequence() -> Sequence {
 mod tests {
     use super::*;
     use crate::bench::case::{Case, Size, count, triples};
-    use smr_core::Radius;
+    use smr_core::paper::Radius;
     use smr_core::similarity::Backend;
 
     /// What it is there for, in both windows that `host-sim bench` has by itself.
@@ -60,7 +60,7 @@ mod tests {
                 let frame = case.frame();
                 let mut update = tracker.begin(&frame)?;
                 while !update.step(u32::MAX) {}
-                assert!(update.work() >= case.comparisons(), "{} of {}", update.work(), case.comparisons());
+                assert!(u64::from(update.work()) >= case.comparisons(), "{} of {}", update.work(), case.comparisons());
             }
             Ok(())
         })

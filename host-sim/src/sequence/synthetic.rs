@@ -223,8 +223,9 @@ impl Random {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Tracker;
-    use smr_core::{Config, State};
+    use crate::Paper;
+    use smr_core::paper::Config;
+    use smr_core::{State, Tracker};
 
     const AREA: i32 = TARGET_WIDTH * TARGET_HEIGHT;
 
@@ -286,7 +287,7 @@ mod tests {
     /// What makes it a recording to check with: every state of the tracker occurs, and the target is found again.
     #[test]
     fn the_tracker_follows_loses_and_finds_again() {
-        let mut tracker = Tracker::new(Config::paper()).unwrap();
+        let mut tracker = Tracker::<Paper>::new(Config::paper()).unwrap();
         let start = truth(0).and_then(|start| start.to_rect()).unwrap();
         tracker.lock(&frame(0).frame(), start).unwrap();
         let answers: Vec<_> = frames().map(|frame| tracker.update(&frame.frame()).unwrap()).collect();

@@ -1,11 +1,12 @@
-//! The vectors of the robust tracker: small recordings, and what `smr_core::robust` answers to them on the host, by the plain
+//! The vectors of the robust tracker: small recordings, and what `smr_core::Robust` answers to them on the host, by the plain
 //! loops. That it is the method, too, is what `host-sim check` shows; these hold every other compiler,
 //! instruction set and language to the same answers.
 
 use super::{hash, hex, pixels};
-use smr_core::robust::{Answer, Config, State, Tracker};
+use crate::evaluate::name_of;
+use smr_core::robust::Config;
 use smr_core::similarity::Backend;
-use smr_core::{Frame, Image, Rect};
+use smr_core::{Answer, Frame, Image, Rect, Robust, Tracker};
 
 /// Frames of one size, and what the tracker that follows a box through them consists of.
 struct Case {
@@ -29,10 +30,10 @@ const GONE: View = (4000, 4000, 100, 100);
 /// If the tracker refuses a case, which is a mistake in this file.
 #[must_use]
 pub fn text() -> String {
-    let header = "# Made by `host-sim vectors --config robust`. The form: README.md beside this file.\n";
-    let mut text = format!("{header}smr-robust-vectors 2\n");
+    let header = "# Made by `host-sim vectors --method robust`. The form: README.md beside this file.\n";
+    let mut text = format!("{header}smr-robust-vectors 3\n");
     let whole = [follow("follow"), hidden("hidden"), border(), tiny(), ties(), long(), large()];
-    for case in whole.into_iter().chain(left_out()) {
+    for case in whole.into_iter().chain(changed()) {
         case.write(&mut text);
     }
     text
@@ -94,19 +95,21 @@ fn large() -> Case {
     recorded("large", (98, 81), Rect::new(12, 6, 72, 66), &path)
 }
 
-/// Each part left out once, in a recording that it makes a difference in.
-fn left_out() -> [Case; 6] {
-    type Part = fn(&mut Config);
-    let parts: [(Case, Part); 6] = [
-        (follow("without-velocity"), |config| config.velocity = false),
-        (follow("without-near"), |config| config.near = false),
+/// The numbers of the configuration changed, each in a recording that it makes a difference in.
+fn changed() -> [Case; 6] {
+    type Change = fn(&mut Config);
+    let changes: [(Case, Change); 6] = [
         (follow("without-size"), |config| config.size = false),
-        (hidden("without-verification"), |config| config.verification = false),
-        (hidden("without-caution"), |config| config.caution = false),
         (hidden("without-sweep"), |config| config.sweep = false),
+        (follow("little-reach"), |config| config.reach = 5),
+        (hidden("other-states"), |config| {
+            (config.patience, config.lost_below, config.uncertain_below) = (150, 30_000, 50_000);
+        }),
+        (follow("learns-slowly"), |config| config.learning_rate = 40),
+        (follow("learns-early"), |config| config.early_rate = 128),
     ];
-    parts.map(|(mut case, leave_out)| {
-        leave_out(&mut case.config);
+    changes.map(|(mut case, change)| {
+        change(&mut case.config);
         case
     })
 }
@@ -166,7 +169,7 @@ impl Case {
 
     /// To every frame but the first.
     fn answers(&self) -> Vec<String> {
-        let mut tracker: Box<Tracker> = Box::new(Tracker::new(self.config));
+        let mut tracker = Box::new(Tracker::<Robust>::new(self.config).expect("numbers in range"));
         tracker.lock(&self.frame(&self.frames[0]), self.target).expect("a box inside the frame");
         let answer = |frame: &Vec<u8>| {
             let answer = tracker.update(&self.frame(frame)).expect("a frame of the same size");
@@ -180,29 +183,27 @@ impl Case {
     }
 }
 
-/// The configuration of a case, a line a switch.
+/// The configuration of a case, a line a number.
 fn lines(config: &Config) -> impl Iterator<Item = String> {
     [
-        ("velocity", config.velocity),
-        ("near", config.near),
-        ("size_part", config.size),
-        ("verification", config.verification),
-        ("caution", config.caution),
-        ("sweep", config.sweep),
+        ("reach", config.reach.into()),
+        ("size_part", config.size.into()),
+        ("sweep", config.sweep.into()),
+        ("patience", config.patience.into()),
+        ("lost_below", config.lost_below),
+        ("uncertain_below", config.uncertain_below),
+        ("learning_rate", config.learning_rate),
+        ("early_rate", config.early_rate),
     ]
     .into_iter()
-    .map(|(name, there)| format!("{name} {}", u8::from(there)))
+    .map(|(name, number): (_, u16)| format!("{name} {number}"))
 }
 
-fn words(answer: &Answer, tracker: &Tracker) -> String {
-    let Answer { fine, confidence, ratio, response, scale, found_again, .. } = answer;
-    let state = match answer.state {
-        State::Tracking => "tracking",
-        State::Uncertain => "uncertain",
-        State::Lost => "lost",
-    };
-    let early = fnv(tracker.early_template().into_iter().flatten());
-    let weights = fnv(tracker.weights().iter().flat_map(|weight| weight.to_le_bytes()));
+fn words(answer: &Answer, tracker: &Tracker<Robust>) -> String {
+    let Answer { fine, confidence, ratio, scale, found_again, .. } = answer;
+    let (state, response) = (name_of(answer.state), tracker.workspace().response());
+    let early = fnv(tracker.target().early_template().into_iter().flatten());
+    let weights = fnv(tracker.target().weights().iter().flat_map(|weight| weight.to_le_bytes()));
     let [x, y, width, height] = [fine.x.into(), fine.y.into(), fine.width.into(), fine.height.into()] as [i64; 4];
     let found_again = u8::from(*found_again);
     format!(
@@ -233,9 +234,9 @@ mod tests {
     }
 
     #[test]
-    fn a_part_left_out_makes_a_difference() {
+    fn every_number_of_the_configuration_makes_a_difference() {
         let whole = [follow("").answers(), hidden("").answers()];
-        for case in left_out() {
+        for case in changed() {
             assert!(!whole.contains(&case.answers()), "{}", case.name);
         }
     }

@@ -15,7 +15,8 @@ use rp2040_hal::pio::PIOExt;
 use rp2040_hal::pwm::Slices;
 use rp2040_hal::{Clock, I2C, Sio, Timer, Watchdog, clocks, pac};
 use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
-use smr_core::{Answer, Config, Fraction, Frame, Image, Radius, Rect, Tracker};
+use smr_core::paper::{Config, Fraction, Radius};
+use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 
 /// The second stage of the boot loader. (The attribute is `unsafe` because any section may be named; the memory map
 /// next to this gives this one its place.)
@@ -47,7 +48,9 @@ const AXIS: Axis = Axis {
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
 
-type SmallTracker = Tracker<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
+/// For the robust tracker, on a chip with the memory and the time for it, this is `smr_core::Robust`; nothing else changes but
+/// the configuration.
+type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]
 fn main() -> ! {
@@ -91,6 +94,7 @@ fn run() -> Option<Infallible> {
         tilt: AXIS,
         tilt_servo: SERVO,
         hold_seconds: 3.0,
+        delay_frames: 1,
     };
     let mut pursuit = Pursuit::new(config, pan, tilt, pins.gpio25.into_push_pull_output()).ok()?;
     pursuit.wait(0.0).ok()?;
@@ -106,30 +110,31 @@ fn run() -> Option<Infallible> {
     let mut camera = Camera::start(bus, pins.gpio16.into_floating_input(), timer, &mut pio, machine)?;
 
     let mut button = pins.gpio22.into_pull_up_input();
-    let mut tracker = SmallTracker::new(tracker_config()).ok()?;
+    let mut tracker = Tracker::<SmallTarget>::new(tracker_config()).ok()?;
     let mut before = timer.get_counter();
     loop {
         let pressed = button.is_low().ok()?;
-        let answer = camera.frame().and_then(|pixels| track(&mut tracker, pixels, pressed));
+        let pixels = camera.frame();
         let now = timer.get_counter();
         let elapsed_seconds = now.checked_duration_since(before)?.to_micros() as f32 / 1e6;
         before = now;
-        match answer {
-            Some(answer) => pursuit.follow(&answer, elapsed_seconds).ok()?,
+        let frame = pixels.and_then(|pixels| frame_to_search(&mut tracker, pixels, pressed));
+        match frame {
+            Some(frame) => pursuit.follow(&mut tracker, &frame, elapsed_seconds).ok()?.1,
             None => pursuit.wait(elapsed_seconds).ok()?,
         };
     }
 }
 
-/// Locks on what is in the middle while the button is pressed, and follows it afterwards. `None` without a target.
-fn track(tracker: &mut SmallTracker, pixels: &[u8], pressed: bool) -> Option<Answer> {
+/// Locks on what is in the middle while the button is pressed; afterwards the frame is to be searched. `None` without a target.
+fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pressed: bool) -> Option<Frame<'a>> {
     let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
     if pressed {
         let (x, y) = (i32::from((WIDTH - TARGET_PIXELS) / 2), i32::from((HEIGHT - TARGET_PIXELS) / 2));
         tracker.lock(&frame, Rect::new(x, y, TARGET_PIXELS, TARGET_PIXELS)).ok()?;
         return None;
     }
-    tracker.update(&frame).ok()
+    tracker.window().map(|_| frame)
 }
 
 fn tracker_config() -> Config {

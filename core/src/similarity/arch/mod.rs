@@ -47,6 +47,8 @@ mod generic;
 mod products;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
+#[cfg(any(smr_dsp, smr_helium))]
+mod sectors;
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     pub(super) mod avx2;
@@ -63,6 +65,8 @@ mod guard;
 mod tests;
 
 pub(crate) use products::Products;
+#[cfg(any(smr_dsp, smr_helium))]
+pub(crate) use sectors::{pair, sectors};
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use aarch64::neon;

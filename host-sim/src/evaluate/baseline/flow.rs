@@ -2,10 +2,11 @@
 //! coarse to fine. Window, padding and template update are those of the other baselines; positions are finer than a pixel.
 
 use super::first_template;
-use crate::evaluate::method::{Method, Report, State};
+use crate::evaluate::method::{Method, Report};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
-use smr_core::{Config, Frame, Image, Radius, Rect, UpdateError};
+use smr_core::paper::{Config, Radius};
+use smr_core::{Frame, Image, Rect, UpdateError};
 
 /// Steps on each level of the pyramid, at most.
 const STEPS: usize = 30;
@@ -90,15 +91,15 @@ impl Method for Flow {
         }
         let image = frame.patch(self.bounds).ok_or(UpdateError::WindowNotInMemory)?;
         (self.x, self.y) = self.fit(image);
-        let state = if self.is_inside() { State::Tracking } else { State::Leaving };
-        if state == State::Tracking {
+        let inside = self.is_inside();
+        if inside {
             let (left, top) = (floor(self.x), floor(self.y));
             let size = (i32::from(self.size.0) + 1, i32::from(self.size.1) + 1);
             let found = Plane::of_frame(image, (left, top), size);
             let at = [self.x - f64::from(left), self.y - f64::from(top)];
             self.template = found.patch(at, self.size).map(byte).collect();
         }
-        Ok(Report { target: Some(self.bbox()), state, evidence: None, comparisons: None })
+        Ok(Report::of_baseline(self.bbox(), inside))
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -221,6 +222,7 @@ fn byte(level: f64) -> u8 {
 mod tests {
     use super::*;
     use crate::sequence::GrayFrame;
+    use smr_core::State;
 
     /// Waves of several lengths in a frame of 120x90, moved by (`dx`, `dy`).
     fn waves(dx: f64, dy: f64) -> GrayFrame {

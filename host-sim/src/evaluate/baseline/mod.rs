@@ -11,11 +11,12 @@ mod flow;
 
 pub(super) use flow::Flow;
 
-use super::method::{Method, Report, State};
+use super::method::{Method, Report};
 use anyhow::Result;
 use correlation::Correlation;
+use smr_core::paper::{Config, Radius};
 use smr_core::search::Window;
-use smr_core::{Config, Frame, Image, LockError, Radius, Rect, UpdateError};
+use smr_core::{Frame, Image, LockError, Rect, UpdateError};
 use std::ops::Range;
 
 /// How a baseline compares a patch with the template.
@@ -88,17 +89,12 @@ impl Method for Baseline {
 
         let (x, y) = self.best(&window, &canvas);
         self.target = Rect { x, y, ..self.target };
-        let Some(patch) = frame.patch(self.target) else {
-            return Ok(Report {
-                target: Some(self.target.into()),
-                state: State::Leaving,
-                evidence: None,
-                comparisons: None,
-            });
-        };
-        self.template.clear();
-        self.template.extend(patch.rows().flatten());
-        Ok(Report { target: Some(self.target.into()), state: State::Tracking, evidence: None, comparisons: None })
+        let patch = frame.patch(self.target);
+        if let Some(patch) = patch {
+            self.template.clear();
+            self.template.extend(patch.rows().flatten());
+        }
+        Ok(Report::of_baseline(self.target.into(), patch.is_some()))
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -118,7 +114,7 @@ fn first_template(frame: &Frame<'_>, target: Rect) -> Result<Vec<u8>> {
         let error = anyhow::Error::from(LockError::BoxTooLarge);
         return Err(error.context(format!("expected at most {MAX_PIXELS} pixels")));
     }
-    let patch = frame.patch(target).ok_or(LockError::BoxNotInMemory)?;
+    let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
     Ok(patch.rows().flatten().copied().collect())
 }
 
@@ -219,6 +215,7 @@ mod tests {
     use super::*;
     use crate::sequence::GrayFrame;
     use proptest::prelude::*;
+    use smr_core::State;
 
     const ALL: [Measure; 3] = [Measure::Absolute, Measure::Squared, Measure::Correlation];
 
@@ -250,16 +247,7 @@ mod tests {
         for measure in ALL {
             let mut baseline = locked(measure, &config(6, 20), &picture(5, 10), Rect::new(5, 10, 6, 5));
             let inside = baseline.update(&picture(1, 12).frame()).unwrap();
-            assert_eq!(
-                inside,
-                Report {
-                    target: Some(Rect::new(1, 12, 6, 5).into()),
-                    state: State::Tracking,
-                    evidence: None,
-                    comparisons: None
-                },
-                "{measure:?}"
-            );
+            assert_eq!(inside, Report::locked(Rect::new(1, 12, 6, 5)), "{measure:?}");
             let template = baseline.template.clone();
             let leaving = baseline.update(&picture(-2, 13).frame()).unwrap();
             assert_eq!(leaving.state, State::Leaving, "{measure:?}");

@@ -1,9 +1,10 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
 use super::calibration::Calibration;
-use crate::evaluate::{CORRECT, Score, State, Trajectory, overlaps};
+use crate::evaluate::{CORRECT, Score, Trajectory, overlaps};
 use anyhow::Result;
 use serde::Serialize;
+use smr_core::State;
 use std::time::Duration;
 
 /// One run: one method from one start.
@@ -26,7 +27,7 @@ pub(super) struct RunFigures {
 pub(super) struct Spent {
     pub updates: u64,
     /// `None` if one of them was not counted.
-    pub comparisons: Option<u64>,
+    pub work: Option<u64>,
     pub time: Duration,
 }
 
@@ -129,7 +130,7 @@ pub struct Figures {
     /// Of these, the ones in which *tracking* was not said.
     pub right_unsaid: usize,
     /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
-    pub comparisons_per_frame: Option<f64>,
+    pub work_per_frame: Option<f64>,
     /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
     pub microseconds_per_frame: f64,
 }
@@ -145,7 +146,7 @@ impl Figures {
         let answered_visible = sum(|run| run.answered_visible);
         let answered = sum(|run| run.score.answered);
         let updates = runs.iter().map(|run| run.spent.updates).sum::<u64>() as f64;
-        let comparisons: Option<u64> = runs.iter().map(|run| run.spent.comparisons).sum();
+        let work: Option<u64> = runs.iter().map(|run| run.spent.work).sum();
         let time: Duration = runs.iter().map(|run| run.spent.time).sum();
         Self {
             mean_correct: ratio(recalls().sum(), runs.len() as f64),
@@ -162,7 +163,7 @@ impl Figures {
             tracking_wrong: sum(|run| run.tracking.said_wrongly),
             right: sum(|run| run.tracking.right),
             right_unsaid: sum(|run| run.tracking.right_unsaid),
-            comparisons_per_frame: comparisons.map(|comparisons| ratio(comparisons as f64, updates)),
+            work_per_frame: work.map(|work| ratio(work as f64, updates)),
             microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
         }
     }
@@ -170,7 +171,7 @@ impl Figures {
     /// Means over recordings, each with the same weight; of hidden frames, sums.
     pub(super) fn over_recordings(parts: &[Self]) -> Self {
         let mean = |of: fn(&Self) -> f64| ratio(parts.iter().map(of).sum(), parts.len() as f64);
-        let comparisons: Option<f64> = parts.iter().map(|part| part.comparisons_per_frame).sum();
+        let work: Option<f64> = parts.iter().map(|part| part.work_per_frame).sum();
         Self {
             mean_correct: mean(|part| part.mean_correct),
             worst_correct: mean(|part| part.worst_correct),
@@ -186,7 +187,7 @@ impl Figures {
             tracking_wrong: parts.iter().map(|part| part.tracking_wrong).sum(),
             right: parts.iter().map(|part| part.right).sum(),
             right_unsaid: parts.iter().map(|part| part.right_unsaid).sum(),
-            comparisons_per_frame: comparisons.map(|sum| ratio(sum, parts.len() as f64)),
+            work_per_frame: work.map(|sum| ratio(sum, parts.len() as f64)),
             microseconds_per_frame: mean(|part| part.microseconds_per_frame),
         }
     }
@@ -205,12 +206,12 @@ mod tests {
         Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
     }
 
-    fn spent(updates: u64, comparisons: Option<u64>, microseconds: u64) -> Spent {
-        Spent { updates, comparisons, time: Duration::from_micros(microseconds) }
+    fn spent(updates: u64, work: Option<u64>, microseconds: u64) -> Spent {
+        Spent { updates, work, time: Duration::from_micros(microseconds) }
     }
 
     /// Two starts in six frames, the target hidden in the last two.
-    fn runs(comparisons: Option<u64>) -> [RunFigures; 2] {
+    fn runs(work: Option<u64>) -> [RunFigures; 2] {
         let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
         // IoU 1, 1/3, 0 and no answer; an answer while hidden.
         let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
@@ -222,7 +223,7 @@ mod tests {
         let of_second = states(&[State::Lost, State::Lost, State::Uncertain, State::Tracking]);
         [
             RunFigures::new(&first, &of_first, &[], &truth, spent(5, Some(1000), 30)).unwrap(),
-            RunFigures::new(&second[1..], &of_second, &[], &truth[1..], spent(4, comparisons, 60)).unwrap(),
+            RunFigures::new(&second[1..], &of_second, &[], &truth[1..], spent(4, work, 60)).unwrap(),
         ]
     }
 
@@ -246,7 +247,7 @@ mod tests {
             tracking_wrong: 3,
             right: 1,
             right_unsaid: 1,
-            comparisons_per_frame: Some(200.0),
+            work_per_frame: Some(200.0),
             microseconds_per_frame: 10.0,
         };
         assert!((figures.mean_iou - expected.mean_iou).abs() < 1e-12);
@@ -256,11 +257,8 @@ mod tests {
     #[test]
     fn what_is_not_counted_has_no_mean() {
         let figures = Figures::over_starts(&runs(None));
-        assert_eq!(figures.comparisons_per_frame, None);
-        assert_eq!(
-            Figures::over_recordings(&[figures, Figures::over_starts(&runs(Some(1)))]).comparisons_per_frame,
-            None
-        );
+        assert_eq!(figures.work_per_frame, None);
+        assert_eq!(Figures::over_recordings(&[figures, Figures::over_starts(&runs(Some(1)))]).work_per_frame, None);
     }
 
     #[test]
@@ -280,7 +278,7 @@ mod tests {
             tracking_wrong: hidden,
             right: 3,
             right_unsaid: 1,
-            comparisons_per_frame: Some(correct * 100.0),
+            work_per_frame: Some(correct * 100.0),
             microseconds_per_frame: correct * 10.0,
         };
         let expected = Figures {
@@ -310,8 +308,8 @@ mod tests {
     #[test]
     fn nothing_divides_by_zero() {
         let silent =
-            RunFigures::new(&[None], &[], &[], &[at(0.0)], Spent { comparisons: Some(0), ..Spent::default() }).unwrap();
+            RunFigures::new(&[None], &[], &[], &[at(0.0)], Spent { work: Some(0), ..Spent::default() }).unwrap();
         let figures = Figures::over_starts(&[silent]);
-        assert_eq!(figures, Figures { comparisons_per_frame: Some(0.0), ..Figures::default() });
+        assert_eq!(figures, Figures { work_per_frame: Some(0.0), ..Figures::default() });
     }
 }

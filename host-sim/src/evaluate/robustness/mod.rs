@@ -26,8 +26,8 @@ pub use figures::Figures;
 pub use paired::Former;
 pub use starts::Starts;
 
-use super::Variant;
 use super::method::lock;
+use super::{Origin, Variant};
 use crate::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
@@ -86,6 +86,8 @@ impl Robustness {
 /// A method on a recording.
 #[derive(Clone, Debug, Serialize)]
 struct Row {
+    #[serde(flatten)]
+    origin: Origin,
     tracker: String,
     sequence: String,
     /// The folder that the recording lies in, among others.
@@ -113,6 +115,7 @@ struct StartRow {
     start: String,
     /// The frame that was locked on; the first is 1.
     frame: usize,
+    #[serde(rename = "box")]
     bbox: BoundingBox,
     visible: usize,
     correct: usize,
@@ -194,6 +197,7 @@ impl Case {
             correct: run.score.correct,
         };
         Row {
+            origin: variant.origin(),
             tracker: variant.name.clone(),
             sequence: self.recording.name.clone(),
             folder: self.folder.clone(),
@@ -230,8 +234,8 @@ fn run_all(cases: &[Case], settings: Settings<'_>, progress: &(impl Fn(Progress)
 fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl Fn()) -> Result<RunFigures> {
     let mut method = variant.build()?;
     let mut answers = vec![Some(BoundingBox::from(start.target))];
-    let (mut states, mut ratios) = (vec![None], vec![None]);
-    let mut spent = Spent { comparisons: Some(0), ..Spent::default() };
+    let (mut states, mut confidences) = (vec![None], vec![None]);
+    let mut spent = Spent { work: Some(0), ..Spent::default() };
     let mut frames = (1..).zip(&recording.frames).skip(start.frame);
     if let Some((number, first)) = frames.next() {
         lock(method.as_mut(), &first.frame(), start.target).with_context(|| format!("frame {number}"))?;
@@ -243,13 +247,13 @@ fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl F
         let report = report.with_context(|| format!("frame {number}"))?;
         spent.updates += 1;
         spent.time += time;
-        spent.comparisons = spent.comparisons.zip(report.comparisons).map(|(sum, more)| sum + more);
+        spent.work = spent.work.zip(report.work).map(|(sum, more)| sum + u64::from(more));
         answers.push(report.target);
         states.push(Some(report.state));
-        ratios.push(report.evidence.map(|evidence| evidence.ratio));
+        confidences.push(report.evidence.map(|evidence| evidence.confidence));
         progress();
     }
-    RunFigures::new(&answers, &states, &ratios, &recording.truth[start.frame..], spent)
+    RunFigures::new(&answers, &states, &confidences, &recording.truth[start.frame..], spent)
 }
 
 /// Where the recordings lie that belong together with the one at `path`.
@@ -309,7 +313,7 @@ mod tests {
     use crate::evaluate::MethodKind;
     use crate::sequence::Damage;
     use crate::sequence::GrayFrame;
-    use smr_core::Config;
+    use smr_core::paper::Config;
     use std::num::NonZeroUsize;
     use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -364,7 +368,7 @@ mod tests {
             assert_eq!((figures.mean_correct, figures.worst_correct, figures.mean_iou), (1.0, 1.0, 1.0));
             // Seven answers, two of them while hidden.
             assert_eq!((figures.precision, figures.answered_hidden, figures.hidden), (5.0 / 7.0, 2, 2));
-            assert_eq!(figures.comparisons_per_frame.is_some(), row.tracker == "smr");
+            assert_eq!(figures.work_per_frame.is_some(), row.tracker == "smr");
         }
         let near = measured(&["a/moving"], |_| Ok(sequence()), Starts::Near);
         let names: Vec<_> = near.recordings[0].starts.iter().map(|start| start.start.as_str()).collect();

@@ -48,28 +48,20 @@ fn standard_error(tracker: &str, error: Headline) -> Vec<String> {
 
 impl Figures {
     /// What tables of figures end with.
-    pub(super) const LAST_COLUMNS: [&str; 7] = [
-        "precision",
-        "answered/hidden",
-        "found/returns",
-        "wrong/tracking",
-        "unsaid/right",
-        "comparisons/frame",
-        "us/frame",
-    ];
+    pub(super) const LAST_COLUMNS: [&str; 7] =
+        ["precision", "answered/hidden", "found/returns", "wrong/tracking", "unsaid/right", "work/frame", "us/frame"];
 
     pub(super) fn last_cells(&self) -> [String; 7] {
         let of = |part: usize, all: usize| if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") };
         let (of_hidden, of_returns) = (of(self.answered_hidden, self.hidden), of(self.found_again, self.returns));
-        let comparisons =
-            self.comparisons_per_frame.map_or(NOTHING.to_owned(), |comparisons| format!("{comparisons:.0}"));
+        let work = self.work_per_frame.map_or(NOTHING.to_owned(), |work| format!("{work:.0}"));
         [
             format!("{:.3}", self.precision),
             of_hidden,
             of_returns,
             of(self.tracking_wrong, self.tracking),
             of(self.right_unsaid, self.right),
-            comparisons,
+            work,
             format!("{:.0}", self.microseconds_per_frame),
         ]
     }
@@ -80,9 +72,10 @@ pub(super) mod tests {
     use super::super::calibration::Calibration;
     use super::super::{Mean, Row, StartRow};
     use super::*;
+    use crate::evaluate::{MethodKind, Origin};
     use std::path::PathBuf;
 
-    fn figures(correct: f64, hidden: usize, comparisons: Option<f64>) -> Figures {
+    fn figures(correct: f64, hidden: usize, work: Option<f64>) -> Figures {
         Figures {
             mean_correct: correct,
             worst_correct: 0.25,
@@ -98,7 +91,7 @@ pub(super) mod tests {
             tracking_wrong: hidden / 5,
             right: hidden,
             right_unsaid: hidden / 10,
-            comparisons_per_frame: comparisons,
+            work_per_frame: work,
             microseconds_per_frame: 12.4,
         }
     }
@@ -108,6 +101,7 @@ pub(super) mod tests {
             StartRow { start: "given".to_owned(), frame: 1, bbox: "1,2,3,4".parse().unwrap(), visible: 4, correct: 2 };
         let folder = PathBuf::from("tld");
         Row {
+            origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             tracker: tracker.to_owned(),
             sequence: sequence.to_owned(),
             folder,
@@ -146,14 +140,14 @@ pub(super) mod tests {
     #[test]
     fn recordings_then_means() {
         let expected = "\
-tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  unsaid/right  comparisons/frame  us/frame
-smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
-smr      Man                     5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
-smr      mean of 2                    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
+tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  unsaid/right  work/frame  us/frame
+smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
+smr      Man                     5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
+smr      mean of 2                    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
 smr        standard error             0.100               0.200  0.300
-smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
-smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10             123456        12
-sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -             -                  -        12
+smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
+smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
+sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -             -           -        12
 ";
         assert_eq!(results().table(), expected);
         assert_eq!(Robustness::default().table(), "");
@@ -166,7 +160,7 @@ sad      01_david                5    0.667  0.250        0.250  0.500     0.500
         assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"smr".into(), &0.75.into()));
         assert_eq!(recording["starts"].as_array().unwrap().len(), 5);
         assert_eq!(recording["starts"][0]["correct"], 2);
-        assert!(json["recordings"][2]["comparisons_per_frame"].is_null());
+        assert!(json["recordings"][2]["work_per_frame"].is_null());
         assert!(json["means"][0]["folder"].is_null());
         assert_eq!((&json["means"][1]["folder"], &json["means"][1]["recordings"]), (&"tld".into(), &1.into()));
     }

@@ -9,7 +9,7 @@
 use super::Numbers;
 use super::features::{CHANNELS, Cells};
 use super::grid::Shape;
-use super::label::{label, part};
+use super::label::{ONE, label, learns, part};
 use super::rounding::{divisor, index, nearest, quotient, real};
 
 /// The weights, cell by cell.
@@ -55,17 +55,18 @@ impl Filter {
         Coded::new(&self.weights, numbers.most_coded)
     }
 
-    /// One step.
-    pub fn learn(&mut self, numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) {
+    /// One step, of so much of the best length.
+    pub fn learn(&mut self, numbers: &Numbers, shape: &Shape, sample: &Sample<'_>, step: f64) {
         let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
         let gathered = gathered(numbers, shape, sample.cells, &errors.numbers);
         // Weights are in 1/65536 of what errors are in.
         let slope = |(weight, sum): (&f64, &f64)| numbers.pull * weight + sum * errors.divisor * 65536.0;
         let slopes: Vec<f64> = self.weights.iter().zip(&gathered).map(slope).collect();
         let slopes = Coded::new(&slopes, numbers.most_coded);
-        let length = length(numbers, shape, sample.cells, &slopes);
-        for (weight, slope) in self.weights.iter_mut().zip(&slopes.numbers) {
-            *weight -= nearest(slope * length * slopes.divisor / 2.0_f64.powi(44), 1.0);
+        let directions = directions(numbers, shape, &slopes);
+        let length = (best_length(numbers, shape, sample.cells, &slopes, &directions) * step).floor();
+        for (weight, direction) in self.weights.iter_mut().zip(&directions.numbers) {
+            *weight -= nearest(direction * length * directions.divisor / 2.0_f64.powi(44), 1.0);
         }
     }
 }
@@ -107,15 +108,28 @@ fn gathered(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> 
     sums
 }
 
-/// How far down a step goes, on a grid of 2^-44: a part of the best length, which is the slopes squared over what the step bends,
-/// which is `pull` times the slopes squared and the responses to the slopes squared.
+/// Where a step goes: each slope lessened by how far its cell is from the target's middle, on both axes.
+fn directions(numbers: &Numbers, shape: &Shape, slopes: &Coded) -> Coded {
+    let axis = |cells: i64, side: i64| -> Vec<f64> {
+        (0..cells).map(|at| learns(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()
+    };
+    let (across, down) = (axis(shape.across, shape.columns), axis(shape.down, shape.rows));
+    let parts = down.iter().flat_map(|down| across.iter().map(|across| label(*across, *down)));
+    let lessened =
+        |(slopes, part): (&[f64], f64)| slopes.iter().map(|slope| nearest(slope * part / ONE, 1.0)).collect();
+    let numbers = slopes.numbers.chunks(CHANNELS).zip(parts).flat_map::<Vec<f64>, _>(lessened).collect();
+    Coded { numbers, divisor: slopes.divisor }
+}
+
+/// How far down a step goes at best, on a grid of 2^-44: slopes times directions over what the step bends, which is `pull` times the directions squared and the responses to the directions squared.
 ///
 /// The bend is in units of 2^18: of a response 9 binary places are left out, rounded down.
-fn length(numbers: &Numbers, shape: &Shape, cells: &Cells, slopes: &Coded) -> f64 {
-    let squared: f64 = slopes.numbers.iter().map(|slope| slope * slope).sum();
+fn best_length(numbers: &Numbers, shape: &Shape, cells: &Cells, slopes: &Coded, directions: &Coded) -> f64 {
+    let descent: f64 = slopes.numbers.iter().zip(&directions.numbers).map(|(slope, direction)| slope * direction).sum();
+    let squared: f64 = directions.numbers.iter().map(|direction| direction * direction).sum();
     let mut bend = (numbers.pull * squared / 262_144.0).floor();
     for (x, y) in offsets(numbers) {
-        bend += (slopes.sum(shape, cells, x, y) / 512.0).floor().powi(2);
+        bend += (directions.sum(shape, cells, x, y) / 512.0).floor().powi(2);
     }
-    (quotient(squared * 67_108_864.0, bend.max(1.0)) * numbers.step).floor()
+    quotient(descent * 67_108_864.0, bend.max(1.0))
 }

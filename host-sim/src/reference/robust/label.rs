@@ -1,4 +1,4 @@
-//! The label: a bell, 1.0 where the target is.
+//! Bells: the label, 1.0 where the target is; and how much cells learn, by where they are.
 
 use super::Numbers;
 use super::grid::Shape;
@@ -16,7 +16,16 @@ pub fn part(numbers: &Numbers, shape: &Shape, cells: f64) -> f64 {
     let area = real(shape.columns * shape.rows);
     let (width, of) = numbers.bell;
     let variance = area * (256.0 * width / (of * real(numbers.cell))).powi(2);
-    let deviation = variance.floor().sqrt().floor().max(1.0);
+    bell(numbers, variance.floor().sqrt().floor().max(1.0), cells)
+}
+
+/// How much a cell learns, by one axis, so many cells from the target's middle: a standard deviation is half of the side, which has
+/// so many pixels of the grid.
+pub fn learns(numbers: &Numbers, side: i64, cells: f64) -> f64 {
+    bell(numbers, 256.0 * real(side) / real(2 * numbers.cell), cells)
+}
+
+fn bell(numbers: &Numbers, deviation: f64, cells: f64) -> f64 {
     let entries = (numbers.bell_entries * 1_048_576.0 / deviation).floor();
     let t = (cells.abs() * 256.0 * entries / 1_048_576.0).floor() / numbers.bell_entries;
     if t < numbers.bell_end { nearest(ONE * (-t * t / 2.0).exp(), 1.0) } else { 0.0 }

@@ -4,7 +4,7 @@ use super::Numbers;
 use super::features::Cells;
 use super::filter::Coded;
 use super::grid::Shape;
-use super::rounding::{FINE, index, real, to_zero};
+use super::rounding::{FINE, index, quotient, real, to_zero};
 
 /// Responses up to `reach` cells from the middle, row by row.
 pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec<f64> {
@@ -25,11 +25,13 @@ pub fn nearer(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     (0..).zip(responses).map(less).collect()
 }
 
-/// Where the first of the largest responses is, in cells from the middle, refined on each axis by a parabola; and how large.
+/// Where the first of the largest responses is, in cells from the middle, refined on each axis by a parabola; how large; and how
+/// high both parabolas' tops are.
 pub struct Peak {
     pub x: f64,
     pub y: f64,
     pub response: f64,
+    pub height: f64,
 }
 
 pub fn peak(responses: &[f64], reach: i64) -> Peak {
@@ -44,16 +46,20 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
     };
     let part = |before: Option<f64>, after: Option<f64>| match (before, after) {
         (Some(before), Some(after)) => top(before, response, after),
-        _ => 0.0,
+        _ => (0.0, 0.0),
     };
-    let across = part(at(x - 1, y), at(x + 1, y));
-    let down = part(at(x, y - 1), at(x, y + 1));
-    Peak { x: real(x - reach) + across, y: real(y - reach) + down, response }
+    let (across, wider) = part(at(x - 1, y), at(x + 1, y));
+    let (down, deeper) = part(at(x, y - 1), at(x, y + 1));
+    Peak { x: real(x - reach) + across, y: real(y - reach) + down, response, height: response + wider + deeper }
 }
 
 /// How far the top of the parabola through three responses, one apart, lies from the middle one: at most half, on a grid of
-/// 1/256 towards 0. 0 if it has none.
-fn top(before: f64, at: f64, after: f64) -> f64 {
+/// 1/256 towards 0; and how much higher than it, rounded down. 0 if it has none.
+fn top(before: f64, at: f64, after: f64) -> (f64, f64) {
     let bend = before - 2.0 * at + after;
-    if bend >= 0.0 { 0.0 } else { to_zero((before - after) / 2.0 / bend, FINE).clamp(-0.5, 0.5) }
+    if bend >= 0.0 {
+        return (0.0, 0.0);
+    }
+    let difference = before - after;
+    (to_zero(difference / 2.0 / bend, FINE).clamp(-0.5, 0.5), quotient(difference * difference, -8.0 * bend))
 }

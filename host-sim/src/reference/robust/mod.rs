@@ -19,7 +19,7 @@ mod trust;
 pub use features::Cells;
 pub use grid::{Lattice, Patch, Picture, Shape};
 pub use light::{in_light_of, threshold};
-pub use numbers::Numbers;
+pub use numbers::{Numbers, Parts};
 pub use trust::Belief;
 
 use agreement::Similarity;
@@ -47,6 +47,8 @@ pub struct Step {
     /// Whether it was learned from, whether the sweep looked, and whether it found.
     pub learned: bool,
     pub swept: bool,
+    pub found: bool,
+    /// Whether it was lost before and is not any more: found by the sweep, or seen again where it was followed.
     pub found_again: bool,
 }
 
@@ -100,7 +102,7 @@ impl Reference {
         for _ in 0..numbers.first_steps {
             let responses = responses(&shape, &filter.coded(&numbers), &window, numbers.reach);
             let sample = Sample { cells: &window, responses: &responses, target: (0.0, 0.0) };
-            filter.learn(&numbers, &shape, &sample);
+            filter.learn(&numbers, &shape, &sample, numbers.first_step);
         }
         Self {
             similarity: Similarity::new(numbers.scale),
@@ -133,23 +135,30 @@ impl Reference {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
 
-    /// The frame pixels that the next update may read: left, top, right, bottom. The other scales are looked at anywhere in the
-    /// window; the sweep's window is in it if a frame without evidence would make the target lost.
+    /// The frame pixels that the next update may read where the target is followed: left, top, right, bottom. The other scales are
+    /// looked at anywhere in the window.
     pub fn region(&self) -> [i64; 4] {
         let Numbers { parts, reach, size_reach, .. } = self.numbers;
-        let around = |place: Place, reach| place.window(&self.numbers, &self.shape, reach).region(self.frame_size);
+        let around = |place: Place, reach| self.around(place, reach);
         let centre = self.expected();
         let mut all = vec![around(centre, reach)];
         if parts.size {
             let larger = |scale| around(Place { scale, ..centre }, reach + 2 * size_reach);
             all.extend(self.other_scales(centre.scale).map(larger));
         }
-        let lost_next = belief(&self.numbers, after(&self.numbers, self.trust, 0.0)) == Belief::Lost;
-        if parts.verification && parts.sweep && lost_next {
-            all.push(around(self.sweep(), reach));
-        }
         let both = |a: [i64; 4], b: [i64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
         all.into_iter().reduce(both).expect("there is a window")
+    }
+
+    /// Those that it may read elsewhere: the sweep's window, if a frame without evidence would make the target lost.
+    pub fn sweep_region(&self) -> Option<[i64; 4]> {
+        let Numbers { parts, reach, .. } = self.numbers;
+        let lost_next = belief(&self.numbers, after(&self.numbers, self.trust, 0.0)) == Belief::Lost;
+        (parts.verification && parts.sweep && lost_next).then(|| self.around(self.sweep(), reach))
+    }
+
+    fn around(&self, place: Place, reach: i64) -> [i64; 4] {
+        place.window(&self.numbers, &self.shape, reach).region(self.frame_size)
     }
 
     /// One frame.
@@ -158,6 +167,7 @@ impl Reference {
         let parts = self.numbers.parts;
         let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
         let mut look = self.look(&frame, &coded, centre);
+        let was_lost = belief(&self.numbers, self.trust) == Belief::Lost;
         if parts.verification {
             self.trust = after(&self.numbers, self.trust, look.evidence());
         }
@@ -185,7 +195,7 @@ impl Reference {
         let swept = lost && parts.sweep;
         let found = if swept { self.find(&frame, &coded, &look) } else { None };
         self.next_window += i64::from(swept);
-        let found_again = found.is_some();
+        let is_found = found.is_some();
         if let Some(elsewhere) = found {
             (self.velocity, self.trust) = ((0.0, 0.0), elsewhere.evidence());
             look = elsewhere;
@@ -193,7 +203,7 @@ impl Reference {
         self.place = look.place;
         if learned {
             let sample = Sample { cells: &cells, responses: &responses, target };
-            self.filter.learn(&self.numbers, &self.shape, &sample);
+            self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step);
         }
         let belief = belief(&self.numbers, self.trust);
         if belief == Belief::Tracking {
@@ -202,7 +212,22 @@ impl Reference {
         let (fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
         let (response, ratio, confidence) = (look.response, look.agreement, confidence(self.trust));
         let bbox = whole_box(fine);
-        Step { cells, responses, response, ratio, belief, confidence, scale, fine, bbox, learned, swept, found_again }
+        let (found, found_again) = (is_found, was_lost && belief != Belief::Lost);
+        Step {
+            cells,
+            responses,
+            response,
+            ratio,
+            belief,
+            confidence,
+            scale,
+            fine,
+            bbox,
+            learned,
+            swept,
+            found,
+            found_again,
+        }
     }
 
     /// Where the target is expected.
@@ -220,7 +245,7 @@ impl Reference {
         let Numbers { reach, cell, parts, .. } = self.numbers;
         let cells = features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(frame));
         let responses = responses(&self.shape, coded, &cells, reach);
-        let Peak { x, y, response } =
+        let Peak { x, y, response, .. } =
             if parts.near { peak(&nearer(&self.numbers, &responses), reach) } else { peak(&responses, reach) };
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
@@ -239,14 +264,15 @@ impl Reference {
     /// The scale whose response is largest: the last one, the next smaller one, or the next larger one.
     fn size(&self, frame: &Picture<'_>, coded: &Coded, look: &Look) -> f64 {
         let Numbers { size_part, size_reach, .. } = self.numbers;
-        let (mut response, mut best) = (look.response, look.place.scale);
-        for scale in self.other_scales(look.place.scale) {
+        let (mut highest, mut best) = (f64::NEG_INFINITY, look.place.scale);
+        let [smaller, larger] = self.other_scales(look.place.scale);
+        for (scale, part) in [(best, FINE), (smaller, size_part), (larger, size_part)] {
             let window = Place { scale, ..look.place }.window(&self.numbers, &self.shape, size_reach);
             let cells = features(&self.numbers, &window.sample(frame));
             let peak = peak(&responses(&self.shape, coded, &cells, size_reach), size_reach);
-            let counts = (peak.response * size_part / FINE).floor();
-            if counts > response {
-                (response, best) = (counts, scale);
+            let counts = (peak.height * part / FINE).floor();
+            if counts > highest {
+                (highest, best) = (counts, scale);
             }
         }
         best
@@ -268,6 +294,6 @@ fn middle_of(view: &Patch) -> Patch {
 /// Moves a running mean one part in `rate` of the way to `patch`.
 fn towards(mean: &mut Patch, patch: &Patch, rate: f64) {
     for (mean, new) in mean.pixels.iter_mut().zip(&patch.pixels) {
-        *mean += nearest((new - *mean) / rate, FINE);
+        *mean += nearest((new - *mean) * rate, FINE);
     }
 }

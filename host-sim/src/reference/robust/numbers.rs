@@ -38,8 +38,9 @@ pub struct Numbers {
     pub most_coded: f64,
     pub most_gathered: f64,
     pub most_error: f64,
-    /// The part of the best length that a step has.
+    /// The part of the best length that a step has, and one of those from the first frame.
     pub step: f64,
+    pub first_step: f64,
     /// Steps of learning from the first frame; all others take one.
     pub first_steps: usize,
     /// By how much less a response counts at the search's edge, in units of 1/256.
@@ -53,7 +54,7 @@ pub struct Numbers {
     pub size_reach: i64,
     /// The largest scale; the least is 1 over it.
     pub most_scale: f64,
-    /// The early template learns one part in so many of each patch.
+    /// The part of each patch that the early template learns.
     pub early_rate: f64,
     /// Agreement: p = exp(-d / scale); contrast of the light may change by the gain; bounds of alpha; parts on a side, and the
     /// ratio that counts from the least.
@@ -62,7 +63,7 @@ pub struct Numbers {
     pub alpha_bounds: (f64, f64),
     pub parts_across: i64,
     pub ratio_that_counts: usize,
-    /// Trust: how far the mean moves, in units of 1/256, and what is believed by it.
+    /// Trust: how far the mean moves, in units of 1/256, and what is believed by the confidence, two thirds of it.
     pub trust_rate: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
@@ -95,6 +96,7 @@ impl Numbers {
             most_gathered: 16_383.0,
             most_error: 65_535.0,
             step: 5.0 / 8.0,
+            first_step: 5.0 / 8.0,
             first_steps: 25,
             near: 77.0,
             expected: 0.5,
@@ -103,15 +105,15 @@ impl Numbers {
             size_part: 252.0,
             size_reach: 1,
             most_scale: 5.0,
-            early_rate: 1024.0,
+            early_rate: 1.0 / 1024.0,
             scale: 255.0,
             most_gain: 2.0,
             alpha_bounds: (8.0, 100.0),
             parts_across: 4,
             ratio_that_counts: 4,
             trust_rate: 77.0,
-            lost_below: 23_600.0,
-            uncertain_below: 40_000.0,
+            lost_below: 15_733.0,
+            uncertain_below: 26_666.0,
             learned_from: 29_500.0,
             found_from: 42_600.0,
             better_by: 13_000.0,

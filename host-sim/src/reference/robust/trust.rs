@@ -24,9 +24,10 @@ pub fn after(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
 }
 
 pub fn belief(numbers: &Numbers, mean: f64) -> Belief {
-    if mean < numbers.lost_below {
+    let confidence = confidence(mean);
+    if confidence < numbers.lost_below {
         Belief::Lost
-    } else if mean < numbers.uncertain_below {
+    } else if confidence < numbers.uncertain_below {
         Belief::Uncertain
     } else {
         Belief::Tracking

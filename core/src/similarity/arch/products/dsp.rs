@@ -6,33 +6,43 @@
 //! - Responses: bytes become numbers of 16 bits, row by row; a pair is two channels of a cell.
 //! - Gathering: errors are the filter, and a pair is a byte and the one below it, of two rows that were put together.
 
-use crate::similarity::products::{self, Layout};
+use crate::similarity::products::{Layout, ROOM, Room};
 use core::arch::asm;
+use core::ops::Range;
 use core::ptr;
 
 /// Bytes from an offset to the next one: those of a cell.
 const STEP: usize = 10;
-/// The most bytes in a row of cells that are slid along here: 48 cells.
-const ROW: usize = 48 * STEP;
 /// The most offsets on an axis for which errors are gathered here.
-const SPAN: usize = 13;
+const SPAN: usize = 17;
 
-/// See [`products::responses`].
-pub(super) fn responses<const N: usize>(cells: &[i8], layout: Layout, weights: &[i16], out: &mut [[i32; N]]) {
+/// See [`products::responses`]. A part is two rows of cells.
+pub(super) fn responses<const N: usize>(
+    parts: Range<usize>,
+    room: &mut Room,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
     let Layout { row, stride, step, span } = layout;
     let used = row + span.saturating_sub(1) * step;
     let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.len().is_multiple_of(row);
     let down = weights.len().checked_div(row).unwrap_or(0);
-    let rows = down + span.saturating_sub(1);
+    let rows = layout.rows(weights.len());
     let needed = rows.saturating_sub(1) * stride + used;
-    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > ROW || cells.len() < needed {
-        return products::responses(cells, layout, weights, out);
+    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > ROOM || cells.len() < needed {
+        return super::plain_responses(whole_of(parts, span), cells, layout, weights, out);
     }
-    out.iter_mut().take(span).for_each(|out| out.fill(0));
-    let mut wide = [0i16; ROW];
-    for number in 0..rows {
+    if parts.start == 0 {
+        out.iter_mut().take(span).for_each(|out| out.fill(0));
+    }
+    for number in 2 * parts.start..rows.min(2 * parts.end) {
         let from = cells.get(number * stride..).unwrap_or_default();
-        wide.iter_mut().zip(from).take(used).for_each(|(wide, &cell)| *wide = cell.into());
+        let (pairs, _) = from.as_chunks::<2>();
+        for (wide, &[first, second]) in room.iter_mut().zip(pairs).take(used / 2) {
+            *wide = pair(first.into(), second.into());
+        }
         // The rows of weights that lie on this row of cells at some offset.
         for (y, weights) in weights.chunks_exact(row.max(1)).enumerate() {
             let Some(out) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| out.get_mut(y)) else { continue };
@@ -40,38 +50,44 @@ pub(super) fn responses<const N: usize>(cells: &[i8], layout: Layout, weights: &
             while at < span {
                 let block = Block {
                     filter: weights.as_ptr().cast(),
-                    under: wide.as_ptr().cast::<u8>().wrapping_add(at * 2 * STEP),
+                    under: room.as_ptr().cast::<u8>().wrapping_add(at * 2 * STEP),
                     sums: out.as_mut_ptr().wrapping_add(at),
                     count: cells,
+                    filters: STEP / 2,
                 };
                 // SAFETY: the filter has `cells` cells of weights; `under` is followed by as many and the block's offsets less
                 // one; of `out`, `at` and the block's offsets are at most `span`.
-                at += unsafe { block.of_at_most::<5, { 2 * STEP }, { 2 * STEP }, 1>(span - at) };
+                at += unsafe { block.of_at_most::<{ 2 * STEP }, { 2 * STEP }, 1>(span - at) };
             }
         }
     }
 }
 
-/// See [`products::gather`].
-pub(super) fn gather<const N: usize>(cells: &[i8], layout: Layout, errors: &[[i16; N]], sums: &mut [i32]) {
+/// See [`products::gather`]. A part is two rows of cells.
+pub(super) fn gather<const N: usize>(
+    parts: Range<usize>,
+    room: &mut Room,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
     let Layout { row, stride, step, span } = layout;
     let used = row + span.saturating_sub(1) * step;
     let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && sums.len().is_multiple_of(row);
     let down = sums.len().checked_div(row).unwrap_or(0);
-    let rows = down + span.saturating_sub(1);
+    let rows = layout.rows(sums.len());
     let needed = rows.saturating_sub(1) * stride + used;
-    let room = span > 0 && span <= N.min(SPAN) && errors.len() >= span && used <= ROW;
-    if !whole || !room || down == 0 || cells.len() < needed {
-        return products::gather(cells, layout, errors, sums);
+    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && used <= ROOM;
+    if !whole || !fits || down == 0 || cells.len() < needed {
+        return super::plain_gather(whole_of(parts, span), cells, layout, errors, sums);
     }
-    let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
-    let mut both = [0u32; ROW];
-    for number in (0..rows).step_by(2) {
+    for number in (2 * parts.start..rows.min(2 * parts.end)).step_by(2) {
         let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
         // What lies below the last row meets no error.
         let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
-        for ((both, &upper), &lower) in both.iter_mut().zip(upper).zip(lower) {
-            *both = pair(i16::from(upper).cast_unsigned(), i16::from(lower).cast_unsigned());
+        for ((both, &upper), &lower) in room.iter_mut().zip(upper).zip(lower) {
+            *both = pair(upper.into(), lower.into());
         }
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             // The errors at the offsets where this row of sums lies on the two rows of cells.
@@ -81,9 +97,8 @@ pub(super) fn gather<const N: usize>(cells: &[i8], layout: Layout, errors: &[[i1
                 continue;
             }
             let mut filter = [0u32; SPAN];
-            let error = |errors: Option<&[i16; N]>, x: usize| {
-                errors.and_then(|errors| errors.get(x)).map_or(0, |error| error.cast_unsigned())
-            };
+            let error =
+                |errors: Option<&[i16; N]>, x: usize| errors.and_then(|errors| errors.get(x)).copied().unwrap_or(0);
             for (x, filter) in filter.iter_mut().enumerate().take(span) {
                 *filter = pair(error(first, x), error(second, x));
             }
@@ -93,26 +108,39 @@ pub(super) fn gather<const N: usize>(cells: &[i8], layout: Layout, errors: &[[i1
                 while at < across {
                     let block = Block {
                         filter: filter.as_ptr().cast(),
-                        under: both.as_ptr().wrapping_add(at * STEP + channel).cast(),
+                        under: room.as_ptr().wrapping_add(at * STEP + channel).cast(),
                         sums: sums.as_mut_ptr().wrapping_add(at * STEP + channel),
                         count: span,
+                        filters: 1,
                     };
                     // SAFETY: the filter has `span` errors; `under` is followed by as many cells and the block's less one; of
                     // the row of sums, `at` and the block's cells are at most all.
-                    at += unsafe { block.of_at_most::<1, 4, { 4 * STEP }, STEP>(across - at) };
+                    at += unsafe { block.of_at_most::<4, { 4 * STEP }, STEP>(across - at) };
                 }
             }
         }
     }
 }
 
-/// Sums side by side, and what is added to them: a filter of `count` pairs, and what lies under it at the first of them.
+/// Two numbers as `smlad` has them.
+fn pair(low: i16, high: i16) -> u32 {
+    u32::from(low.cast_unsigned()) | u32::from(high.cast_unsigned()) << 16
+}
+
+/// The rows of offsets that a loop of `products.rs` goes through in the place of these parts: all with the first one.
+fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
+    if parts.start == 0 { 0..span } else { 0..0 }
+}
+
+/// Sums side by side, and what is added to them: so many filters of `count` pairs each, a pair after the other, and what lies under them
+/// at the first of the sums.
 #[derive(Clone, Copy)]
 struct Block {
     filter: *const u8,
     under: *const u8,
     sums: *mut i32,
     count: usize,
+    filters: usize, // not a constant, of which the compiler would unroll the loop
 }
 
 impl Block {
@@ -121,19 +149,16 @@ impl Block {
     /// # Safety
     /// As [`Block::slide5`] for as many.
     #[inline(always)]
-    unsafe fn of_at_most<const PAIRS: usize, const F: usize, const U: usize, const S: usize>(
-        self,
-        left: usize,
-    ) -> usize {
+    unsafe fn of_at_most<const F: usize, const U: usize, const S: usize>(self, left: usize) -> usize {
         // SAFETY: the caller has seen to it.
         unsafe {
             match left {
                 0 => 0,
-                1 => self.slide1::<PAIRS, F, U, S>(),
-                2 => self.slide2::<PAIRS, F, U, S>(),
-                3 => self.slide3::<PAIRS, F, U, S>(),
-                4 | 7 | 8 => self.slide4::<PAIRS, F, U, S>(),
-                _ => self.slide5::<PAIRS, F, U, S>(),
+                1 => self.slide1::<F, U, S>(),
+                2 => self.slide2::<F, U, S>(),
+                3 => self.slide3::<F, U, S>(),
+                4 | 7 | 8 => self.slide4::<F, U, S>(),
+                _ => self.slide5::<F, U, S>(),
             }
         }
     }
@@ -156,17 +181,16 @@ macro_rules! slide {
         $($sums:tt $window:tt $new:tt;)*) => {
         impl Block {
             /// Adds to its sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes
-            /// on, that of the next sum lies. Pairs of the filter are `F` bytes apart, and `PAIRS` such filters follow each
-            /// other. Returns how many sums there are, here called n.
+            /// on, that of the next sum lies. Pairs of a filter are `F` bytes apart. Returns how many sums there are, here called n.
             ///
             /// # Safety
             /// `filter` can be read so often, `under` for n - 1 more, and `sums` can be written to; only `sums` must be aligned.
             #[inline(never)]
-            unsafe fn $name<const PAIRS: usize, const F: usize, const U: usize, const S: usize>(&self) -> usize {
+            unsafe fn $name<const F: usize, const U: usize, const S: usize>(&self) -> usize {
                 let mut sums = self.sums;
                 // SAFETY: there are n sums, so far apart.
                 $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
-                for pair in 0..PAIRS {
+                for pair in 0..self.filters {
                     #[allow(unused_mut)] // of one sum, there is nothing before
                     let mut cells = self.under.wrapping_add(4 * pair);
                     // SAFETY: n - 1 more than `count` can be read.

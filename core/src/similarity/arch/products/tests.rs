@@ -2,6 +2,7 @@
 
 use super::super::guard::{Guarded, Side};
 use super::{Backend, Layout, Products, gather, responses};
+use crate::similarity::products::ROOM;
 use std::io::Write;
 use std::vec::Vec;
 
@@ -34,8 +35,11 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     let products = Products::new(backend);
     let weights: Vec<i16> = noise(layout.row * down, 5, 8191).map(small).collect();
     let (mut given, mut expected) = ([[7; N]; N], [[7; N]; N]);
-    products.responses(cells, layout, &weights, &mut given);
-    responses(cells, layout, &weights, &mut expected);
+    let mut room = [0; ROOM];
+    for part in 0..products.parts(layout, weights.len()) {
+        products.responses(part..part + 1, &mut room, cells, layout, &weights, &mut given);
+    }
+    responses(0..layout.span, cells, layout, &weights, &mut expected);
     for (given, expected) in given.iter().zip(&expected).take(layout.span) {
         assert_eq!(given[..layout.span], expected[..layout.span], "{backend:?}: {layout:?}, {down} rows");
     }
@@ -43,8 +47,10 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     errors.as_flattened_mut().iter_mut().zip(noise(N * N, 9, 16_383)).for_each(|(to, from)| *to = small(from));
     let mut sums: Vec<i32> = noise(layout.row * down, 3, 9000).collect();
     let mut wanted = sums.clone();
-    products.gather(cells, layout, &errors, &mut sums);
-    gather(cells, layout, &errors, &mut wanted);
+    for part in 0..products.gather_parts(layout, sums.len()) {
+        products.gather(part..part + 1, &mut room, cells, layout, &errors, &mut sums);
+    }
+    gather(0..layout.span, cells, layout, &errors, &mut wanted);
     assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
 }
 
@@ -84,10 +90,10 @@ fn extremes(backend: Backend) {
         let cells = std::vec![cell; 26 * 36 * 10];
         let layout = Layout { row: 200, stride: 360, step: 10, span: 17 };
         let mut out = [[0; 17]; 17];
-        products.responses(&cells, layout, &[sign * 8191; 2000], &mut out);
+        products.responses(0..17, &mut [0; ROOM], &cells, layout, &[sign * 8191; 2000], &mut out);
         assert_eq!(out, [[2000 * 8191 * i32::from(sign) * i32::from(cell); 17]; 17], "{backend:?}");
         let mut sums = [0; 2000];
-        products.gather(&cells, layout, &[[sign * 16_383; 17]; 17], &mut sums);
+        products.gather(0..17, &mut [0; ROOM], &cells, layout, &[[sign * 16_383; 17]; 17], &mut sums);
         assert_eq!(sums, [289 * 16_383 * i32::from(sign) * i32::from(cell); 2000], "{backend:?}");
     }
 }

@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Installs the C library: core/c/install.sh PREFIX [TARGET]
+#
+# Builds libsmr.a (for TARGET, a target of Rust such as thumbv7em-none-eabihf; for this machine if there is none) and puts it under
+# PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config. SMR_PIXELS and SMR_SPAN of the
+# environment are built in and written into both packages, so that programs are compiled with the same numbers.
+# SMR_LIBRARY is a libsmr.a that was built otherwise, to be installed in its place.
+set -euo pipefail
+
+if [ $# -lt 1 ] || [ $# -gt 2 ]; then
+  echo "usage: core/c/install.sh PREFIX [TARGET]" >&2
+  exit 2
+fi
+mkdir -p "$1"
+prefix=$(cd "$1" && pwd)
+target=${2:-}
+here=$(cd "$(dirname "$0")" && pwd)
+[ -z "${SMR_LIBRARY:-}" ] || SMR_LIBRARY=$(realpath "$SMR_LIBRARY")
+cd "$here/../.."
+
+# What cargo says it has built: the folder depends on the compiler and on the environment.
+library=${SMR_LIBRARY:-}
+if [ -z "$library" ]; then
+  build=(cargo build -p smr-c --profile firmware --locked --message-format json-render-diagnostics)
+  [ -z "$target" ] || build+=(--target "$target")
+  library=$("${build[@]}" | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
+fi
+[ -f "$library" ] || { echo "error: no library: ${library:-cargo has built no libsmr.a}" >&2; exit 1; }
+
+number() { sed -n "s/^#define SMR_VERSION_$1 //p" "$here/include/smr.h"; }
+version=$(number MAJOR).$(number MINOR).$(number PATCH)
+definitions=()
+[ -z "${SMR_PIXELS:-}" ] || definitions+=("SMR_PIXELS=$SMR_PIXELS")
+[ -z "${SMR_SPAN:-}" ] || definitions+=("SMR_SPAN=$SMR_SPAN")
+# On a host the archive holds Rust's standard library; sections drop what is not called of it.
+libraries=
+case $target in
+  *-none-* | *-none) ;;
+  *) [ "$(uname -s)" != Linux ] || libraries="-lpthread -ldl -lm" ;;
+esac
+
+mkdir -p "$prefix/include" "$prefix/lib/pkgconfig" "$prefix/lib/cmake/smr"
+cp "$here/include/smr.h" "$prefix/include/smr.h"
+cp "$library" "$prefix/lib/libsmr.a"
+
+cat >"$prefix/lib/pkgconfig/smr.pc" <<END
+prefix=\${pcfiledir}/../..
+
+Name: smr
+Description: Visual tracking by the Similarity Matching Ratio
+Version: $version
+Cflags: -I\${prefix}/include${definitions[*]/#/ -D}
+Libs: -L\${prefix}/lib -lsmr -Wl,--gc-sections $libraries
+END
+
+cat >"$prefix/lib/cmake/smr/smr-config.cmake" <<END
+get_filename_component(smr_prefix "\${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
+if(NOT TARGET smr::smr)
+  add_library(smr::smr STATIC IMPORTED)
+  set_target_properties(smr::smr PROPERTIES
+    IMPORTED_LOCATION "\${smr_prefix}/lib/libsmr.a"
+    INTERFACE_INCLUDE_DIRECTORIES "\${smr_prefix}/include"
+    INTERFACE_COMPILE_DEFINITIONS "$(IFS=';'; echo "${definitions[*]}")"
+    INTERFACE_LINK_LIBRARIES "-Wl,--gc-sections;${libraries// /;}")
+endif()
+END
+
+cat >"$prefix/lib/cmake/smr/smr-config-version.cmake" <<END
+set(PACKAGE_VERSION "$version")
+# Before 1.0 every minor version may change the interface.
+if(PACKAGE_FIND_VERSION VERSION_EQUAL PACKAGE_VERSION)
+  set(PACKAGE_VERSION_EXACT TRUE)
+endif()
+if("\${PACKAGE_FIND_VERSION_MAJOR}.\${PACKAGE_FIND_VERSION_MINOR}" VERSION_EQUAL "${version%.*}" AND
+   NOT PACKAGE_FIND_VERSION VERSION_GREATER PACKAGE_VERSION)
+  set(PACKAGE_VERSION_COMPATIBLE TRUE)
+endif()
+END
+
+echo "smr $version${target:+ for $target} in $prefix"

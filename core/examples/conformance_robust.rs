@@ -1,0 +1,43 @@
+//! Answers the conformance vectors of the robust tracker on the target, at once and in steps, and says whether every answer is the one
+//! that they want; and how many instructions and how much stack that took.
+//!
+//! ```text
+//! cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust
+//! ```
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+#[path = "vectors/answers.rs"]
+mod answers;
+#[cfg(target_os = "none")]
+#[path = "replay/measure.rs"]
+mod measure;
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use crate::answers::answers;
+    use cortex_m as _;
+    use cortex_m_rt::entry;
+    use defmt::error;
+    use defmt_semihosting as _;
+    use semihosting::process::exit;
+    use smr_core::Robust;
+
+    #[entry]
+    fn main() -> ! {
+        static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
+        exit(i32::from(!answers::<Robust>("robust", BUFFER)))
+    }
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        error!("{}", defmt::Display2Format(info));
+        exit(1)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust");
+}

@@ -1,0 +1,53 @@
+//! Answers the vectors of a tracker, at once and in steps.
+
+use super::measure::{Timer, spin, stack};
+use cortex_m::Peripherals;
+use defmt::{error, info};
+use smr_core::Tracker;
+use smr_tests::{Passed, Vectors, follow};
+
+const CALIBRATION: u32 = 2_000_000;
+/// The work of a step: a tenth of an update of the robust tracker.
+const STEP: u32 = 100_000;
+
+/// Answers them all; says what it took, and true if every answer is right.
+pub fn answers<T: Vectors>(name: &str, buffer: &mut [u8]) -> bool {
+    let Some(peripherals) = Peripherals::take() else { return false };
+    let timer = &mut Timer::new(peripherals.SYST);
+    let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
+    // Not taken out of the result: a copy of it would be on the stack, too.
+    let mut made = Tracker::<T>::new(T::default_config());
+    let Ok(tracker) = &mut made else { return false };
+    let (mut most, mut sum, mut longest) = (0, 0_u32, 0);
+    let whole = follow(tracker, T::TEXT, buffer, |tracker, frame| {
+        let (answer, ticks) = timer.measure(|| tracker.update(frame));
+        (most, sum) = (most.max(ticks), sum.saturating_add(ticks));
+        answer.ok()
+    });
+    let Ok(Passed { answers, .. }) = whole.inspect_err(|what| {
+        error!("{=str}: case {=str}, answer {=u32}: {=str}", name, what.case, what.answer, what.what);
+    }) else {
+        return false;
+    };
+    let steps = follow(tracker, T::TEXT, buffer, |tracker, frame| {
+        let mut update = tracker.begin(frame).ok()?;
+        loop {
+            let (done, ticks) = timer.measure(|| update.step(STEP));
+            longest = longest.max(ticks);
+            if done {
+                return Some(update.finish());
+            }
+        }
+    });
+    if steps.is_err() {
+        error!("{=str}: in steps another answer than at once", name);
+        return false;
+    }
+    let mean = sum / answers.max(1);
+    info!("{=u32} answers of the {=str} tracker, at once and in steps, all as the vectors say", answers, name);
+    info!("instructions of an update: {=u32} on average, at most {=u32}", mean * tick, most * tick);
+    info!("instructions of a step of {=u32}: at most {=u32}", STEP, longest * tick);
+    let size = size_of::<Tracker<T>>();
+    info!("tracker {=usize} bytes, stack {=usize} bytes beside it", size, stack().0 as usize - size);
+    answers > 0
+}

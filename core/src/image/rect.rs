@@ -1,0 +1,127 @@
+//! Rectangles: [`Rect`] in whole pixels, [`FineRect`] in 256ths.
+
+/// A rectangle in whole pixels of the frame: left, top, width, height. It may reach outside the frame.
+///
+/// ```
+/// use smr_core::Rect;
+/// let target = Rect::new(-3, 5, 10, 8);
+/// assert_eq!((target.right(), target.bottom()), (7, 13));
+/// assert_eq!(target.intersection(Rect::new(0, 0, 64, 48)), Rect::new(0, 5, 7, 8));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Rect {
+    /// Left edge, in pixels to the right of the frame's left edge.
+    pub x: i32,
+    /// Top edge, in pixels below the frame's top edge.
+    pub y: i32,
+    /// Width in pixels.
+    pub width: u16,
+    /// Height in pixels.
+    pub height: u16,
+}
+
+impl Rect {
+    /// The rectangle with its top left corner at (`x`, `y`).
+    #[must_use]
+    pub const fn new(x: i32, y: i32, width: u16, height: u16) -> Self {
+        Self { x, y, width, height }
+    }
+
+    /// The first column to the right of the rectangle. Saturates at `i32::MAX`.
+    #[must_use]
+    pub const fn right(self) -> i32 {
+        self.x.saturating_add(self.width as i32)
+    }
+
+    /// The first row below the rectangle. Saturates at `i32::MAX`.
+    #[must_use]
+    pub const fn bottom(self) -> i32 {
+        self.y.saturating_add(self.height as i32)
+    }
+
+    /// Pixels in the rectangle.
+    #[must_use]
+    pub const fn area(self) -> u32 {
+        self.width as u32 * self.height as u32
+    }
+
+    /// True if it holds no pixel.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.width == 0 || self.height == 0
+    }
+
+    /// True if every pixel of `inner` is also one of `self`. An empty `inner` is contained nowhere.
+    #[must_use]
+    pub const fn contains(self, inner: Self) -> bool {
+        !inner.is_empty()
+            && inner.x >= self.x
+            && inner.y >= self.y
+            && inner.right() <= self.right()
+            && inner.bottom() <= self.bottom()
+    }
+
+    /// The pixels common to both; the empty rectangle at the origin if there are none.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
+        let (top, bottom) = (self.y.max(other.y), self.bottom().min(other.bottom()));
+        match (extent(left, right), extent(top, bottom)) {
+            (Some(width), Some(height)) => Self::new(left, top, width, height),
+            _ => Self::default(),
+        }
+    }
+}
+
+/// The size of `from..to` where it is one: more than zero, and a `u16`.
+fn extent(from: i32, to: i32) -> Option<u16> {
+    u16::try_from(to.checked_sub(from)?).ok().filter(|&size| size > 0)
+}
+
+/// A box in units of 1/256 pixel. It may reach outside the frame.
+///
+/// ```
+/// use smr_core::{FineRect, Rect};
+/// let fine = FineRect { x: 300, y: -100, width: 2560, height: 2600 };
+/// assert_eq!(fine.whole(), Rect::new(1, 0, 10, 10));
+/// assert_eq!(FineRect::from(Rect::new(1, 0, 10, 10)).x, 256);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FineRect {
+    /// Left edge.
+    pub x: i32,
+    /// Top edge.
+    pub y: i32,
+    /// Width.
+    pub width: u32,
+    /// Height.
+    pub height: u32,
+}
+
+impl FineRect {
+    /// The same in whole pixels, each edge rounded.
+    #[must_use]
+    pub fn whole(self) -> Rect {
+        let round = |edge: i64| (edge + 128) >> 8;
+        let (left, top) = (round(self.x.into()), round(self.y.into()));
+        let side = |from: i32, size: u32, start: i64| {
+            u16::try_from((round(i64::from(from) + i64::from(size)) - start).max(1)).unwrap_or(u16::MAX)
+        };
+        let (width, height) = (side(self.x, self.width, left), side(self.y, self.height, top));
+        Rect::new(i32::try_from(left).unwrap_or(0), i32::try_from(top).unwrap_or(0), width, height)
+    }
+}
+
+impl From<Rect> for FineRect {
+    /// Saturates where a corner is more than 2^23 pixels away.
+    fn from(rect: Rect) -> Self {
+        Self {
+            x: rect.x.saturating_mul(256),
+            y: rect.y.saturating_mul(256),
+            width: u32::from(rect.width) << 8,
+            height: u32::from(rect.height) << 8,
+        }
+    }
+}

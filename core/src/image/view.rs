@@ -1,0 +1,156 @@
+//! A view of borrowed gray pixels, checked once.
+
+use super::Rect;
+use core::fmt;
+
+/// Why bytes are not an [`Image`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ImageError {
+    /// Width or height is zero.
+    Empty,
+    /// The stride is smaller than the width.
+    StrideTooSmall,
+    /// The slice ends before the last pixel of the last row.
+    SliceTooShort,
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Empty => "the image has no pixels: width and height must be at least 1",
+            Self::StrideTooSmall => "the stride is smaller than the width",
+            Self::SliceTooShort => "the slice is shorter than (height - 1) * stride + width bytes",
+        })
+    }
+}
+
+impl core::error::Error for ImageError {}
+
+/// A borrowed view of 8-bit gray pixels: 1..=65535 wide and high, rows `stride` bytes apart.
+///
+/// ```
+/// use smr_core::{Image, ImageError};
+/// let sensor = [0u8; 8 * 4];
+/// let image = Image::with_stride(&sensor, 6, 4, 8)?; // two bytes of every row are not part of the picture
+/// assert_eq!(image.row(3).len(), 6);
+/// assert_eq!(Image::new(&sensor, 8, 5).err(), Some(ImageError::SliceTooShort));
+/// # Ok::<(), ImageError>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Image<'a> {
+    pixels: &'a [u8],
+    width: u16,
+    height: u16,
+    stride: usize,
+}
+
+impl<'a> Image<'a> {
+    /// `height` rows of `width` pixels, one after the other without a gap.
+    ///
+    /// # Errors
+    /// [`ImageError::Empty`], [`ImageError::SliceTooShort`].
+    pub const fn new(pixels: &'a [u8], width: u16, height: u16) -> Result<Self, ImageError> {
+        Self::with_stride(pixels, width, height, width as usize)
+    }
+
+    /// `height` rows of `width` pixels, each `stride` bytes after the one before. The last row may end with its last
+    /// pixel.
+    ///
+    /// # Errors
+    /// All of [`ImageError`]. A size that a `usize` cannot hold is a slice too short.
+    pub const fn with_stride(pixels: &'a [u8], width: u16, height: u16, stride: usize) -> Result<Self, ImageError> {
+        if width == 0 || height == 0 {
+            return Err(ImageError::Empty);
+        }
+        if stride < width as usize {
+            return Err(ImageError::StrideTooSmall);
+        }
+        let Some(last_row) = (height as usize - 1).checked_mul(stride) else {
+            return Err(ImageError::SliceTooShort);
+        };
+        match last_row.checked_add(width as usize) {
+            // Of a single row the stride says nothing: without it, later arithmetic cannot overflow.
+            Some(needed) if needed <= pixels.len() && height == 1 => {
+                Ok(Self { pixels, width, height, stride: width as usize })
+            }
+            Some(needed) if needed <= pixels.len() => Ok(Self { pixels, width, height, stride }),
+            _ => Err(ImageError::SliceTooShort),
+        }
+    }
+
+    /// Width in pixels.
+    #[must_use]
+    pub const fn width(&self) -> u16 {
+        self.width
+    }
+
+    /// Height in pixels.
+    #[must_use]
+    pub const fn height(&self) -> u16 {
+        self.height
+    }
+
+    /// Row `y`, `width` pixels; empty if there is no such row.
+    #[must_use]
+    pub fn row(&self, y: u16) -> &'a [u8] {
+        if y >= self.height {
+            return &[];
+        }
+        self.rest(usize::from(y) * self.stride, usize::from(self.width))
+    }
+
+    /// All rows from the top, `width` pixels each.
+    pub fn rows(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        let width = usize::from(self.width);
+        // The stride is never 0; saying so here removes the check (and its panic) from `chunks`.
+        self.pixels
+            .chunks(self.stride.max(1))
+            .take(usize::from(self.height))
+            .map(move |row| row.get(..width).unwrap_or_default())
+    }
+
+    /// The slice and the stride: row y of `width` pixels starts at byte y * stride, and all rows lie within the slice.
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that go by addresses
+    pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
+        (self.pixels, self.stride)
+    }
+
+    /// The part of the picture that `rect` covers, in the image's own coordinates; `None` if it reaches outside.
+    #[must_use]
+    pub fn crop(&self, rect: Rect) -> Option<Self> {
+        if !Rect::new(0, 0, self.width, self.height).contains(rect) {
+            return None;
+        }
+        let start = usize::try_from(rect.y).ok()? * self.stride + usize::try_from(rect.x).ok()?;
+        Some(Self { pixels: self.pixels.get(start..)?, width: rect.width, height: rect.height, stride: self.stride })
+    }
+
+    /// Every `step`-th row from row `first` on; `None` if there is none.
+    pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
+        let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
+        let height = u16::try_from(rows).ok().filter(|&rows| rows > 0)?;
+        Some(Self {
+            pixels: self.pixels.get(first * self.stride..)?,
+            height,
+            stride: self.stride.saturating_mul(step),
+            ..*self
+        })
+    }
+
+    /// A picture of this shape in other bytes; `None` if they are fewer.
+    pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
+        let Self { width, height, stride, .. } = *self;
+        (pixels.len() >= self.pixels.len()).then_some(Image { pixels, width, height, stride })
+    }
+
+    fn rest(&self, start: usize, len: usize) -> &'a [u8] {
+        self.pixels.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
+    }
+}
+
+impl fmt::Debug for Image<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Image({}x{}, stride {})", self.width, self.height, self.stride)
+    }
+}

@@ -1,0 +1,30 @@
+//! Following a target, whichever tracker does it: the [`Target`] that is remembered, the scratch memory beside it, and the [`Tracker`]
+//! that holds both.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `target.rs` | the trait that both trackers implement |
+//! | `tracker.rs` | a target with its workspace, in one |
+//! | `update.rs` | an update in steps |
+//! | `answer.rs`, `error.rs` | what comes back |
+//! | `saved.rs` | a target as bytes |
+//! | `paper/`, `robust/` | the two trackers |
+
+mod answer;
+mod error;
+pub mod paper;
+pub mod robust;
+mod saved;
+mod target;
+mod tracker;
+mod update;
+
+#[cfg(test)]
+mod tests;
+
+pub use answer::{Answer, State};
+pub use error::{ConfigError, LockError, UpdateError};
+pub use saved::{RestoreError, SaveError};
+pub use target::Target;
+pub use tracker::Tracker;
+pub use update::Update;

@@ -1,0 +1,120 @@
+//! The track and the gate: whether a frame is believed, and what is known after it.
+
+use super::config::{Config, Fraction, RunnerUp};
+use crate::image::Rect;
+use crate::search::{Found, Peak, Radius, Wanted, Window};
+use crate::similarity::Table;
+use crate::track::State;
+use core::cmp::Ordering;
+
+/// What is remembered of a target beside its template.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Track {
+    pub(super) target: Rect,
+    pub(super) bounds: Rect,
+    pub(super) state: State,
+    /// A box partly outside the picture has been the best: returning takes more, until a lost target is found again.
+    pub(super) edge: bool,
+    /// Frames since the target was last believed.
+    pub(super) lost_for: u16,
+    /// Changes since the first lock: tells one update from another.
+    pub(super) age: u32,
+}
+
+impl Track {
+    pub(super) const fn new(bounds: Rect, target: Rect, age: u32) -> Self {
+        Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, age }
+    }
+
+    /// Where it is looked for in the next frame: the window grows with every frame that the target stays lost.
+    pub(super) fn search_window(&self, config: &Config) -> Window {
+        let grown =
+            |radius: u16, limit: u16| radius.saturating_add(config.growth.saturating_mul(self.lost_for)).min(limit);
+        let (radius, limit) = (config.window, config.window_limit);
+        let radius = Radius { x: grown(radius.x, limit.x), y: grown(radius.y, limit.y) };
+        Window::new(self.target, radius, self.bounds, config.padding)
+    }
+
+    /// The picture has moved, by units of 1/256 pixel; the box stays in the padded frame.
+    pub(super) fn moved(&mut self, right: i32, down: i32, padding: u16) {
+        let by = |units: i32| units.saturating_add(128) >> 8;
+        let (x, y) = (self.target.x.saturating_add(by(right)), self.target.y.saturating_add(by(down)));
+        self.target = Rect { x, y, ..self.target };
+        self.target = self.nearest_on(padding);
+        self.age = self.age.wrapping_add(1);
+    }
+
+    /// The box, moved into the padded frame.
+    pub(super) fn nearest_on(&self, padding: u16) -> Rect {
+        let into = |at: i32, frame: u16, size: u16| {
+            let first = -i32::from(padding);
+            // Not clamp, which could be a panic where it is folded.
+            at.min(i32::from(frame) + i32::from(padding) - i32::from(size)).max(first)
+        };
+        let Rect { x, y, width, height } = self.target;
+        Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
+    }
+
+    /// What is known after a frame in which `found` was found.
+    pub(super) fn after(self, found: &Found, config: &Config) -> Self {
+        let (target, state) = self.at(&found.peak);
+        let age = self.age.wrapping_add(1);
+        let was_lost = self.state == State::Lost;
+        let edge = self.edge || (!was_lost && state == State::Leaving);
+        if self.believes(found, state, config) {
+            Self { target, state, edge: edge && !was_lost, lost_for: 0, age, ..self }
+        } else {
+            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), age, ..self }
+        }
+    }
+
+    /// The box at `peak`, and the state of a target that is there.
+    fn at(&self, peak: &Peak) -> (Rect, State) {
+        let target = Rect { x: peak.x, y: peak.y, ..self.target };
+        (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
+    }
+
+    /// The gate: does the peak stand out clearly enough to go on to `state`?
+    fn believes(&self, found: &Found, state: State, config: &Config) -> bool {
+        let (gate, peak) = (&config.gate, found.peak.score);
+        // Where it is not known it is less than the peak, and nothing more is asked.
+        let runner_up = found.runner_up.unwrap_or(0);
+        let leads = peak.saturating_sub(runner_up) > u32::from(gate.lead) * u32::from(Table::ONE);
+        let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
+        stands_out && ratio(peak, self.target.area()) >= gate.least_ratio
+    }
+
+    /// What must be known to decide whether to go on to `state`.
+    pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
+        let ratio = self.ratio(state, config);
+        match ratio.numerator.cmp(&ratio.denominator) {
+            _ if config.runner_up == RunnerUp::Always => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Greater => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Equal => Wanted::Equals(config.neighbourhood),
+            Ordering::Less => Wanted::Peak,
+        }
+    }
+
+    /// Whether the decision on `peak` takes more than was looked for from the beginning.
+    pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
+        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
+            (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
+            (first, then) => first != then,
+        }
+    }
+
+    /// How many times the runner-up a peak must exceed to go on to `state`.
+    const fn ratio(&self, state: State, config: &Config) -> Fraction {
+        match (self.state, state) {
+            (State::Lost, _) => config.gate.lost,
+            (_, State::Leaving) => config.gate.leaving,
+            _ if self.edge => config.gate.returning,
+            _ => config.gate.tracking,
+        }
+    }
+}
+
+/// `score` / `pixels` in units of 1/65535, rounded down.
+pub(super) fn ratio(score: u32, pixels: u32) -> u16 {
+    u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE)
+}

@@ -1,0 +1,111 @@
+//! A target of the paper's tracker as bytes.
+
+use super::config::{Config, Fraction};
+use super::gate::Track;
+use super::target::Paper;
+use crate::image::Rect;
+use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
+use crate::track::{LockError, RestoreError, SaveError, State};
+
+/// Bytes of the track, and of the template's threshold.
+const TRACK: usize = 26;
+
+/// The most bytes that there can be.
+pub(super) const fn size(pixels: usize) -> usize {
+    AROUND + TRACK + pixels
+}
+
+pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
+    paper: &Paper<PIXELS, SPAN>,
+    bytes: &mut [u8],
+) -> Result<usize, SaveError> {
+    let (Some(track), Some(template)) = (paper.track, paper.template.image()) else {
+        return Err(SaveError::NotLocked);
+    };
+    let mut to = Writer::new(bytes, Kind::Paper, sum(&paper.config));
+    to.i32(track.target.x);
+    to.i32(track.target.y);
+    for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
+        to.u16(side);
+    }
+    to.u16(track.lost_for);
+    to.put(&[number_of(track.state), track.edge.into()]);
+    to.u32(track.age);
+    to.u16(paper.template.threshold());
+    // Not by `rows`, where the compiler keeps a division by the stride, and its panic.
+    (0..template.height()).for_each(|y| to.put(template.row(y)));
+    to.finish()
+}
+
+pub(super) fn restore<const PIXELS: usize, const SPAN: usize>(
+    paper: &mut Paper<PIXELS, SPAN>,
+    bytes: &[u8],
+) -> Result<(), RestoreError> {
+    let mut from = Reader::new(bytes, Kind::Paper, sum(&paper.config))?;
+    let (track, threshold) = track(&mut from, paper.config.padding).ok_or(RestoreError::Damaged)?;
+    match Paper::<PIXELS, SPAN>::holds(track.target, track.bounds, &paper.config) {
+        Ok(()) => {}
+        Err(LockError::BoxTooLarge | LockError::WindowTooLarge) => return Err(RestoreError::TooLarge),
+        Err(_) => return Err(RestoreError::Damaged),
+    }
+    let area = usize::try_from(track.target.area()).unwrap_or(usize::MAX);
+    let pixels = from.slice(area).filter(|_| from.is_empty()).ok_or(RestoreError::Damaged)?;
+    paper.template.restore(pixels, (track.target.width, track.target.height), threshold);
+    paper.track = Some(track);
+    Ok(())
+}
+
+/// The track and the threshold, if each number can be one.
+fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
+    let (x, y) = (from.i32()?, from.i32()?);
+    let target = Rect::new(x, y, from.u16()?, from.u16()?);
+    let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
+    let lost_for = from.u16()?;
+    let state = state_of(from.u8()?)?;
+    let edge = match from.u8()? {
+        0 => false,
+        1 => true,
+        _ => return None,
+    };
+    let (age, threshold) = (from.u32()?, from.u16()?);
+    let track = Track { target, bounds, state, edge, lost_for, age };
+    let fits = !target.is_empty() && target.width <= bounds.width && target.height <= bounds.height;
+    let reachable = track.nearest_on(padding) == target;
+    (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))
+}
+
+const fn number_of(state: State) -> u8 {
+    match state {
+        State::Tracking => 0,
+        State::Leaving => 1,
+        State::Uncertain => 2,
+        State::Lost => 3,
+    }
+}
+
+const fn state_of(number: u8) -> Option<State> {
+    match number {
+        0 => Some(State::Tracking),
+        1 => Some(State::Leaving),
+        3 => Some(State::Lost),
+        _ => None,
+    }
+}
+
+/// The checksum of what answers depend on: neither the backend nor pruning, which change nothing but the time.
+fn sum(config: &Config) -> u32 {
+    let mut sum = ConfigSum::new(config.table);
+    let gate = &config.gate;
+    for Fraction { numerator, denominator } in [config.k, gate.tracking, gate.leaving, gate.returning, gate.lost] {
+        sum.add(numerator);
+        sum.add(denominator);
+    }
+    let (window, limit, zone) = (config.window, config.window_limit, config.update_zone);
+    let always = u16::from(config.runner_up == super::RunnerUp::Always);
+    let rest = [gate.lead, gate.least_ratio, config.first_threshold.into(), config.least_threshold.into()];
+    let reach = [config.padding, window.x, window.y, config.growth, limit.x, limit.y, config.neighbourhood, always];
+    for number in rest.into_iter().chain(reach).chain([zone.left, zone.top, zone.right, zone.bottom]) {
+        sum.add(number);
+    }
+    sum.finish()
+}

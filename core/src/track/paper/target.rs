@@ -1,0 +1,247 @@
+//! The way of a frame through the paper's tracker: window, search, gate, template, answer.
+
+use super::config::Config;
+use super::gate::{Track, ratio};
+use super::saved;
+use super::template::Template;
+use super::workspace::Workspace;
+use crate::image::{FineRect, Frame, Image, Rect};
+use crate::search::{Found, Peak, Scene, Window};
+use crate::similarity::{self, Backend, CutTable, Scorer};
+use crate::track::update::Steps;
+use crate::track::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, UpdateError};
+
+/// A target of the paper's tracker. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an axis; the
+/// target takes `PIXELS` bytes, its [`Workspace`] as many again and `20 * SPAN` bytes.
+///
+/// Beside what every [`Target`] can do, it shows its template, and scores at any offset:
+///
+/// ```
+/// use smr_core::{Frame, Image, Paper, Rect, Target, paper};
+/// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+/// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+/// let mut workspace = paper::Workspace::<64, 161>::new();
+/// let mut target = Paper::new(paper::Config::camera())?;
+/// target.lock(&mut workspace, &frame, Rect::new(20, 10, 8, 8))?;
+/// assert_eq!((target.alpha(), target.template().map(|template| template.width())), (13, Some(8)));
+///
+/// // A map of scores, for those who want to see one.
+/// let offsets = target.offsets().unwrap();
+/// let scores = offsets.ys().flat_map(|y| offsets.xs().map(move |x| (x, y)));
+/// let best = scores.filter_map(|(x, y)| target.score_at(&frame, x, y)).max();
+///
+/// let answer = target.update(&mut workspace, &frame)?;
+/// assert_eq!(workspace.found().map(|found| found.peak.score), best);
+/// assert_eq!(answer.runner_up_ratio, None); // nothing depended on it: see `Config::runner_up`
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+pub struct Paper<const PIXELS: usize, const SPAN: usize> {
+    pub(super) config: Config,
+    pub(super) template: Template<PIXELS>,
+    pub(super) track: Option<Track>,
+    /// The number of the update that was begun last, in its workspace.
+    pub(super) update: u32,
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
+    /// The offsets that the next update scores; `None` before the first lock.
+    #[must_use]
+    pub fn offsets(&self) -> Option<Window> {
+        self.track.as_ref().map(|track| track.search_window(&self.config))
+    }
+
+    /// The score that the next update would give to the box at (`x`, `y`): for maps of scores, and for checking; always by
+    /// the plain loop. `None` before the first lock, or if a needed pixel is not in memory.
+    ///
+    /// Cost: one comparison for each pixel of the template.
+    #[must_use]
+    pub fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
+        let table = CutTable::new(self.config.table, self.template.threshold());
+        similarity::score_at(frame, self.template.image()?, x, y, &Scorer::new(Backend::Scalar, &table))
+    }
+
+    /// The template; `None` before the first lock.
+    #[must_use]
+    pub fn template(&self) -> Option<Image<'_>> {
+        self.template.image()
+    }
+
+    /// alpha of the next update, rounded up to whole gray levels; 0 before the first lock.
+    #[must_use]
+    pub fn alpha(&self) -> u16 {
+        self.template.threshold()
+    }
+
+    /// Refuses what there is no room for.
+    pub(super) fn holds(target: Rect, bounds: Rect, config: &Config) -> Result<(), LockError> {
+        if !Template::<PIXELS>::holds(target) {
+            return Err(LockError::BoxTooLarge);
+        }
+        let (columns, rows) = Window::largest_size(target, config.window_limit, bounds, config.padding);
+        if columns.max(rows) > SPAN {
+            return Err(LockError::WindowTooLarge);
+        }
+        Ok(())
+    }
+
+    /// What follows from what was found: state, box, template.
+    #[inline(never)] // one copy in flash
+    fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
+        let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
+        let track = track.after(&found, &self.config);
+        if track.state != State::Lost
+            && self.config.update_zone.kept_by(track.target, track.bounds)
+            && let Some(patch) = frame.patch(track.target)
+        {
+            self.template.update(patch, &self.config);
+        }
+        self.track = Some(track);
+        let peak = ratio(found.peak.score, pixels);
+        Answer {
+            bbox: track.target,
+            fine: track.target.into(),
+            state: track.state,
+            confidence: if track.state == State::Lost { 0 } else { peak },
+            ratio: peak,
+            runner_up_ratio: found.runner_up.map(|score| ratio(score, pixels)),
+            alpha: Some(threshold),
+            scale: 1 << 16,
+            found_again: before == State::Lost && track.state != State::Lost,
+        }
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
+    type Config = Config;
+
+    const SAVED_SIZE: usize = saved::size(PIXELS);
+
+    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    fn new(config: Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self { config, template: Template::new(), track: None, update: 0 })
+    }
+
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The box itself.
+    fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
+        if bounds.contains(target) { target } else { Rect::default() }
+    }
+
+    fn lock(&mut self, _: &mut Workspace<PIXELS, SPAN>, frame: &Frame<'_>, target: Rect) -> Result<(), LockError> {
+        let bounds = frame.bounds();
+        crate::track::target::lockable(bounds, target)?;
+        Self::holds(target, bounds, &self.config)?;
+        let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
+        self.template.start(patch, &self.config);
+        let age = self.track.map_or(0, |track| track.age.wrapping_add(1));
+        self.track = Some(Track::new(bounds, target, age));
+        Ok(())
+    }
+
+    fn window(&self) -> Option<Rect> {
+        let track = self.track.as_ref()?;
+        let window = track.search_window(&self.config);
+        Some(window.pixels(track.target.width, track.target.height, track.bounds))
+    }
+
+    fn sweep_window(&self) -> Option<Rect> {
+        None
+    }
+
+    fn bbox(&self) -> Option<FineRect> {
+        self.track.map(|track| track.target.into())
+    }
+
+    fn state(&self) -> Option<State> {
+        self.track.map(|track| track.state)
+    }
+
+    fn moved(&mut self, right: i32, down: i32) {
+        if let Some(track) = &mut self.track {
+            track.moved(right, down, self.config.padding);
+        }
+    }
+
+    fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
+        saved::save(self, bytes)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
+        saved::restore(self, bytes)
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
+    type Workspace = Workspace<PIXELS, SPAN>;
+
+    #[inline(always)] // made where it stays
+    fn workspace() -> Self::Workspace {
+        Workspace::new()
+    }
+
+    #[inline(never)] // one copy in flash
+    fn check(&self, frame: &Frame<'_>) -> Result<(), UpdateError> {
+        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        if track.bounds != frame.bounds() {
+            return Err(UpdateError::FrameSizeChanged);
+        }
+        let window = track.search_window(&self.config);
+        let pixels = window.pixels(track.target.width, track.target.height, track.bounds);
+        // A window wholly on the padding reads nothing.
+        if pixels.is_empty() || frame.covers(pixels) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
+    }
+
+    fn start(&mut self, workspace: &mut Self::Workspace) {
+        let Some(track) = self.track else { return };
+        let wanted = track.wanted(State::Tracking, &self.config);
+        workspace.search.begin(&track.search_window(&self.config), self.config.pruning, wanted);
+        workspace.table.set(self.config.table, self.template.threshold());
+        workspace.updates = workspace.updates.wrapping_add(1);
+        self.update = workspace.updates;
+        (workspace.begun, workspace.work) = (Some((track, self.update)), 0);
+    }
+
+    fn is_under_way(&self, workspace: &Self::Workspace) -> bool {
+        workspace.begun.is_some() && workspace.begun == self.track.map(|track| (track, self.update))
+    }
+
+    #[inline(never)] // one copy in flash
+    fn advance(&self, workspace: &mut Self::Workspace, frame: &Frame<'_>, work: u32) -> bool {
+        let Self { template, config, .. } = self;
+        let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
+        let Workspace { search, table, work: done, .. } = workspace;
+        let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
+        let window = track.search_window(config);
+        let scene = Scene { frame: *frame, template: image, window, scorer: &scorer };
+        *done = done.saturating_add(search.step(&scene, work).into());
+        if !search.is_done() {
+            return false;
+        }
+        match search.found(&window) {
+            Some(Found { peak, runner_up: None }) if track.asks_for_more(&peak, config) => {
+                search.begin_runner_up(&scene, config.neighbourhood);
+                false
+            }
+            _ => true,
+        }
+    }
+
+    fn work(workspace: &Self::Workspace) -> u32 {
+        u32::try_from(workspace.work).unwrap_or(u32::MAX)
+    }
+
+    fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Answer {
+        while !self.advance(workspace, frame, u32::MAX) {}
+        workspace.begun = None;
+        let track = self.track.unwrap_or(Track::new(frame.bounds(), Rect::default(), 0));
+        workspace.found = workspace.search.found(&track.search_window(&self.config));
+        self.decide(frame, track, workspace.found.unwrap_or(NOTHING))
+    }
+}
+
+/// What is found where nothing is searched, which does not happen: a window is never empty.
+const NOTHING: Found = Found { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };

@@ -1,0 +1,364 @@
+//! The paper's tracker: states and decisions, steps, misuse, limits.
+
+use super::{Config, Fraction, Paper, Radius, RunnerUp, Workspace};
+use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker, UpdateError};
+use std::{println, vec, vec::Vec};
+
+type Small = Tracker<Paper<256, 41>>;
+
+fn small_config() -> Config {
+    let mut config = Config::camera();
+    config.window = Radius { x: 10, y: 10 };
+    config.window_limit = Radius { x: 20, y: 20 };
+    config
+}
+
+/// A frame of noise that never repeats, with a textured target at (`x`, `y`), wherever that is.
+struct Picture {
+    width: u16,
+    height: u16,
+    pixels: Vec<u8>,
+}
+
+impl Picture {
+    fn noise(width: u16, height: u16, seed: u32) -> Self {
+        let mut state = seed | 1;
+        let mut pixels = Vec::new();
+        for _ in 0..u32::from(width) * u32::from(height) {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            pixels.push((state >> 24) as u8);
+        }
+        Self { width, height, pixels }
+    }
+
+    fn with_target(mut self, x: i32, y: i32) -> Self {
+        let target = Self::noise(12, 12, 99);
+        for (j, row) in (0..).zip(target.pixels.chunks(12)) {
+            for (i, &pixel) in (0..).zip(row) {
+                let (x, y) = (x + i, y + j);
+                if (0..i32::from(self.width)).contains(&x) && (0..i32::from(self.height)).contains(&y) {
+                    self.pixels[(y * i32::from(self.width) + x) as usize] = pixel;
+                }
+            }
+        }
+        self
+    }
+
+    fn image(&self) -> Image<'_> {
+        Image::new(&self.pixels, self.width, self.height).unwrap()
+    }
+
+    fn frame(&self) -> Frame<'_> {
+        Frame::whole(self.image())
+    }
+}
+
+fn scene(seed: u32, x: i32, y: i32) -> Picture {
+    Picture::noise(64, 48, seed).with_target(x, y)
+}
+
+fn locked_at(x: i32, y: i32) -> Small {
+    let mut tracker = Small::new(small_config()).unwrap();
+    tracker.lock(&scene(1, x, y).frame(), Rect::new(x, y, 12, 12)).unwrap();
+    tracker
+}
+
+#[test]
+fn memory_is_twice_the_template_five_words_an_offset_and_a_table() {
+    fn bounded<const PIXELS: usize, const SPAN: usize>(name: &str) {
+        let (target, workspace) = (size_of::<Paper<PIXELS, SPAN>>(), size_of::<Workspace<PIXELS, SPAN>>());
+        let size = target + workspace;
+        println!("Paper<{PIXELS}, {SPAN}>: {target} bytes, workspace {workspace} ({name})");
+        assert!(target <= PIXELS + 180, "{name}: {target} bytes");
+        assert!(size <= 2 * PIXELS + 20 * SPAN + 1000, "{name}: {size} bytes");
+    }
+    bounded::<1024, 33>("32x32 pixels, +-16");
+    bounded::<4096, 33>("64x64 pixels, +-16");
+    bounded::<4096, 161>("64x64 pixels, the paper's window");
+    bounded::<65536, 680>("256x256 pixels, the whole of 640x480");
+}
+
+#[test]
+fn a_target_is_followed_exactly() {
+    let mut tracker = locked_at(20, 20);
+    for (seed, (x, y)) in (2..).zip([(22, 21), (30, 15), (30, 15), (21, 24)]) {
+        let answer = tracker.update(&scene(seed, x, y).frame()).unwrap();
+        assert_eq!((answer.bbox, answer.state), (Rect::new(x, y, 12, 12), State::Tracking));
+        assert_eq!(answer.ratio, 65535);
+        assert_eq!(answer.runner_up_ratio, None, "inside the frame nothing depends on it");
+        assert_eq!(answer.alpha, Some(13), "the template never changed, so alpha stays");
+    }
+}
+
+#[test]
+fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
+    let mut config = small_config();
+    config.runner_up = RunnerUp::Always;
+    let mut tracker = Small::new(config).unwrap();
+    tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();
+    assert!(answer.runner_up_ratio.is_some_and(|ratio| 0 < ratio && ratio < 20000));
+
+    let mut tracker = locked_at(5, 20);
+    let answer = tracker.update(&scene(2, -3, 20).frame()).unwrap();
+    assert_eq!(answer.state, State::Leaving);
+    assert!(answer.runner_up_ratio.is_some(), "whether it leaves depends on it");
+}
+
+#[test]
+fn the_answer_does_not_depend_on_how_an_update_is_cut() {
+    let places = [(22, 21), (28, 15), (70, 70), (25, 20), (-3, 20), (-5, 21), (2, 22)];
+    for work in [1, 777, 50_000] {
+        let (mut whole, mut cut, mut dropped) = (locked_at(20, 20), locked_at(20, 20), locked_at(20, 20));
+        for (seed, (x, y)) in (2..).zip(places) {
+            let scene = scene(seed, x, y);
+            let expected = whole.update(&scene.frame()).unwrap();
+            let frame = scene.frame();
+            let mut update = cut.begin(&frame).unwrap();
+            while !update.step(work) {
+                assert!(update.work() > 0);
+            }
+            assert_eq!(update.finish(), expected);
+            let mut done = dropped.begin(&frame).unwrap().step(work);
+            while !done {
+                done = dropped.resume(&frame).unwrap().step(work);
+            }
+            assert_eq!(dropped.resume(&frame).unwrap().finish(), expected);
+            assert_eq!(dropped.resume(&frame).err(), Some(UpdateError::NotBegun));
+        }
+    }
+}
+
+/// Templates and windows of every proportion, up to the largest that the tracker holds, where nothing can be excluded and
+/// where much can.
+#[test]
+fn a_step_does_no_more_than_it_promises() {
+    const SPAN: usize = 300;
+    let (a, b) = (Picture::noise(300, 280, 3), Picture::noise(300, 280, 9));
+    let constant = Picture { pixels: vec![9; 300 * 280], ..Picture::noise(300, 280, 1) };
+    let mut tracker = std::boxed::Box::new(Tracker::<Paper<256, SPAN>>::new(Config::camera()).unwrap());
+    for (width, height, radius, always) in [
+        (16, 16, (16, 16), true),
+        (16, 16, (149, 149), false),
+        (256, 1, (149, 149), true),
+        (1, 256, (149, 149), true),
+        (1, 1, (149, 149), true),
+        (8, 4, (149, 3), true),
+        (5, 7, (2, 149), false),
+    ] {
+        let window = Radius { x: radius.0, y: radius.1 };
+        let runner_up = if always { RunnerUp::Always } else { RunnerUp::WhenItDecides };
+        tracker.parts().0.config = Config { window, window_limit: window, runner_up, ..Config::paper() };
+        for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
+            tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
+            let row = u32::from(tracker.window().unwrap().width);
+            let template = u32::from(width) * u32::from(height);
+            for asked in [0, 1, 5000] {
+                let most = asked.max(1) + template.max(2 * row) + 7 * SPAN as u32;
+                let frame = second.frame();
+                let mut update = tracker.begin(&frame).unwrap();
+                let mut before = 0;
+                loop {
+                    let done = update.step(asked);
+                    let made = update.work() - before;
+                    assert!(made <= most, "{width}x{height} {radius:?} {asked}: {made} of {most}");
+                    before = update.work();
+                    if done {
+                        break;
+                    }
+                    assert!(made > 0, "it goes on");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_update_that_was_given_up_leaves_nothing_behind() {
+    let mut tracker = locked_at(20, 20);
+    let (here, there) = (scene(2, 22, 21), scene(3, 27, 18));
+    tracker.begin(&here.frame()).unwrap().step(5000);
+    let answer = tracker.update(&there.frame()).unwrap();
+    assert_eq!((answer.bbox, answer.state), (Rect::new(27, 18, 12, 12), State::Tracking));
+    tracker.begin(&here.frame()).unwrap().step(5000);
+    tracker.lock(&here.frame(), Rect::new(22, 21, 12, 12)).unwrap();
+    assert_eq!(tracker.resume(&here.frame()).err(), Some(UpdateError::NotBegun));
+}
+
+#[test]
+fn a_leaving_target_keeps_its_template() {
+    let mut tracker = locked_at(2, 20);
+    let before: Vec<u8> = tracker.target().template().unwrap().rows().flatten().copied().collect();
+    let answer = tracker.update(&scene(2, -3, 20).frame()).unwrap();
+    assert_eq!((answer.bbox, answer.state), (Rect::new(-3, 20, 12, 12), State::Leaving));
+    let after: Vec<u8> = tracker.target().template().unwrap().rows().flatten().copied().collect();
+    assert_eq!(before, after);
+    let answer = tracker.update(&scene(3, 3, 20).frame()).unwrap();
+    assert_eq!((answer.bbox, answer.state), (Rect::new(3, 20, 12, 12), State::Tracking));
+}
+
+#[test]
+fn a_lost_target_is_found_again_by_a_growing_window() {
+    let mut tracker = locked_at(20, 20);
+    tracker.parts().0.config.gate.tracking = Fraction::new(2, 1);
+    for frames in 1..=4u16 {
+        let answer = tracker.update(&Picture::noise(64, 48, u32::from(frames) + 40).frame()).unwrap();
+        assert_eq!((answer.state, answer.bbox), (State::Lost, Rect::new(20, 20, 12, 12)));
+        let reach = 10 + i32::from(frames);
+        assert_eq!(tracker.target().offsets().unwrap().xs(), 20 - reach..=20 + reach);
+    }
+    let answer = tracker.update(&scene(2, 33, 8).frame()).unwrap();
+    assert_eq!((answer.state, answer.bbox), (State::Tracking, Rect::new(33, 8, 12, 12)));
+    assert_eq!(tracker.target().offsets().unwrap().xs(), 23..=43, "the window has shrunk again");
+}
+
+#[test]
+fn the_window_grows_to_its_limit_and_never_overflows() {
+    let mut tracker = locked_at(20, 20);
+    let nothing = vec![255; 64 * 48];
+    let nothing = Frame::whole(Image::new(&nothing, 64, 48).unwrap());
+    if let Some(track) = &mut tracker.parts().0.track {
+        track.lost_for = u16::MAX - 1;
+        track.state = State::Lost;
+    }
+    for _ in 0..3 {
+        assert_eq!(tracker.update(&nothing).unwrap().state, State::Lost);
+        assert_eq!(tracker.target().offsets().unwrap().xs(), 0..=40);
+    }
+}
+
+#[test]
+fn the_part_of_the_frame_in_the_window_is_enough() {
+    for (x, y) in [(20, 20), (0, 0), (52, 36)] {
+        let mut whole = locked_at(x, y);
+        let mut part = locked_at(x, y);
+        let (mut at_x, mut at_y) = (x, y);
+        for seed in 2..8 {
+            (at_x, at_y) = ((at_x + 3).min(60), (at_y - 4).max(-7));
+            let scene = scene(seed, at_x, at_y);
+            let window = part.window().unwrap();
+            let cut = scene.image().crop(window).unwrap();
+            let frame = Frame::part(cut, window.x as u16, window.y as u16, 64, 48).unwrap();
+            assert_eq!(part.update(&frame), whole.update(&scene.frame()));
+        }
+    }
+}
+
+#[test]
+fn one_pixel_less_than_the_window_is_refused_and_changes_nothing() {
+    let mut tracker = locked_at(20, 20);
+    let scene = scene(2, 22, 22);
+    let window = tracker.window().unwrap();
+    assert_eq!(window, Rect::new(10, 10, 32, 32));
+    for less in [
+        Rect { width: 31, ..window },
+        Rect { height: 31, ..window },
+        Rect { x: 11, width: 31, ..window },
+        Rect { y: 11, height: 31, ..window },
+    ] {
+        let cut = scene.image().crop(less).unwrap();
+        let frame = Frame::part(cut, less.x as u16, less.y as u16, 64, 48).unwrap();
+        assert_eq!(tracker.update(&frame), Err(UpdateError::WindowNotInMemory));
+    }
+    assert_eq!(tracker.update(&scene.frame()), locked_at(20, 20).update(&scene.frame()));
+}
+
+#[test]
+fn misuse_is_an_error_and_changes_nothing() {
+    let mut tracker = Small::new(small_config()).unwrap();
+    let scene = scene(1, 20, 20);
+    let frame = scene.frame();
+    assert_eq!(tracker.update(&frame), Err(UpdateError::NotLocked));
+    assert_eq!((tracker.window(), tracker.target().alpha()), (None, 0));
+    assert!(tracker.target().offsets().is_none() && tracker.target().template().is_none());
+    assert_eq!(tracker.target().score_at(&frame, 0, 0), None);
+
+    let mut lock = |x, y, width, height| tracker.lock(&frame, Rect::new(x, y, width, height));
+    assert_eq!(lock(5, 5, 0, 7), Err(LockError::BoxEmpty));
+    assert_eq!(lock(5, 5, 7, 0), Err(LockError::BoxEmpty));
+    assert_eq!(lock(-1, 5, 7, 7), Err(LockError::BoxOutsideFrame));
+    assert_eq!(lock(58, 5, 7, 7), Err(LockError::BoxOutsideFrame));
+    assert_eq!(lock(i32::MAX, i32::MIN, u16::MAX, u16::MAX), Err(LockError::BoxOutsideFrame));
+    assert_eq!(lock(5, 5, 17, 16), Err(LockError::BoxTooLarge));
+    assert_eq!(lock(5, 5, 16, 16), Ok(()));
+
+    let other = Picture::noise(48, 64, 1);
+    assert_eq!(tracker.update(&other.frame()), Err(UpdateError::FrameSizeChanged));
+    assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 60, 3)), Err(LockError::BoxOutsideFrame));
+    assert!(tracker.update(&frame).is_ok(), "a refused lock leaves the former target");
+    assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 6, 3)), Ok(()));
+    assert!(tracker.update(&other.frame()).is_ok(), "locking again may change the frame's size");
+}
+
+#[test]
+fn locking_reads_only_the_box() {
+    let scene = scene(1, 20, 20);
+    let target = Rect::new(20, 20, 12, 12);
+    let frame = Frame::part(scene.image().crop(target).unwrap(), 20, 20, 64, 48).unwrap();
+    let mut tracker = Small::new(small_config()).unwrap();
+    assert_eq!(tracker.lock(&frame, target), Ok(()));
+    assert_eq!(tracker.lock(&frame, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
+}
+
+#[test]
+fn a_configuration_is_checked_when_the_tracker_is_built() {
+    let refused = |change: fn(&mut Config)| {
+        let mut config = Config::camera();
+        change(&mut config);
+        Small::new(config).err()
+    };
+    assert_eq!(refused(|_| ()), None);
+    assert_eq!(refused(|config| config.k.denominator = 0), Some(ConfigError::ZeroDenominator));
+    assert_eq!(refused(|config| config.gate.lost.denominator = 0), Some(ConfigError::ZeroDenominator));
+    assert_eq!(refused(|config| config.k.numerator = 0), Some(ConfigError::NothingCounts));
+    assert_eq!(refused(|config| config.first_threshold = 0), Some(ConfigError::NothingCounts));
+    assert_eq!(refused(|config| config.window_limit.x = 59), Some(ConfigError::LimitBelowWindow));
+}
+
+#[test]
+fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
+    let scene = scene(1, 20, 20);
+    let lock = |limit| {
+        let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
+        Small::new(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
+    };
+    assert_eq!(lock(20), Ok(()));
+    assert_eq!(lock(21), Err(LockError::WindowTooLarge));
+}
+
+#[test]
+fn the_smallest_and_the_largest_frames_work() {
+    let mut config = small_config();
+    config.padding = 0;
+    let mut tracker = Small::new(config).unwrap();
+    let one = Image::new(&[7], 1, 1).unwrap();
+    tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
+    let answer = tracker.update(&one.into()).unwrap();
+    assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, None));
+
+    config.padding = u16::MAX;
+    config.neighbourhood = u16::MAX;
+    config.growth = u16::MAX;
+    let pixels: Vec<u8> = (0..65535u32).map(|i| ((i * i) >> 7) as u8).collect();
+    for (width, height) in [(65535, 1), (1, 65535)] {
+        let line = Image::new(&pixels, width, height).unwrap();
+        let end = Rect::new(i32::from(width) - 1, i32::from(height) - 1, 1, 1);
+        let mut tracker = Small::new(config).unwrap();
+        tracker.lock(&line.into(), end).unwrap();
+        assert_eq!(tracker.update(&line.into()).unwrap().bbox, end);
+    }
+}
+
+#[test]
+fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
+    let pixels = vec![200; 256 * 256];
+    let frame = Frame::whole(Image::new(&pixels, 256, 256)?);
+    let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::camera() };
+    let mut tracker = std::boxed::Box::new(Tracker::<Paper<65536, 3>>::new(config).unwrap());
+    tracker.lock(&frame, frame.bounds()).unwrap();
+    let answer = tracker.update(&frame).unwrap();
+    assert_eq!((answer.ratio, tracker.workspace().found().unwrap().peak.score), (65535, 65536 * 65535));
+    Ok(())
+}

@@ -1,0 +1,153 @@
+//! What the robust tracker is made with: what firmware may tune, with ranges and defaults.
+
+use super::REACH;
+use crate::similarity::{Backend, Table};
+use crate::track::ConfigError;
+
+/// The numbers of the method. [`Config::robust`] holds those that are measured to be best; each can be changed.
+///
+/// ```
+/// use smr_core::{Robust, Target, robust::Config};
+/// let mut config = Config::robust();
+/// config.size = false; // a target whose distance does not change
+/// config.reach = 5; // and that moves slowly: two fifths of the work
+/// let target = Robust::new(config)?;
+/// assert!(target.window().is_none());
+/// # Ok::<(), smr_core::ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct Config {
+    /// The similarity of two pixels by their difference.
+    pub table: &'static Table,
+    /// How sums are computed; it changes nothing but the time. `None` is the fastest way that the machine has.
+    pub backend: Option<Backend>,
+    /// How far the target is looked for to each side, in cells: 4 to 8. A cell is a tenth of the root of the target's area. The
+    /// work of an update grows with the square of 2 `reach` + 1.
+    pub reach: u8,
+    /// Whether the box follows the target's size.
+    pub size: bool,
+    /// Whether a lost target is looked for all over the frame; without, only where it was lost.
+    pub sweep: bool,
+    /// How slowly the confidence follows what speaks for the target: it keeps so many 256ths of itself in each frame. More
+    /// holds on for longer, through short occlusions and through errors alike.
+    pub patience: u8,
+    /// The target is lost while the confidence is below this, in units of 1/65535.
+    pub lost_below: u16,
+    /// It is uncertain while the confidence is below this; at least `lost_below`.
+    pub uncertain_below: u16,
+    /// How far the filter goes towards what is best for the present frame, in units of 1/256: 0 to 256. 0 keeps what was learned
+    /// in the first frame.
+    pub learning_rate: u16,
+    /// How far the early template goes towards the present frame, in units of 1/1024: 0 to 1024.
+    pub early_rate: u16,
+    pub(super) parts: Parts,
+}
+
+/// Parts that can be left out, to measure what they are worth; firmware has no use for that.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Parts {
+    pub(super) velocity: bool,
+    pub(super) near: bool,
+    pub(super) verification: bool,
+    pub(super) caution: bool,
+}
+
+/// A part of the tracker that [`Config::without`] leaves out.
+#[cfg(feature = "ablation")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// A target that moves is expected to go on.
+    Velocity,
+    /// Places far from where the target is expected must answer more clearly.
+    Near,
+    /// An early template is asked if it is still the target: without, the state is always tracking.
+    Verification,
+    /// What does not agree with the early template is kept from being learned.
+    Caution,
+}
+
+impl Config {
+    /// The values that are measured to be best over many recordings.
+    #[must_use]
+    pub const fn robust() -> Self {
+        Self {
+            table: &Table::PAPER,
+            backend: None,
+            reach: 8,
+            size: true,
+            sweep: true,
+            patience: 179,
+            lost_below: 15_733,
+            uncertain_below: 26_666,
+            learning_rate: 160,
+            early_rate: 1,
+            parts: Parts { velocity: true, near: true, verification: true, caution: true },
+        }
+    }
+
+    /// The same without a part.
+    #[cfg(feature = "ablation")]
+    #[must_use]
+    pub const fn without(mut self, part: Part) -> Self {
+        match part {
+            Part::Velocity => self.parts.velocity = false,
+            Part::Near => self.parts.near = false,
+            Part::Verification => self.parts.verification = false,
+            Part::Caution => self.parts.caution = false,
+        }
+        self
+    }
+
+    /// Whether it has a part.
+    #[cfg(feature = "ablation")]
+    #[must_use]
+    pub const fn has(&self, part: Part) -> bool {
+        match part {
+            Part::Velocity => self.parts.velocity,
+            Part::Near => self.parts.near,
+            Part::Verification => self.parts.verification,
+            Part::Caution => self.parts.caution,
+        }
+    }
+
+    /// Whether a tracker takes it: what [`Target::new`](crate::Target::new) asks.
+    ///
+    /// # Errors
+    /// [`ConfigError::OutOfRange`].
+    ///
+    /// ```
+    /// use smr_core::{ConfigError, robust::Config};
+    /// let mut config = Config::robust();
+    /// config.reach = 9;
+    /// assert_eq!(config.check(), Err(ConfigError::OutOfRange));
+    /// ```
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        let reach = 4 <= self.reach && self.reach as u16 <= REACH;
+        let states = self.lost_below <= self.uncertain_below;
+        let rates = self.learning_rate <= 256 && self.early_rate <= 1024;
+        if reach && states && rates { Ok(()) } else { Err(ConfigError::OutOfRange) }
+    }
+
+    /// Offsets on an axis of the search.
+    pub(super) const fn span(&self) -> usize {
+        2 * self.reach as usize + 1
+    }
+
+    pub(super) fn reach(&self) -> u16 {
+        self.reach.into()
+    }
+
+    /// Whether what is followed may turn out to be lost.
+    pub(super) const fn sweeps(&self) -> bool {
+        self.sweep && self.parts.verification
+    }
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::robust()
+    }
+}

@@ -1,0 +1,405 @@
+//! The grid: target and surroundings, resampled so that the target has about 1600 pixels, whatever its size in the frame.
+//!
+//! Where a step of the grid is two pixels or more, the frame is first reduced by 2x2 means (4x4, 8x8, ...) until it is less
+//! than two; then the four neighbours are mixed by fractions of 1/256. Beyond the frame its edge goes on. Only the pixels
+//! that are sampled are read, and each row of means is made once.
+
+use super::features::CELL;
+use super::{MOST_CELLS, MOST_PIXELS, REACH};
+use crate::image::{Frame, Image, Rect};
+use heapless::Vec;
+
+/// One pixel, as positions have it.
+pub(super) const PIXEL: i64 = 1 << PIXEL_BITS;
+const PIXEL_BITS: u32 = 12;
+/// 1.0, as scales have it.
+pub(super) const SCALE: u32 = 1 << 16;
+/// The least and the most cells of the filter on a side.
+const LEAST_SIDE: u64 = 4;
+pub(super) const MOST_SIDE: u16 = 32;
+/// The most columns that a row of the grid can have: a search window, and the pixel on each side that gradients need.
+pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
+/// The most pixels, or means, that such a row lies on.
+const ROW: usize = 2 * COLUMNS + 2;
+
+/// Shapes of the template and of the filter, and the grid's step at scale 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Grid {
+    /// Columns of the template, in pixels of the grid.
+    pub columns: u16,
+    /// Rows of the template, in pixels of the grid.
+    pub rows: u16,
+    /// Columns of the filter, in cells of 4x4 pixels of the grid. It covers 1.4 times the target.
+    pub across: u16,
+    /// Rows of the filter, in cells.
+    pub down: u16,
+    /// Frame pixels from one pixel of the grid to the next at scale 1, in units of 1/4096.
+    pub step: u32,
+}
+
+impl Grid {
+    /// The grid for a box of this size.
+    ///
+    /// The step is sqrt(area / 1600), at least half a pixel. Sides are rounded; the longer one is cut until template and filter
+    /// have room: of a very long box only the middle is looked at.
+    #[must_use]
+    pub fn new(target: Rect) -> Self {
+        let area = u64::from(target.area()) << 24;
+        let step = (area / MOST_PIXELS as u64).isqrt().max(2048);
+        // 1.4 times the side, in cells: 1.4 / 4 = 7 / 20.
+        let cells =
+            |size: u16| ((7 * (u64::from(size) << 12) + 10 * step) / (20 * step)).clamp(LEAST_SIDE, MOST_SIDE.into());
+        let (across, down) = fitting(cells(target.width), cells(target.height), MOST_CELLS as u64);
+        // Even, so that the template's middle is the window's.
+        let pixels = |size: u16, cells: u16| {
+            let side = 2 * (((u64::from(size) << 12) + step) / (2 * step));
+            // Not clamp, which could be a panic where it is folded.
+            side.min((cells * CELL).into()).max(4)
+        };
+        let (columns, rows) =
+            fitting(pixels(target.width, across) / 2, pixels(target.height, down) / 2, MOST_PIXELS as u64 / 4);
+        Self { columns: 2 * columns, rows: 2 * rows, across, down, step: u32::try_from(step).unwrap_or(u32::MAX) }
+    }
+
+    /// Pixels of the template.
+    pub(super) fn pixels(&self) -> u32 {
+        u32::from(self.columns) * u32::from(self.rows)
+    }
+
+    /// The step at `scale`, in units of 1/4096 pixel.
+    pub(super) fn step_at(&self, scale: u32) -> i64 {
+        ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
+    }
+}
+
+/// Two sides, the longer one cut until their product is at most `most`.
+fn fitting(mut across: u64, mut down: u64, most: u64) -> (u16, u16) {
+    while across * down > most {
+        *(if across > down { &mut across } else { &mut down }) -= 1;
+    }
+    let small = |side: u64| u16::try_from(side).unwrap_or(u16::MAX);
+    (small(across), small(down))
+}
+
+/// Where samples are taken: columns and rows `step` apart, around a centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Lattice {
+    pub(super) x: i64,
+    pub(super) y: i64,
+    pub(super) step: i64,
+    pub(super) columns: u16,
+    pub(super) rows: u16,
+}
+
+/// One axis of a lattice on the reduced frame. Positions there are below 2^29: a frame has 65,535 pixels, and a lattice reaches out of
+/// it by less than 2 * COLUMNS blocks.
+#[derive(Clone, Copy)]
+struct Axis {
+    first: i32,
+    step: i32,
+    /// The last position that there is, at least 0.
+    end: i32,
+}
+
+impl Axis {
+    fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
+        let first = centre - (i64::from(count) - 1) * step / 2;
+        // The middle of the first block of means lies half a block from the first pixel's.
+        let middle = ((1 << halvings) - 1) * PIXEL / 2;
+        let blocks = i32::from((size >> halvings).max(1));
+        let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
+        Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
+    }
+
+    /// Block, the one that follows it, and the latter's part in units of 1/256.
+    #[inline(never)] // one copy in flash
+    fn at(&self, number: u16) -> (u16, u16, u32) {
+        // Wrapping says that it cannot overflow; the cut is no clamp, which could be a panic where it is folded.
+        let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
+        let position = position.unsigned_abs();
+        let block = position >> PIXEL_BITS;
+        let next = (block + 1).min(self.end.unsigned_abs() >> PIXEL_BITS);
+        // No block lies beyond the frame's 65535 pixels.
+        let small = |block: u32| u16::try_from(block).unwrap_or(u16::MAX);
+        (small(block), small(next), position >> (PIXEL_BITS - 8) & 255)
+    }
+}
+
+impl Lattice {
+    fn halvings(&self) -> u32 {
+        let mut halvings = 0;
+        while self.step >> halvings >= 2 * PIXEL {
+            halvings += 1;
+        }
+        halvings
+    }
+
+    #[inline(never)] // one copy in flash
+    fn axes(&self, bounds: Rect) -> (Axis, Axis) {
+        let halvings = self.halvings();
+        let x = Axis::new(self.x, self.step, self.columns, halvings, bounds.width);
+        (x, Axis::new(self.y, self.step, self.rows, halvings, bounds.height))
+    }
+
+    /// The pixels that are read, in a frame with these bounds.
+    #[inline(never)] // one copy in flash
+    pub(super) fn pixels(&self, bounds: Rect) -> Rect {
+        let (x, y) = self.axes(bounds);
+        let side = 1 << self.halvings();
+        let extent = |axis: &Axis, count: u16, size: u16| {
+            let from = i32::from(axis.at(0).0) * side;
+            (from, ((i32::from(axis.at(count.saturating_sub(1)).1) + 1) * side).min(i32::from(size)) - from)
+        };
+        let ((left, width), (top, height)) =
+            (extent(&x, self.columns, bounds.width), extent(&y, self.rows, bounds.height));
+        Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
+    }
+
+    /// Begins to sample: where the columns are. No row of means is known.
+    #[inline(never)] // one copy in flash
+    pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
+        let (across, _) = self.axes(bounds);
+        let (left, ..) = across.at(0);
+        scratch.columns.clear();
+        for column in 0..self.columns {
+            let (block, _, part) = across.at(column);
+            // Cannot fail: a lattice has at most COLUMNS columns.
+            let _ = scratch.columns.push(u32::from(block - left) << 8 | part);
+        }
+        scratch.made = [None; 2];
+    }
+
+    /// What samples `frame`, row by row, after `prepare`; `None` if pixels that are read are not in memory.
+    #[inline(never)] // one copy in flash
+    pub(super) fn sampler<'a>(&self, frame: &Frame<'a>, scratch: &'a mut Scratch) -> Option<Sampler<'a>> {
+        let bounds = frame.bounds();
+        let (_, down) = self.axes(bounds);
+        let pixels = frame.patch(self.pixels(bounds))?;
+        let (top, ..) = down.at(0);
+        Some(Sampler { pixels, down, top, halvings: self.halvings(), scratch })
+    }
+
+    /// The work of so many rows, at most: the pixels of the frame that they lie on, and so much for `each` pixel of the lattice.
+    pub(super) fn work(&self, rows: u16, each: u32) -> u32 {
+        let under = |count: u16| ((u64::from(count) * self.step.unsigned_abs()) >> PIXEL_BITS) + 2;
+        // A step is below 2^18 pixels.
+        let pixels = u32::try_from(under(self.columns).saturating_mul(under(rows))).unwrap_or(u32::MAX);
+        pixels.saturating_add(each * u32::from(self.columns) * u32::from(rows))
+    }
+
+    /// Begins to sample into `out`; false, and nothing in `out`, if there is no room.
+    pub(super) fn begin<const N: usize>(&self, bounds: Rect, scratch: &mut Scratch, out: &mut Vec<u8, N>) -> bool {
+        out.clear();
+        self.prepare(bounds, scratch);
+        out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
+    }
+
+    /// Samples a row, each once and from the top; false if pixels that are read are not in memory.
+    #[inline(never)] // one copy in flash
+    pub(super) fn sample_row(&self, frame: &Frame<'_>, scratch: &mut Scratch, row: u16, out: &mut [u8]) -> bool {
+        let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
+        let out = out.get_mut(from..from + columns);
+        let (Some(mut sampler), Some(out)) = (self.sampler(frame, scratch), out) else { return false };
+        sampler.row(row, out);
+        true
+    }
+
+    /// Samples `frame` into `out`; false, and nothing of use in `out`, if pixels that are read are not in memory or there is
+    /// no room.
+    pub(super) fn sample<const N: usize>(
+        &self,
+        frame: &Frame<'_>,
+        scratch: &mut Scratch,
+        out: &mut Vec<u8, N>,
+    ) -> bool {
+        self.begin(frame.bounds(), scratch, out) && (0..self.rows).all(|row| self.sample_row(frame, scratch, row, out))
+    }
+}
+
+/// Blocks that a column can begin on: a power of two, so that no index is out of bounds.
+const BLOCKS: usize = 512;
+const _: () = assert!(ROW < BLOCKS);
+
+/// What it takes to sample, kept for the next time.
+pub(super) struct Scratch {
+    /// For each column of the grid the block that it begins on, and in the lowest 8 bits the part of the next one in 256ths.
+    columns: Vec<u32, COLUMNS>,
+    /// Two rows of block means, the ones that are being mixed, and which they are.
+    means: [Vec<u8, ROW>; 2],
+    made: [Option<u16>; 2],
+    /// Sums of blocks while a row of means is made; then a row that is mixed of two, in units of 1/256 gray level.
+    mixed: [u16; BLOCKS + 4],
+}
+
+impl Scratch {
+    #[inline(always)] // made where it stays
+    pub(super) const fn new() -> Self {
+        Self { columns: Vec::new(), means: [const { Vec::new() }; 2], made: [None; 2], mixed: [0; BLOCKS + 4] }
+    }
+}
+
+/// Rows of a lattice in a frame.
+pub(super) struct Sampler<'a> {
+    pixels: Image<'a>,
+    down: Axis,
+    /// Block of the first row that there is.
+    top: u16,
+    halvings: u32,
+    scratch: &'a mut Scratch,
+}
+
+impl Sampler<'_> {
+    /// Row `number` of the lattice, which may be asked for once, from the top.
+    #[inline(never)] // one copy in flash
+    pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
+        let (upper, lower, part) = self.down.at(number);
+        self.make(upper);
+        self.make(lower);
+        let Self { pixels, top, halvings, scratch: Scratch { columns, means, mixed, .. }, .. } = self;
+        mix(row(*pixels, means, *halvings, *top, upper), row(*pixels, means, *halvings, *top, lower), part, mixed);
+        for (out, &column) in out.iter_mut().zip(columns.iter()) {
+            let (block, part) = ((column >> 8) as usize % BLOCKS, column & 255);
+            let at = |block: usize| u32::from(mixed.get(block).copied().unwrap_or(0));
+            // After the last block comes none, and the part of that is 0.
+            let value = (at(block) * (256 - part) + at(block + 1) * part + (1 << 15)) >> 16;
+            *out = u8::try_from(value).unwrap_or(u8::MAX);
+        }
+    }
+
+    /// Rows that follow each other are kept in turns.
+    fn make(&mut self, block: u16) {
+        let Self { pixels, top, halvings, scratch: Scratch { means: [even, odd], made, mixed, .. }, .. } = self;
+        let [even_made, odd_made] = made;
+        let (made, means) = if block.is_multiple_of(2) { (even_made, even) } else { (odd_made, odd) };
+        if *halvings == 0 || *made == Some(block) {
+            return;
+        }
+        *made = Some(block);
+        make_means(*pixels, block.saturating_sub(*top) << *halvings, *halvings, mixed, means);
+    }
+}
+
+/// Between two rows, the lower having a part of so many 256ths: at most 255 * 256.
+fn mix(upper: &[u8], lower: &[u8], part: u32, mixed: &mut [u16]) {
+    // Two numbers of 16 bits are mixed at a time.
+    const EVEN: u32 = 0x00FF_00FF;
+    let rest = 256 - part;
+    let (uppers, upper) = upper.as_chunks::<4>();
+    let (lowers, lower) = lower.as_chunks::<4>();
+    let (start, end) = mixed.split_at_mut_checked(4 * uppers.len()).unwrap_or_default();
+    let (start, _) = start.as_chunks_mut::<4>();
+    for ((mixed, &upper), &lower) in start.iter_mut().zip(uppers).zip(lowers) {
+        let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(lower));
+        let even = (upper & EVEN) * rest + (lower & EVEN) * part;
+        let odd = (upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part;
+        *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
+    }
+    for ((mixed, &upper), &lower) in end.iter_mut().zip(upper).zip(lower) {
+        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part);
+    }
+}
+
+/// The lower 16 bits.
+#[allow(clippy::cast_possible_truncation)] // they are what is asked for
+fn low(number: u32) -> u16 {
+    number as u16
+}
+
+/// The means of a row of blocks, which begins at the row `first` of the pixels. `sums` is scratch.
+#[inline(never)] // one copy in flash
+fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) {
+    let whole = sum_whole_blocks(pixels, first, halvings, sums);
+    let shift = 2 * halvings;
+    // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
+    let _ = means.resize_default(usize::from(pixels.width()).div_ceil(1 << halvings));
+    for (mean, &sum) in means.iter_mut().zip(whole.iter()) {
+        *mean = u8::try_from((u32::from(sum) + (1 << (shift - 1))) >> shift).unwrap_or(u8::MAX);
+    }
+    for (column, mean) in means.iter_mut().enumerate().skip(whole.len()) {
+        *mean = mean_of(pixels, first, column, halvings);
+    }
+}
+
+/// A row of means that was made, or of pixels where nothing is halved.
+fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, top: u16, block: u16) -> &'a [u8] {
+    if halvings == 0 {
+        return pixels.row(block.saturating_sub(top));
+    }
+    if block.is_multiple_of(2) { even } else { odd }
+}
+
+/// The row of `pixels` that a block has at `row`: the frame's last row goes on where it is cut before a block is whole.
+fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
+    pixels.row(first.saturating_add(row).min(pixels.height() - 1))
+}
+
+/// The sums of the blocks in a row that are not cut, for sides of 2 and 4: few targets have larger ones. None for
+/// those.
+fn sum_whole_blocks<'a>(pixels: Image<'_>, first: u16, halvings: u32, sums: &'a mut [u16]) -> &'a [u16] {
+    let sums = sums.get_mut(..usize::from(pixels.width() >> halvings)).unwrap_or_default();
+    if halvings > 2 {
+        return &[];
+    }
+    sums.fill(0);
+    for row in 0..1 << halvings {
+        let row = row_of(pixels, first, row);
+        if halvings == 1 {
+            add_row::<2>(sums, row);
+        } else {
+            add_row::<4>(sums, row);
+        }
+    }
+    sums
+}
+
+fn add_row<const SIDE: usize>(sums: &mut [u16], row: &[u8]) {
+    let (blocks, _) = row.as_chunks::<SIDE>();
+    for (sum, block) in sums.iter_mut().zip(blocks) {
+        *sum += block.iter().map(|&pixel| u16::from(pixel)).sum::<u16>();
+    }
+}
+
+/// The mean of a block of any size, of which a part may be beyond the frame's right edge.
+fn mean_of(pixels: Image<'_>, first: u16, column: usize, halvings: u32) -> u8 {
+    let side = 1usize << halvings;
+    // A step is below 2^17 pixels, so a block's side is at most 2^16 and the sum below 2^40.
+    let mut sum = 0u64;
+    for row in 0..side {
+        let row = row_of(pixels, first, u16::try_from(row).unwrap_or(u16::MAX));
+        let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
+        let missing = u32::try_from(side - block.len()).unwrap_or(0);
+        let edge = missing * u32::from(row.last().copied().unwrap_or(0));
+        sum += u64::from(block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
+    }
+    u8::try_from((sum + (1 << (2 * halvings - 1))) >> (2 * halvings)).unwrap_or(u8::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_blocks_have_the_mean_that_any_block_has() {
+        let pixels: std::vec::Vec<u8> =
+            (0..83 * 50u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 20) as u8).collect();
+        let image = Image::new(&pixels, 83, 50).unwrap();
+        for halvings in 1..=6 {
+            let (mut sums, mut made) = ([0; ROW], Vec::new());
+            for block in 0..50u16.div_ceil(1 << halvings) {
+                let first = block << halvings;
+                make_means(image, first, halvings, &mut sums, &mut made);
+                let one_by_one =
+                    (0..83usize.div_ceil(1 << halvings)).map(|column| mean_of(image, first, column, halvings));
+                assert!(made.iter().copied().eq(one_by_one), "{halvings} halvings");
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_sums_of_whole_blocks() {
+        let white = [255; 8 * 4];
+        let mut sums = [7; 10];
+        assert_eq!(sum_whole_blocks(Image::new(&white, 8, 4).unwrap(), 0, 2, &mut sums), [255 * 16; 2]);
+    }
+}

@@ -1,0 +1,52 @@
+//! Beyond the paper: a tracker that holds when light, size and view change, and says so when it does not.
+//!
+//! Where the target is, a filter says that learns in every frame what the target is and what it is not. Whether it is still the
+//! target, SMR says: an early template, which hardly learns, is compared part by part. All is integers, and no frame costs
+//! much more than another.
+//!
+//! | part | file | what it does |
+//! |---|---|---|
+//! | grid | `grid.rs` | target and surroundings are resampled, so that the target has about 1600 pixels |
+//! | features | `features.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
+//! | filter | `filter.rs`, `responses.rs`, `label.rs` | weights for the cells, a step of learning in each frame |
+//! | velocity, near | `track.rs`, `responses.rs` | a moving target is expected to go on, and far places must answer more clearly |
+//! | size | `update.rs` | the filter looks at two more scales |
+//! | verification | `early.rs`, `light.rs`, `agreement.rs`, `trust.rs` | the early template tells whether it is still the target |
+//! | caution | `trust.rs` | what does not agree is not learned |
+//! | sweep | `sweep.rs` | a lost target is looked for all over the frame, one window in each frame |
+//!
+//! Positions are in units of 1/4096 pixel, scales in units of 1/65536; a frame's position is that of its pixels' middles.
+
+mod agreement;
+mod config;
+mod early;
+mod features;
+mod filter;
+mod grid;
+mod label;
+mod light;
+mod responses;
+mod saved;
+mod sweep;
+mod target;
+#[cfg(test)]
+mod tests;
+mod track;
+mod trust;
+mod update;
+mod workspace;
+
+pub use config::Config;
+#[cfg(feature = "ablation")]
+pub use config::Part;
+pub use features::{CELL, CHANNELS};
+pub use grid::Grid;
+pub use target::Robust;
+pub use workspace::Workspace;
+
+/// The most that the filter searches to each side, in cells: see [`Config::reach`].
+pub const REACH: u16 = 8;
+/// Pixels of the largest template.
+const MOST_PIXELS: usize = 1600;
+/// Cells of the largest filter.
+const MOST_CELLS: usize = 200;

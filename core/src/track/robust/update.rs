@@ -1,0 +1,463 @@
+//! The way of a frame through the robust tracker: window, features, filter, size, verification, learning.
+//!
+//! It is cut into stages, so that an update can be made in steps. Until the last one only scratch memory changes.
+
+use super::Robust;
+use super::agreement::{Compared, PLACES};
+use super::config::{Config, Parts};
+use super::early::Early;
+use super::features::{CELL, CHANNELS};
+use super::filter::{Change, Filter, Sample, layout};
+use super::grid::{Grid, Lattice, SCALE};
+use super::light::Contrast;
+use super::responses::{self, Peak, SPAN};
+use super::track::{Place, Track};
+use super::trust::{Evidence, Trust};
+use super::workspace::Workspace;
+use crate::image::{Frame, Image};
+use crate::similarity::{Backend, Layout, Products};
+use crate::track::State;
+
+/// The scales beside the last one: 1.02 times and 1 / 1.02 times.
+const SIZE_STEP: u64 = 66_847;
+/// What their responses count, in units of 1/256.
+const SIZE_PART: i64 = 252;
+/// How far they are searched, in cells.
+pub(super) const SIZE_REACH: u16 = 1;
+/// What a pixel of the grid counts, in products: one of which features are made, and one that is compared. About what they take on a
+/// Cortex-M4.
+const SEEN: u32 = 64;
+const COMPARED: u32 = 32;
+/// The least and the most that a target may have grown.
+const LEAST_SCALE: u32 = SCALE / 5;
+const MOST_SCALE: u32 = 5 * SCALE;
+
+/// What comes next in an update. Each is a unit of work, between two of which a step may end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// A row of cells of a window.
+    See(Where),
+    /// A part of the responses to them.
+    Respond(Where, usize),
+    /// A row of the view of the place that was found.
+    View(Where, u16),
+    /// Agreement at one place of the view.
+    Compare(Where, u16),
+    /// A row of cells at another scale.
+    SeeSize(usize),
+    /// The responses to them.
+    Size(usize),
+    /// How far responses are from what they should be.
+    Errors,
+    /// A part of what errors say of the weights.
+    Gather(usize),
+    /// The way to change the weights.
+    Slopes,
+    /// A part of the responses to that.
+    Bend(usize),
+    Done,
+}
+
+/// Which window is looked at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Where {
+    /// Where the target is expected.
+    Expected,
+    /// Where a lost target is looked for.
+    Elsewhere,
+}
+
+/// How far an update is, and what it has found so far.
+pub(super) struct Progress {
+    stage: Stage,
+    /// The track of the target whose update is under way, and the number of that update, which the target has, too: two targets
+    /// may have the same track.
+    pub(super) begun: Option<(Track, u32)>,
+    /// What the track becomes.
+    pub(super) next: Option<Track>,
+    /// The look that is under way, and the one that counts.
+    looking: Look,
+    pub(super) look: Look,
+    /// What the filter's coded weights are multiplied by.
+    shift: u32,
+    /// The early template's brightness and contrast.
+    was: Contrast,
+    /// The highest peak of all scales so far, and that scale.
+    highest: i64,
+    scale: u32,
+    /// Where the target was in the window, in units of 1/256 cell.
+    offset: (i32, i32),
+    /// By how much errors, and then the way to change the weights, were shifted to be coded.
+    coded: u32,
+    /// How steep the way is.
+    descent: i64,
+    pub(super) change: Option<Change>,
+    /// Nothing is learned.
+    pub(super) lost: bool,
+    pub(super) work: u32,
+}
+
+/// What a look at a window says.
+#[derive(Clone, Copy)]
+pub(super) struct Look {
+    pub(super) place: Place,
+    pub(super) peak: Peak,
+    pub(super) agreement: u16,
+}
+
+impl Look {
+    fn evidence(&self) -> Evidence {
+        Evidence::of(self.agreement, self.peak.response)
+    }
+}
+
+impl Progress {
+    #[inline(always)] // made where it stays
+    pub(super) const fn new() -> Self {
+        let place = Place { x: 0, y: 0, scale: SCALE };
+        let look = Look { place, peak: Peak { x: 0, y: 0, response: 0, height: 0 }, agreement: 0 };
+        Self {
+            stage: Stage::Done,
+            begun: None,
+            next: None,
+            looking: look,
+            look,
+            shift: 0,
+            was: Contrast::NONE,
+            highest: i64::MIN,
+            scale: SCALE,
+            offset: (0, 0),
+            coded: 0,
+            descent: 0,
+            change: None,
+            lost: false,
+            work: 0,
+        }
+    }
+}
+
+/// What an update goes by; none of it changes.
+pub(super) struct Target<'a> {
+    pub(super) config: &'a Config,
+    pub(super) filter: &'a Filter,
+    pub(super) early: &'a Early,
+    pub(super) track: Track,
+}
+
+impl Target<'_> {
+    pub(super) fn begin(&self, workspace: &mut Workspace, update: u32) {
+        let shift = self.filter.code(&mut workspace.desk);
+        let was = Contrast::of(self.early.pixels());
+        let (begun, next) = (Some((self.track, update)), Some(self.track));
+        workspace.progress = Progress { begun, next, shift, was, ..Progress::new() };
+        workspace.progress.work = weights(&self.track.grid) + self.track.grid.pixels();
+        workspace.progress.stage = self.look(workspace, Where::Expected);
+    }
+
+    /// Goes on until so much work has been done; true at the end.
+    #[inline(never)] // one copy in flash
+    pub(super) fn step(&self, workspace: &mut Workspace, frame: &Frame<'_>, work: u32) -> bool {
+        let enough = workspace.progress.work.saturating_add(work.max(1));
+        while workspace.progress.stage != Stage::Done && workspace.progress.work < enough {
+            let stage = match workspace.progress.stage {
+                Stage::See(place) => self.see(workspace, frame, place),
+                Stage::Respond(place, part) => self.respond(workspace, place, part),
+                Stage::View(place, row) => self.view(workspace, frame, place, row),
+                Stage::Compare(place, number) => self.compare(workspace, place, number),
+                Stage::SeeSize(number) => self.see_size(workspace, frame, number),
+                Stage::Size(number) => self.size(workspace, number),
+                Stage::Errors => self.errors(workspace),
+                Stage::Gather(part) => self.gather(workspace, part),
+                Stage::Slopes => self.slopes(workspace),
+                Stage::Bend(part) => self.bend(workspace, part),
+                Stage::Done => Stage::Done,
+            };
+            workspace.progress.stage = stage;
+        }
+        workspace.progress.stage == Stage::Done
+    }
+
+    fn centre(&self, place: Where) -> Place {
+        match place {
+            Where::Expected => self.track.expected(self.config.parts.velocity),
+            Where::Elsewhere => self.track.sweep(self.config.reach()),
+        }
+    }
+
+    fn window(&self, place: Where) -> Lattice {
+        self.centre(place).window(&self.track.grid, self.config.reach())
+    }
+
+    /// How the filter lies on the cells of a window.
+    fn layout(&self) -> Layout {
+        layout(&self.track.grid, self.config.span())
+    }
+
+    /// Begins a look at a window.
+    fn look(&self, workspace: &mut Workspace, place: Where) -> Stage {
+        let Workspace { strip, cells, progress, .. } = workspace;
+        progress.looking.agreement = 0;
+        strip.begin(self.track.bounds, &self.window(place), cells);
+        Stage::See(place)
+    }
+
+    fn see(&self, workspace: &mut Workspace, frame: &Frame<'_>, place: Where) -> Stage {
+        let lattice = self.window(place);
+        let Workspace { strip, cells, progress, .. } = workspace;
+        progress.spend(lattice.work(CELL + 2, SEEN));
+        if strip.row(frame, &lattice, cells) { Stage::Respond(place, 0) } else { Stage::See(place) }
+    }
+
+    fn respond(&self, workspace: &mut Workspace, place: Where, part: usize) -> Stage {
+        if workspace.respond_part(self.layout(), self.products(), part) {
+            self.found(workspace, place)
+        } else {
+            Stage::Respond(place, part + 1)
+        }
+    }
+
+    /// Where the target is in the window.
+    fn found(&self, workspace: &mut Workspace, place: Where) -> Stage {
+        let Workspace { responses, strip, view, progress, .. } = workspace;
+        let (grid, centre) = (&self.track.grid, self.centre(place));
+        let peak = responses.peak(self.config.parts.near);
+        let step = grid.step_at(centre.scale);
+        // 1/256 cell is 1/64 pixel of the grid.
+        let moved = |from: i64, by: i32| from + ((i64::from(by) * step) >> 6);
+        let at = Place { x: moved(centre.x, peak.x), y: moved(centre.y, peak.y), ..centre }.inside(self.track.bounds);
+        progress.looking = Look { place: at, peak, agreement: 0 };
+        at.view(grid).begin(self.track.bounds, strip.scratch(), view);
+        Stage::View(place, 0)
+    }
+
+    fn view(&self, workspace: &mut Workspace, frame: &Frame<'_>, place: Where, row: u16) -> Stage {
+        let Workspace { strip, view, progress, .. } = workspace;
+        let lattice = progress.looking.place.view(&self.track.grid);
+        lattice.sample_row(frame, strip.scratch(), row, view);
+        progress.spend(lattice.work(1, COMPARED));
+        if row + 1 < lattice.rows { Stage::View(place, row + 1) } else { Stage::Compare(place, 0) }
+    }
+
+    /// How well the early template agrees there.
+    fn compare(&self, workspace: &mut Workspace, place: Where, number: u16) -> Stage {
+        let Workspace { view, lit, table, progress, .. } = workspace;
+        let Grid { columns, rows, .. } = self.track.grid;
+        if let Ok(view) = Image::new(view, columns + 2, rows + 2) {
+            let compared = Compared { view, early: self.early, was: progress.was, columns, rows };
+            let agreement = compared.at(number, lit, table, (self.backend(), self.config.table));
+            progress.looking.agreement = progress.looking.agreement.max(agreement);
+        }
+        progress.spend(COMPARED * self.track.grid.pixels());
+        match place {
+            _ if number + 1 < PLACES => Stage::Compare(place, number + 1),
+            Where::Expected => self.looked(workspace),
+            Where::Elsewhere => self.swept(workspace),
+        }
+    }
+
+    /// The look where the target was expected is done.
+    fn looked(&self, workspace: &mut Workspace) -> Stage {
+        let progress = &mut workspace.progress;
+        let look = progress.looking;
+        progress.look = look;
+        progress.offset = offset(&self.track.grid, self.centre(Where::Expected), look.place);
+        (progress.highest, progress.scale) = (i64::MIN, look.place.scale);
+        if let Some(next) = &mut progress.next
+            && self.config.parts.verification
+        {
+            next.trust = self.track.trust.after(look.evidence(), self.config.patience);
+        }
+        if self.config.size { self.look_at_size(workspace, 0) } else { self.sized(workspace) }
+    }
+
+    /// Begins a look at a scale: the last one, a little smaller, a little larger. All three are looked at around the same place, so that
+    /// none gains by where it was sampled.
+    fn look_at_size(&self, workspace: &mut Workspace, number: usize) -> Stage {
+        let Workspace { strip, aside, progress, .. } = workspace;
+        match progress.aside(number, &self.track.grid) {
+            Some((_, lattice)) => {
+                strip.begin(self.track.bounds, &lattice, aside);
+                Stage::SeeSize(number)
+            }
+            None => self.sized(workspace),
+        }
+    }
+
+    fn see_size(&self, workspace: &mut Workspace, frame: &Frame<'_>, number: usize) -> Stage {
+        let Workspace { strip, aside, progress, .. } = workspace;
+        let Some((_, lattice)) = progress.aside(number, &self.track.grid) else { return Stage::Size(number) };
+        progress.spend(lattice.work(CELL + 2, SEEN));
+        if strip.row(frame, &lattice, aside) { Stage::Size(number) } else { Stage::SeeSize(number) }
+    }
+
+    fn size(&self, workspace: &mut Workspace, number: usize) -> Stage {
+        let (grid, products) = (&self.track.grid, self.products());
+        let Workspace { strip, aside, desk, progress, .. } = workspace;
+        let span = 2 * usize::from(SIZE_REACH) + 1;
+        let mut rows = [[0; SPAN]; 2 * SIZE_REACH as usize + 1];
+        let under = (&aside[..], layout(grid, span));
+        let mut parts = 0..;
+        while !desk.responses(products, strip.room(), progress.shift, under, parts.next().unwrap_or(0), &mut rows) {}
+        let height = i64::from(responses::peak(&rows, span, false).height);
+        let counts = if number == 0 { height } else { (height * SIZE_PART) >> 8 };
+        if let Some((scale, _)) = progress.aside(number, grid).filter(|_| counts > progress.highest) {
+            (progress.highest, progress.scale) = (counts, scale);
+        }
+        progress.spend(u32::from(2 * SIZE_REACH + 1).pow(2) * weights(grid));
+        self.look_at_size(workspace, number + 1)
+    }
+
+    /// The scale is known.
+    fn sized(&self, workspace: &mut Workspace) -> Stage {
+        let Progress { next, look, scale, lost, .. } = &mut workspace.progress;
+        let Some(next) = next else { return Stage::Done };
+        look.place.scale = *scale;
+        next.follow(look.place);
+        *lost = next.trust.state(self.config) == State::Lost;
+        if *lost {
+            return if self.config.sweep { self.look(workspace, Where::Elsewhere) } else { Stage::Done };
+        }
+        let Parts { caution, verification, .. } = self.config.parts;
+        let teaches = look.evidence().teaches() || !caution || !verification;
+        if teaches { Stage::Errors } else { Stage::Done }
+    }
+
+    /// The look elsewhere is done.
+    fn swept(&self, workspace: &mut Workspace) -> Stage {
+        let Progress { next, look, looking, .. } = &mut workspace.progress;
+        let Some(next) = next else { return Stage::Done };
+        next.swept();
+        if looking.evidence().finds(look.evidence()) {
+            next.find(looking.place);
+            next.trust = Trust::found(looking.evidence());
+            *look = *looking;
+        }
+        Stage::Done
+    }
+
+    // Cells and responses are those of the first look while the filter learns: only a lost target is looked for elsewhere.
+
+    fn errors(&self, workspace: &mut Workspace) -> Stage {
+        let Workspace { desk, cells, responses, progress, .. } = workspace;
+        let sample = Sample { cells, responses, target: progress.offset, reach: self.config.reach() };
+        progress.coded = self.filter.errors(&self.track.grid, &sample, desk);
+        progress.spend_all(self.config.span().pow(2));
+        progress.spend(weights(&self.track.grid));
+        Stage::Gather(0)
+    }
+
+    fn gather(&self, workspace: &mut Workspace, part: usize) -> Stage {
+        let Workspace { strip, desk, cells, progress, .. } = workspace;
+        let under = (&cells[..], self.layout());
+        progress.spend_all(self.products().gather_work(part, under.1, self.filter.weights().len()));
+        let gathered = desk.gather(self.products(), strip.room(), under, part);
+        if gathered { Stage::Slopes } else { Stage::Gather(part + 1) }
+    }
+
+    fn slopes(&self, workspace: &mut Workspace) -> Stage {
+        let Workspace { desk, progress, .. } = workspace;
+        (progress.coded, progress.descent) = self.filter.slopes(&self.track.grid, desk, progress.coded);
+        progress.spend(2 * weights(&self.track.grid));
+        Stage::Bend(0)
+    }
+
+    fn bend(&self, workspace: &mut Workspace, part: usize) -> Stage {
+        let Workspace { strip, desk, cells, progress, .. } = workspace;
+        let under = (&cells[..], self.layout());
+        progress.spend_all(self.products().work(part, under.1, self.filter.weights().len()));
+        if !desk.bends(self.products(), strip.room(), under, part) {
+            return Stage::Bend(part + 1);
+        }
+        progress.change = Some(desk.change((progress.coded, progress.descent), self.config.learning_rate));
+        progress.spend(weights(&self.track.grid));
+        Stage::Done
+    }
+
+    fn backend(&self) -> Backend {
+        self.config.backend.unwrap_or_else(Backend::best)
+    }
+
+    fn products(&self) -> Products {
+        Products::new(self.backend())
+    }
+}
+
+impl Progress {
+    fn spend(&mut self, work: u32) {
+        self.work = self.work.saturating_add(work);
+    }
+
+    fn spend_all(&mut self, work: usize) {
+        self.spend(u32::try_from(work).unwrap_or(u32::MAX));
+    }
+
+    /// The scale of that number, the last one first, and what is looked at there.
+    fn aside(&self, number: usize, grid: &Grid) -> Option<(u32, Lattice)> {
+        let Place { scale, .. } = self.look.place;
+        let [smaller, larger] = other_scales(scale);
+        let scale = *[scale, smaller, larger].get(number)?;
+        Some((scale, Place { scale, ..self.look.place }.window(grid, SIZE_REACH)))
+    }
+}
+
+impl Workspace {
+    /// Makes the cells of a search window.
+    pub(super) fn see(&mut self, frame: &Frame<'_>, window: &Lattice) -> bool {
+        self.strip.features(frame, window, &mut self.cells)
+    }
+
+    /// Makes a part of the filter's responses to them, its weights coded as they are on the desk; true when this was the last part.
+    #[inline(never)] // one copy in flash
+    fn respond_part(&mut self, layout: Layout, products: Products, part: usize) -> bool {
+        let Self { strip, desk, cells, responses, progress, .. } = self;
+        let under = (&cells[..], layout);
+        responses.span = layout.span;
+        progress.spend_all(products.work(part, layout, desk.weights()));
+        desk.responses(products, strip.room(), progress.shift, under, part, &mut responses.rows)
+    }
+
+    /// Codes the filter's weights and makes all its responses.
+    #[inline(never)] // one copy in flash
+    pub(super) fn respond(&mut self, filter: &Filter, layout: Layout, products: Products) {
+        self.progress.shift = filter.code(&mut self.desk);
+        let mut parts = 0..;
+        while !self.respond_part(layout, products, parts.next().unwrap_or(0)) {}
+    }
+
+    /// The template in the middle of the view.
+    pub(super) fn patch(&self, grid: &Grid) -> impl Iterator<Item = u8> + use<'_> {
+        let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
+        self.view.chunks(columns + 2).skip(1).take(rows).flat_map(move |row| row.iter().skip(1).take(columns).copied())
+    }
+}
+
+impl Robust {
+    /// What an update goes by; `None` before the first lock.
+    pub(super) fn given(&self) -> Option<Target<'_>> {
+        let Self { config, filter, early, track, .. } = self;
+        track.map(|track| Target { config, filter, early, track })
+    }
+}
+
+/// A little smaller, and a little larger.
+pub(super) fn other_scales(scale: u32) -> [u32; 2] {
+    let scale = u64::from(scale);
+    [(scale << 16) / SIZE_STEP, (scale * SIZE_STEP) >> 16]
+        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
+}
+
+/// Where the target is in a window, from its middle, in units of 1/256 cell.
+fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
+    let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
+    let part = |to: i64, from: i64| i32::try_from((to - from) * 256 / cell).unwrap_or(0);
+    (part(target.x, centre.x), part(target.y, centre.y))
+}
+
+fn weights(grid: &Grid) -> u32 {
+    u32::from(grid.across) * u32::from(grid.down) * u32::try_from(CHANNELS).unwrap_or(0)
+}
+
+/// True for a scale that a target can have.
+pub(super) fn scale_is_known(scale: u32) -> bool {
+    (LEAST_SCALE..=MOST_SCALE).contains(&scale)
+}

@@ -1,0 +1,78 @@
+//! Scratch memory of the robust tracker: one serves any number of targets.
+
+use super::features::{CHANNELS, Strip};
+use super::filter::Desk;
+use super::grid::MOST_SIDE;
+use super::responses::{Responses, SPAN};
+use super::update::{Progress, SIZE_REACH};
+use super::{MOST_CELLS, MOST_PIXELS, REACH};
+use crate::similarity::CutTable;
+use heapless::Vec;
+
+/// Bytes of the largest window of cells: the longest filter has the longest rim.
+const WINDOW: usize =
+    (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
+/// Bytes of the largest window that sizes are looked for in.
+const ASIDE: usize =
+    (MOST_SIDE + 2 * SIZE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SIZE_REACH as usize) * CHANNELS;
+/// Pixels of the largest view, a template and a pixel on each side.
+const VIEW: usize = 2048;
+
+/// What an update needs beside the target.
+///
+/// ```
+/// // In firmware it is often a static.
+/// static WORKSPACE: smr_core::robust::Workspace = smr_core::robust::Workspace::new();
+/// assert!(size_of_val(&WORKSPACE) < 48 * 1024);
+/// ```
+pub struct Workspace {
+    pub(super) strip: Strip,
+    /// Cells of the window.
+    pub(super) cells: Vec<i8, WINDOW>,
+    pub(super) responses: Responses,
+    /// Cells of another scale.
+    pub(super) aside: Vec<i8, ASIDE>,
+    pub(super) desk: Desk,
+    pub(super) view: Vec<u8, VIEW>,
+    pub(super) lit: Vec<u8, MOST_PIXELS>,
+    /// What templates are compared by.
+    pub(super) table: CutTable,
+    pub(super) progress: Progress,
+    /// Updates that were begun here.
+    pub(super) updates: u32,
+}
+
+impl Workspace {
+    /// A workspace.
+    #[must_use]
+    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    pub const fn new() -> Self {
+        Self {
+            strip: Strip::new(),
+            cells: Vec::new(),
+            responses: Responses { rows: [[0; SPAN]; SPAN], span: SPAN },
+            aside: Vec::new(),
+            desk: Desk::new(),
+            view: Vec::new(),
+            lit: Vec::new(),
+            table: CutTable::EMPTY,
+            progress: Progress::new(),
+            updates: 0,
+        }
+    }
+}
+
+impl Workspace {
+    /// The filter's response where the target was found by the last update that was finished here, in units of 1/16384: about 1
+    /// where the target looks as it did. For checking; see [`Answer::confidence`](crate::Answer::confidence).
+    #[must_use]
+    pub const fn response(&self) -> i32 {
+        self.progress.look.peak.response
+    }
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,365 @@
+//! What both trackers promise, tested by the same code: parts of frames, steps, shared workspaces, motion of the camera, saved
+//! targets, misuse.
+
+use super::update::Steps;
+use super::{Answer, LockError, RestoreError, SaveError, State, Target, Tracker, UpdateError, paper, robust};
+use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
+use std::{boxed::Box, vec, vec::Vec};
+
+type SmallPaper = Paper<1024, 161>;
+
+fn small_paper() -> paper::Config {
+    let mut config = paper::Config::camera();
+    config.window = paper::Radius { x: 12, y: 12 };
+    config.growth = 8;
+    // Lost rather than wrong.
+    config.gate.tracking = paper::Fraction::new(5, 4);
+    config.gate.lead = u16::MAX;
+    config
+}
+
+const SIZE: (u16, u16) = (160, 120);
+const TARGET: Rect = Rect::new(60, 45, 24, 20);
+
+/// A target of tiles at (`x`, `y`), wherever that is, on a ground of weaker ones.
+fn picture(x: i32, y: i32) -> Vec<u8> {
+    let hash = |x: i32, y: i32, seed: u32| {
+        ((x.cast_unsigned().wrapping_mul(31) ^ y.cast_unsigned().wrapping_mul(57) ^ seed).wrapping_mul(2_654_435_761)
+            >> 24) as u8
+    };
+    let (width, height) = (i32::from(SIZE.0), i32::from(SIZE.1));
+    let target = Rect { x, y, ..TARGET };
+    let level = |px: i32, py: i32| {
+        if target.contains(Rect::new(px, py, 1, 1)) {
+            hash((px - x) / 4, (py - y) / 4, 7)
+        } else {
+            90 + hash(px / 9, py / 9, 3) / 5
+        }
+    };
+    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
+}
+
+fn whole(pixels: &[u8]) -> Frame<'_> {
+    Frame::whole(Image::new(pixels, SIZE.0, SIZE.1).unwrap())
+}
+
+/// Only what is asked for, as firmware reads it out.
+fn asked_for<'a, T: Target>(frame: &Frame<'a>, target: &T) -> Frame<'a> {
+    let cut = |rect: Rect| frame.patch(rect).unwrap();
+    let at = |rect: Rect| (rect.x as u16, rect.y as u16);
+    let window = target.window().unwrap();
+    let (x, y) = at(window);
+    let part = Frame::part(cut(window), x, y, SIZE.0, SIZE.1).unwrap();
+    match target.sweep_window() {
+        None => part,
+        Some(sweep) => part.and_part(cut(sweep), at(sweep).0, at(sweep).1).unwrap(),
+    }
+}
+
+/// Followed, hidden, elsewhere, half outside, and back.
+fn frames() -> Vec<Vec<u8>> {
+    let mut places = vec![(61, 41), (64, 43), (67, 44)];
+    places.extend([(400, 400); 9]);
+    places.extend([(15, 60); 14]);
+    places.extend([(9, 60), (2, 61), (-8, 61), (-9, 62), (3, 60), (9, 58)]);
+    places.into_iter().map(|(x, y)| picture(x, y)).collect()
+}
+
+fn locked<T: Target>(config: T::Config) -> Box<Tracker<T>> {
+    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).unwrap();
+    tracker
+}
+
+fn answers<T: Target>(config: T::Config) -> Vec<Answer> {
+    let mut tracker = locked::<T>(config);
+    frames().iter().map(|pixels| tracker.update(&whole(pixels)).unwrap()).collect()
+}
+
+fn saved<T: Target>(target: &T) -> Vec<u8> {
+    let mut bytes = vec![0; T::SAVED_SIZE];
+    let length = target.save(&mut bytes).unwrap();
+    bytes.truncate(length);
+    bytes
+}
+
+/// Stamps every test for both.
+macro_rules! for_both {
+    ($($name:ident),* $(,)?) => {
+        mod paper_tracker {
+            $(#[test] fn $name() { super::$name::<super::SmallPaper>(super::small_paper()); })*
+        }
+        mod robust_tracker {
+            $(#[test] fn $name() { super::$name::<super::Robust>(super::robust::Config::robust()); })*
+        }
+    };
+}
+
+for_both! {
+    the_scene_has_what_it_is_for,
+    what_is_asked_for_is_enough,
+    a_pixel_less_is_refused,
+    the_answer_does_not_depend_on_how_an_update_is_cut,
+    an_update_that_was_given_up_leaves_nothing_behind,
+    one_workspace_serves_many_targets,
+    a_step_in_a_workspace_that_served_another_is_refused,
+    a_turn_of_the_camera_is_followed,
+    however_far_the_camera_turns_nothing_overflows,
+    a_saved_target_goes_on_with_identical_answers,
+    damaged_bytes_are_refused,
+    misuse_is_an_error_and_changes_nothing,
+}
+
+fn the_scene_has_what_it_is_for<T: Target>(config: T::Config) {
+    let answers = answers::<T>(config);
+    let states: Vec<State> = answers.iter().map(|answer| answer.state).collect();
+    assert_eq!(states[..3], [State::Tracking; 3]);
+    assert!(states[3..].contains(&State::Lost), "{states:?}");
+    assert_eq!(states.last(), Some(&State::Tracking), "{states:?}");
+    assert_eq!(answers.iter().filter(|answer| answer.found_again).count(), 1, "{states:?}");
+    for answer in answers {
+        assert_eq!(answer.fine.whole(), answer.bbox);
+    }
+}
+
+fn what_is_asked_for_is_enough<T: Target>(config: T::Config) {
+    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    let first = picture(TARGET.x, TARGET.y);
+    let bounds = whole(&first).bounds();
+    let window = tracker.lock_window(bounds, TARGET);
+    assert!(bounds.contains(window) && window.contains(TARGET));
+    let part = Frame::part(whole(&first).patch(window).unwrap(), window.x as u16, window.y as u16, SIZE.0, SIZE.1);
+    tracker.lock(&part.unwrap(), TARGET).unwrap();
+    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
+        let frame = asked_for(&whole(pixels), tracker.target());
+        assert_eq!(tracker.update(&frame).unwrap(), expected);
+    }
+    for outside in [Rect::new(150, 40, 24, 30), Rect::new(0, 0, 0, 5)] {
+        assert!(tracker.lock_window(bounds, outside).is_empty(), "{outside:?}");
+    }
+}
+
+fn a_pixel_less_is_refused<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    for pixels in &frames()[..20] {
+        let frame = whole(pixels);
+        let window = tracker.window().unwrap();
+        let Rect { x, y, width, height } = window;
+        let less = [
+            Rect { x: x + 1, width: width - 1, ..window },
+            Rect { y: y + 1, height: height - 1, ..window },
+            Rect { width: width - 1, ..window },
+            Rect { height: height - 1, ..window },
+        ];
+        for less in less {
+            let part = Frame::part(frame.patch(less).unwrap(), less.x as u16, less.y as u16, SIZE.0, SIZE.1).unwrap();
+            assert_eq!(tracker.update(&part).unwrap_err(), UpdateError::WindowNotInMemory);
+        }
+        if let Some(sweep) = tracker.sweep_window() {
+            let only = Frame::part(frame.patch(window).unwrap(), x as u16, y as u16, SIZE.0, SIZE.1).unwrap();
+            assert_eq!(tracker.update(&only).is_ok(), window.contains(sweep));
+        } else {
+            tracker.update(&frame).unwrap();
+        }
+    }
+}
+
+fn the_answer_does_not_depend_on_how_an_update_is_cut<T: Target>(config: T::Config) {
+    for work in [1, 777, 50_000] {
+        let (mut cut, mut dropped) = (locked::<T>(config), locked::<T>(config));
+        for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
+            let frame = whole(pixels);
+            let mut update = cut.begin(&frame).unwrap();
+            let mut before = 0;
+            while !update.step(work) {
+                assert!(update.work() > before, "every step does something");
+                before = update.work();
+            }
+            assert_eq!(update.finish(), expected);
+            let mut done = dropped.begin(&frame).unwrap().step(work);
+            while !done {
+                done = dropped.resume(&frame).unwrap().step(work);
+            }
+            assert_eq!(dropped.resume(&frame).unwrap().finish(), expected);
+            assert_eq!(dropped.resume(&frame).err(), Some(UpdateError::NotBegun));
+        }
+    }
+}
+
+fn an_update_that_was_given_up_leaves_nothing_behind<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    let (first, elsewhere) = (picture(TARGET.x, TARGET.y), picture(75, 50));
+    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
+        for work in [1, 5000, u32::MAX] {
+            let before = saved(tracker.target());
+            tracker.begin(&whole(&elsewhere)).unwrap().step(work);
+            assert_eq!(saved(tracker.target()), before, "nothing is remembered of an update that is not finished");
+        }
+        assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
+    }
+    tracker.begin(&whole(&elsewhere)).unwrap().step(5000);
+    tracker.lock(&whole(&first), TARGET).unwrap();
+    assert_eq!(tracker.resume(&whole(&elsewhere)).err(), Some(UpdateError::NotBegun));
+    tracker.begin(&whole(&elsewhere)).unwrap().step(5000);
+    tracker.moved(0, 0);
+    assert_eq!(tracker.resume(&whole(&elsewhere)).err(), Some(UpdateError::NotBegun));
+}
+
+fn one_workspace_serves_many_targets<T: Target>(config: T::Config) {
+    let (mut own, mut one) = (locked::<T>(config), locked::<T>(config));
+    let mut other = T::new(config).unwrap();
+    let first = picture(TARGET.x, TARGET.y);
+    let place = Rect::new(20, 20, 20, 20);
+    own.lock(&whole(&first), place).unwrap();
+    other.lock(one.parts().1, &whole(&first), place).unwrap();
+    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
+        let frame = whole(pixels);
+        assert_eq!(one.update(&frame).unwrap(), expected);
+        assert_eq!(other.update(one.parts().1, &frame).unwrap(), own.update(&frame).unwrap());
+    }
+}
+
+fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Config) {
+    let mut one = locked::<T>(config);
+    let mut other = T::new(config).unwrap();
+    let pixels = picture(62, 42);
+    let frame = whole(&pixels);
+    other.lock(one.parts().1, &frame, Rect::new(20, 20, 20, 20)).unwrap();
+    one.begin(&frame).unwrap().step(100);
+    assert_eq!(other.resume(one.parts().1, &frame).err(), Some(UpdateError::NotBegun));
+    other.begin(one.parts().1, &frame).unwrap().step(100);
+    assert_eq!(one.resume(&frame).err(), Some(UpdateError::NotBegun));
+    other.resume(one.parts().1, &frame).unwrap().step(100);
+    assert_eq!(one.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
+    // Two that know the same of their tracks, in one workspace and in two.
+    let first = picture(TARGET.x, TARGET.y);
+    let mut twin = T::new(config).unwrap();
+    let mut own = T::workspace();
+    let mut fresh = locked::<T>(config);
+    twin.lock(&mut own, &whole(&first), TARGET).unwrap();
+    fresh.begin(&frame).unwrap().step(100);
+    assert_eq!(twin.resume(fresh.parts().1, &frame).err(), Some(UpdateError::NotBegun));
+    twin.begin(fresh.parts().1, &frame).unwrap().step(100);
+    assert_eq!(fresh.resume(&frame).err(), Some(UpdateError::NotBegun));
+}
+
+fn a_turn_of_the_camera_is_followed<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    let window = tracker.window().unwrap();
+    tracker.moved(30 * 256, 15 * 256);
+    let moved = tracker.window().unwrap();
+    assert_eq!((moved.x - window.x, moved.y - window.y), (30, 15));
+    let bbox = tracker.bbox().unwrap().whole();
+    assert_eq!(bbox, Rect::new(TARGET.x + 30, TARGET.y + 15, TARGET.width, TARGET.height));
+    let answer = tracker.update(&whole(&picture(TARGET.x + 31, TARGET.y + 14))).unwrap();
+    let off = (answer.bbox.x - TARGET.x - 31).abs().max((answer.bbox.y - TARGET.y - 14).abs());
+    assert!(off <= 1 && answer.state == State::Tracking, "{answer:?}");
+}
+
+fn however_far_the_camera_turns_nothing_overflows<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    let pixels = picture(62, 42);
+    for (right, down) in [(i32::MAX, i32::MAX), (i32::MIN, i32::MIN), (i32::MIN, i32::MAX), (0, i32::MIN), (127, -128)]
+    {
+        tracker.moved(right, down);
+        tracker.moved(right, down);
+        let window = tracker.window().unwrap();
+        assert!(window.is_empty() || whole(&pixels).bounds().contains(window), "{window:?}");
+        tracker.update(&whole(&pixels)).unwrap();
+    }
+    let mut empty = T::new(config).unwrap();
+    empty.moved(5, 5);
+    assert_eq!((empty.bbox(), empty.state()), (None, None));
+}
+
+fn a_saved_target_goes_on_with_identical_answers<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
+        let bytes = saved(tracker.target());
+        assert!(bytes.len() <= T::SAVED_SIZE);
+        // As after a loss of power: nothing but the bytes is left.
+        *tracker = Tracker::new(config).unwrap();
+        tracker.restore(&bytes).unwrap();
+        assert_eq!(saved(tracker.target()), bytes);
+        assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
+    }
+}
+
+fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    tracker.update(&whole(&frames()[0])).unwrap();
+    let bytes = saved(tracker.target());
+    let mut other = locked::<T>(config);
+    let before = saved(other.target());
+    for length in 0..bytes.len() {
+        let error = other.restore(&bytes[..length]).unwrap_err();
+        assert!(matches!(error, RestoreError::Truncated | RestoreError::NotSaved), "{length}: {error:?}");
+    }
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 1 << (at % 8);
+        assert!(other.restore(&damaged).is_err(), "byte {at}");
+    }
+    assert_eq!(other.restore(b"something else entirely, of another program"), Err(RestoreError::NotSaved));
+    assert_eq!(saved(other.target()), before, "what is refused changes nothing");
+    let mut longer = bytes.clone();
+    longer.push(7);
+    assert_eq!(other.restore(&longer), Ok(()), "what follows in memory does not matter");
+}
+
+fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
+    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    let pixels = picture(TARGET.x, TARGET.y);
+    let frame = whole(&pixels);
+    assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
+    assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotLocked));
+    assert_eq!(tracker.save(&mut [0; 64]), Err(SaveError::NotLocked));
+    assert_eq!((tracker.window(), tracker.sweep_window(), tracker.bbox(), tracker.state()), (None, None, None, None));
+
+    let mut lock = |x, y, width, height| tracker.lock(&frame, Rect::new(x, y, width, height));
+    assert_eq!(lock(5, 5, 0, 7), Err(LockError::BoxEmpty));
+    assert_eq!(lock(5, 5, 7, 0), Err(LockError::BoxEmpty));
+    assert_eq!(lock(-1, 5, 7, 7), Err(LockError::BoxOutsideFrame));
+    assert_eq!(lock(154, 5, 7, 7), Err(LockError::BoxOutsideFrame));
+    assert_eq!(lock(i32::MAX, i32::MIN, u16::MAX, u16::MAX), Err(LockError::BoxOutsideFrame));
+    tracker.lock(&frame, TARGET).unwrap();
+    assert_eq!(tracker.state(), Some(State::Tracking));
+    assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
+
+    let turned = Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap());
+    assert_eq!(tracker.update(&turned).err(), Some(UpdateError::FrameSizeChanged));
+    assert_eq!(tracker.lock(&turned, Rect::new(100, 1, 30, 30)), Err(LockError::BoxOutsideFrame));
+    let inside = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
+    assert_eq!(tracker.lock(&inside, TARGET), Err(LockError::LockWindowNotInMemory));
+    assert_eq!(tracker.save(&mut [0; 40]), Err(SaveError::BufferTooSmall));
+    assert_eq!(tracker.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap(), "nothing has changed");
+    tracker.lock(&turned, Rect::new(10, 10, 20, 20)).unwrap();
+    assert!(tracker.update(&turned).is_ok(), "locking again may change the frame's size");
+}
+
+#[test]
+fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
+    let bytes = saved(locked::<SmallPaper>(small_paper()).target());
+    let mut robust = Robust::new(robust::Config::robust()).unwrap();
+    assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
+    let mut other = small_paper();
+    other.k = paper::Fraction::new(7, 20);
+    assert_eq!(SmallPaper::new(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig));
+    // How it is computed does not matter.
+    let mut slow = small_paper();
+    (slow.backend, slow.pruning) = (Some(crate::similarity::Backend::Scalar), false);
+    assert_eq!(SmallPaper::new(slow).unwrap().restore(&bytes), Ok(()));
+    assert_eq!(Paper::<256, 161>::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
+    assert_eq!(Paper::<1024, 33>::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
+    let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
+    assert_eq!(SmallPaper::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
+}
+
+/// A workspace is where an update is; a target is not.
+#[test]
+fn a_second_target_takes_no_scratch() {
+    let (paper, robust) = (size_of::<SmallPaper>(), size_of::<Robust>());
+    std::println!("Paper<1024, 161> {paper}, workspace {}", size_of::<<SmallPaper as Steps>::Workspace>());
+    std::println!("Robust {robust}, workspace {}", size_of::<robust::Workspace>());
+    assert!(paper <= 1024 + 200 && robust <= 12 * 1024, "{paper} {robust}");
+}

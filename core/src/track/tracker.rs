@@ -1,0 +1,158 @@
+//! A target with a workspace of its own: the usual way to follow one target.
+
+use super::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, Update, UpdateError};
+use crate::image::{FineRect, Frame, Rect};
+
+/// Follows one target: a [`Target`] and its workspace in one. All memory is in here; there is no heap.
+///
+/// `Tracker<Paper<PIXELS, SPAN>>` is the paper's tracker, `Tracker<Robust>` the robust one; all calls are the same. The [crate's
+/// example](crate) follows a target through whole frames; this one reads out only what is needed of them:
+///
+/// ```
+/// use smr_core::paper::{Config, Radius};
+/// use smr_core::{Frame, Image, Paper, Rect, Tracker};
+/// # fn read_out(window: Rect) -> Vec<u8> {
+/// #     let pixel = |x: i32, y: i32| ((x * x + 3 * y * y) % 251) as u8;
+/// #     (window.y..window.bottom()).flat_map(|y| (window.x..window.right()).map(move |x| pixel(x, y))).collect()
+/// # }
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// let mut config = Config::camera();
+/// config.window = Radius { x: 8, y: 8 };
+/// config.window_limit = config.window;
+/// let mut tracker = Tracker::<Paper<64, 17>>::new(config)?;
+///
+/// // A box of 8x8 pixels on a sensor of 320x240.
+/// let (sensor, target) = (Rect::new(0, 0, 320, 240), Rect::new(100, 50, 8, 8));
+/// assert_eq!(tracker.lock_window(sensor, target), target);
+/// let pixels = read_out(target);
+/// tracker.lock(&Frame::part(Image::new(&pixels, 8, 8)?, 100, 50, 320, 240)?, target)?;
+///
+/// // The next update wants the box and 8 pixels around it.
+/// let window = tracker.window().unwrap();
+/// assert_eq!((window, tracker.sweep_window()), (Rect::new(92, 42, 24, 24), None));
+/// let pixels = read_out(window);
+/// let answer = tracker.update(&Frame::part(Image::new(&pixels, 24, 24)?, 92, 42, 320, 240)?)?;
+/// assert_eq!(answer.bbox, target);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Tracker<T: Target> {
+    target: T,
+    workspace: T::Workspace,
+}
+
+impl<T: Target> Tracker<T> {
+    /// A tracker without a target.
+    ///
+    /// # Errors
+    /// [`ConfigError`], if a number of the configuration cannot be used.
+    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    pub fn new(config: T::Config) -> Result<Self, ConfigError> {
+        Ok(Self { target: T::new(config)?, workspace: T::workspace() })
+    }
+
+    /// What is remembered.
+    #[must_use]
+    pub const fn target(&self) -> &T {
+        &self.target
+    }
+
+    /// The scratch memory.
+    #[must_use]
+    pub const fn workspace(&self) -> &T::Workspace {
+        &self.workspace
+    }
+
+    /// Both, to be borrowed apart.
+    pub const fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
+        (&mut self.target, &mut self.workspace)
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &T::Config {
+        self.target.config()
+    }
+
+    /// As [`Target::lock_window`].
+    pub fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
+        self.target.lock_window(bounds, target)
+    }
+
+    /// As [`Target::lock`].
+    ///
+    /// # Errors
+    /// [`LockError`]; the tracker then goes on with what it had.
+    pub fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), LockError> {
+        self.target.lock(&mut self.workspace, frame, target)
+    }
+
+    /// As [`Target::window`].
+    pub fn window(&self) -> Option<Rect> {
+        self.target.window()
+    }
+
+    /// As [`Target::sweep_window`].
+    pub fn sweep_window(&self) -> Option<Rect> {
+        self.target.sweep_window()
+    }
+
+    /// As [`Target::bbox`].
+    pub fn bbox(&self) -> Option<FineRect> {
+        self.target.bbox()
+    }
+
+    /// As [`Target::state`].
+    pub fn state(&self) -> Option<State> {
+        self.target.state()
+    }
+
+    /// As [`Target::moved`].
+    pub fn moved(&mut self, right: i32, down: i32) {
+        self.target.moved(right, down);
+    }
+
+    /// As [`Target::update`].
+    ///
+    /// # Errors
+    /// [`UpdateError`]; the tracker is then as it was before.
+    pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
+        self.target.update(&mut self.workspace, frame)
+    }
+
+    /// The work of the last update, in the units of [`Update::step`]; how it was cut may change it by a little.
+    pub fn work(&self) -> u32 {
+        T::work(&self.workspace)
+    }
+
+    /// As [`Target::begin`].
+    ///
+    /// # Errors
+    /// [`UpdateError`]; the tracker is then as it was before.
+    pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
+        self.target.begin(&mut self.workspace, frame)
+    }
+
+    /// As [`Target::resume`].
+    ///
+    /// # Errors
+    /// As [`Target::resume`].
+    pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
+        self.target.resume(&mut self.workspace, frame)
+    }
+
+    /// As [`Target::save`].
+    ///
+    /// # Errors
+    /// [`SaveError`].
+    pub fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
+        self.target.save(bytes)
+    }
+
+    /// As [`Target::restore`].
+    ///
+    /// # Errors
+    /// [`RestoreError`]; the tracker then goes on with what it had.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
+        self.target.restore(bytes)
+    }
+}

@@ -1,0 +1,63 @@
+//! `host-sim` as its tests run it, and what it says.
+
+#![allow(dead_code)] // no test needs all of it
+
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The program, built by cargo before these tests.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
+
+pub struct Said {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+pub fn host_sim(arguments: &[&str]) -> Said {
+    let Output { status, stdout, stderr } = Command::new(PROGRAM).args(arguments).output().expect("host-sim runs");
+    let text = |bytes| String::from_utf8(bytes).expect("host-sim writes UTF-8");
+    Said { code: status.code(), out: text(stdout), err: text(stderr) }
+}
+
+impl Said {
+    /// Bad input: exit code 2 and one line, which holds all of `words`.
+    #[track_caller]
+    pub fn refuses(&self, words: &[&str]) {
+        assert_eq!(self.code, Some(2), "{}", self.err);
+        assert_eq!(self.err.lines().count(), 1, "{}", self.err);
+        for word in words {
+            assert!(self.err.contains(word), "`{word}` is not in: {}", self.err);
+        }
+    }
+
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        serde_json::from_str(&self.out).expect("standard output is JSON")
+    }
+
+    /// A JSON object a line.
+    #[track_caller]
+    pub fn json_lines(&self) -> Vec<Value> {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        self.out.lines().map(|line| serde_json::from_str(line).expect("each line is JSON")).collect()
+    }
+}
+
+pub fn utf8(path: &Path) -> &str {
+    path.to_str().expect("test paths are UTF-8")
+}
+
+/// Recordings that are not part of the project, if they are there: `host-sim/README.md` says where they are looked for.
+pub fn recordings(test: &str, folder: &str) -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
+    let found = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from).join(folder);
+    if !found.is_dir() {
+        // Not `println!`, which is not shown for a test that passes.
+        let _ = writeln!(std::io::stderr(), "skipped: {test}: no {} (set SMR_SEQUENCES)", found.display());
+    }
+    found.is_dir().then_some(found)
+}
