@@ -64,8 +64,8 @@ impl<T: Steps> Update<'_, T> {
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
-    /// | a unit | a comparison of two bytes | a product; a pixel of the grid counts 64, or 32 where it is only compared, and a pixel of the frame under it 1 |
-    /// | more than `work`, at most | the template's pixels or twice the pixels of a row of the window, and 7 `SPAN` | 75,000, and the pixels of the frame under six rows of the grid |
+    /// | a unit | a comparison of two bytes | about an instruction of a Cortex-M4: a product counts 1, a pixel of the grid 64, or 32 where it is compared |
+    /// | more than `work`, at most | the template's pixels or twice the pixels of a row of the window, and 7 `SPAN` | 130,000, and the pixels of the frame under six rows of the grid |
     /// | left to `finish` | once through the template | once through the weights and the template |
     pub fn step(&mut self, work: u32) -> bool {
         self.target.advance(self.workspace, &self.frame, work)

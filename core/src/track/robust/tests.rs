@@ -119,7 +119,7 @@ fn a_step_does_no_more_than_it_promises() {
             let step = f64::from(grid.step) / 4096.0 * scale.max(1.0);
             let side = |rows: u16| f64::from(rows) * step + 2.0;
             let under = (side((grid.across + 2 * 9) * 4 + 2) * side(6)) as u32;
-            let most = 75_000 + under;
+            let most = 130_000 + under;
             for asked in [0, 1, 20_000] {
                 let frame = whole(pixels, width, height);
                 let mut update = tracker.begin(&frame).unwrap();

@@ -24,10 +24,12 @@ const SIZE_STEP: u64 = 66_847;
 const SIZE_PART: i64 = 252;
 /// How far they are searched, in cells.
 pub(super) const SIZE_REACH: u16 = 1;
-/// What a pixel of the grid counts, in products: one of which features are made, and one that is compared. About what they take on a
-/// Cortex-M4.
+/// What counts how many products, about as on a Cortex-M4: a pixel of the grid of which features are made, and one that is compared;
+/// a weight while the way to change it is found, and while it is coded or changed.
 const SEEN: u32 = 64;
 const COMPARED: u32 = 32;
+const SLOPED: u32 = 64;
+const CODED: u32 = 16;
 /// The least and the most that a target may have grown.
 const LEAST_SCALE: u32 = SCALE / 5;
 const MOST_SCALE: u32 = 5 * SCALE;
@@ -150,7 +152,7 @@ impl Target<'_> {
         let was = Contrast::of(self.early.pixels());
         let (begun, next) = (Some((self.track, update)), Some(self.track));
         workspace.progress = Progress { begun, next, shift, was, ..Progress::new() };
-        workspace.progress.work = weights(&self.track.grid) + self.track.grid.pixels();
+        workspace.progress.work = CODED * (weights(&self.track.grid) + self.track.grid.pixels());
         workspace.progress.stage = self.look(workspace, Where::Expected);
     }
 
@@ -342,7 +344,7 @@ impl Target<'_> {
         let sample = Sample { cells, responses, target: progress.offset, reach: self.config.reach() };
         progress.coded = self.filter.errors(&self.track.grid, &sample, desk);
         progress.spend_all(self.config.span().pow(2));
-        progress.spend(weights(&self.track.grid));
+        progress.spend(CODED * weights(&self.track.grid));
         Stage::Gather(0)
     }
 
@@ -357,7 +359,7 @@ impl Target<'_> {
     fn slopes(&self, workspace: &mut Workspace) -> Stage {
         let Workspace { desk, progress, .. } = workspace;
         (progress.coded, progress.descent) = self.filter.slopes(&self.track.grid, desk, progress.coded);
-        progress.spend(2 * weights(&self.track.grid));
+        progress.spend(SLOPED * weights(&self.track.grid));
         Stage::Bend(0)
     }
 
@@ -369,7 +371,7 @@ impl Target<'_> {
             return Stage::Bend(part + 1);
         }
         progress.change = Some(desk.change((progress.coded, progress.descent), self.config.learning_rate));
-        progress.spend(weights(&self.track.grid));
+        progress.spend(CODED * weights(&self.track.grid));
         Stage::Done
     }
 
