@@ -14,8 +14,8 @@ use rp2040_hal::gpio::{FunctionI2C, FunctionPio0, Pin, Pins, PullNone, PullUp};
 use rp2040_hal::pio::PIOExt;
 use rp2040_hal::pwm::Slices;
 use rp2040_hal::{Clock, I2C, Sio, Timer, Watchdog, clocks, pac};
-use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
 use smr_core::paper::{Config, Fraction, Radius};
+use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
 use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 
 /// The second stage of the boot loader. (The attribute is `unsafe` because any section may be named; the memory map
