@@ -7,6 +7,8 @@
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
 //! - [`report`]: what people look at.
+//! - [`trax`]: both trackers behind the protocol of evaluation tools.
+//! - [`export`]: recordings as files.
 //! - [`output`]: how files are written: whole or not at all.
 //! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
 //! - `bench` (feature `bench`): how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
@@ -20,11 +22,13 @@ pub mod command;
 #[cfg(feature = "emulator")]
 pub mod emulator;
 pub mod evaluate;
+pub mod export;
 pub mod output;
 pub mod reference;
 pub mod report;
 pub mod sequence;
 pub mod spread;
+pub mod trax;
 pub mod vectors;
 
 /// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.

@@ -1,8 +1,7 @@
 //! The command `host-sim`. Exit codes: 0 it holds, 1 a check failed, 2 bad usage or input.
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    host_sim::command::HostSim::parse().run()
+    host_sim::command::run()
 }

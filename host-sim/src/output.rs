@@ -30,6 +30,15 @@ impl Output {
         Ok(Self { name: name.to_owned(), way })
     }
 
+    /// Where another program writes what will have the name; `None` of a device or a pipe.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        match &self.way {
+            Way::Whole { file, .. } => Some(file.get_ref().path()),
+            Way::Direct(_) => None,
+        }
+    }
+
     /// # Errors
     /// The disk's, for example that it is full.
     pub fn write(&mut self, bytes: &[u8]) -> Result<()> {

@@ -39,7 +39,8 @@ pub fn count(sequence: &Sequence, every: usize) -> Result<usize> {
 }
 
 fn truth(sequence: &Sequence) -> Result<&[Option<crate::sequence::BoundingBox>]> {
-    let what = || format!("{}: no ground truth beside it: gt.txt or groundtruth_rect.txt", sequence.name);
+    let what =
+        || format!("{}: no ground truth beside it: gt.txt, groundtruth_rect.txt or groundtruth.txt", sequence.name);
     sequence.truth.as_deref().with_context(what)
 }
 

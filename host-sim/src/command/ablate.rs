@@ -5,6 +5,7 @@ use super::tracker_options::Part;
 use super::{Outcome, robustness, say};
 use crate::evaluate::robustness::Starts;
 use crate::evaluate::{MethodKind, Variant};
+use crate::sequence::FrameRange;
 use anyhow::Result;
 use clap::ValueEnum;
 use smr_core::{paper, robust};
@@ -23,12 +24,17 @@ pub struct Ablate {
     /// Print JSON instead of a table: what `eval --robustness --json` prints, with each variant as a tracker
     #[arg(long)]
     json: bool,
+    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
+    /// the ground truth in the first of them
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
 }
 
 impl Ablate {
-    pub fn run(self) -> Result<Outcome> {
+    pub fn run(mut self) -> Result<Outcome> {
+        self.recording = self.recording.of_frames(self.frames);
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
         let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants(), starts)?;
         let text = match self.json {

@@ -10,6 +10,7 @@ use crate::evaluate::{self, Evaluation, MethodKind, Results, Variant, published}
 use crate::output::{Output, print};
 use crate::report::calibration;
 use crate::report::diagram::Form;
+use crate::sequence::FrameRange;
 use anyhow::{Error, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -32,7 +33,7 @@ pub struct Eval {
     ///
     /// One x1,y1,x2,y2 a frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
     /// last frame are not looked at.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "resize")]
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
@@ -71,6 +72,10 @@ pub struct Eval {
     /// of arrays: `recordings`, `means`, `paired`, `calibration`
     #[arg(long)]
     json: bool,
+    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
+    /// the ground truth in the first of them
+    #[arg(long, value_name = "A..B", conflicts_with = "compare")]
+    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -78,7 +83,8 @@ pub struct Eval {
 }
 
 impl Eval {
-    pub fn run(self) -> Result<Outcome> {
+    pub fn run(mut self) -> Result<Outcome> {
+        self.recording = self.recording.of_frames(self.frames);
         let variants = self.variants()?;
         for variant in &variants {
             // A configuration that cannot be used is no fault of a recording: it is said once, here.
@@ -161,7 +167,11 @@ impl Eval {
     }
 
     fn evaluate_one(&self, path: &Path, variants: &[Variant], compare: bool, bar: &ProgressBar) -> Result<Evaluation> {
-        let sequence = self.recording.open(path)?;
+        let mut sequence = self.recording.open(path)?;
+        if let Some(frames) = self.frames {
+            // What is published is of all frames: under this name there is nothing.
+            sequence.name = format!("{} {frames}", sequence.name);
+        }
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
         let files = if compare { evaluate::result_files(path)? } else { Vec::new() };
         evaluate::evaluate(sequence, variants, &files, || bar.inc(1))

@@ -1,7 +1,7 @@
 //! `host-sim frame`: one frame with its coordinates, to choose the box to start from.
 
 use super::recording_options::RecordingOptions;
-use super::{Outcome, say};
+use super::{Outcome, progress, say};
 use crate::sequence::{BoundingBox, GrayFrame, Sequence};
 use crate::{output, report};
 use anyhow::{Context, Result, bail};
@@ -48,7 +48,10 @@ impl Frame {
     pub fn run(self) -> Result<Outcome> {
         let Sequence { name, frames, init, .. } = self.recording.open(&self.sequence)?;
         let number = self.number.get();
-        let frame = nth(frames, number).with_context(|| name.clone())?;
+        // A late frame of a long video takes a while.
+        let bar = progress::bar(&name, Some(number));
+        let frame = nth(frames.inspect(|_| bar.inc(1)), number).with_context(|| name.clone())?;
+        bar.finish_and_clear();
         // The box that lies beside a recording is that of its first frame.
         let bbox = init.filter(|_| number == 1 || self.recording.gives_init());
         let bytes = report::coordinates(&frame, number, bbox.as_ref())?;

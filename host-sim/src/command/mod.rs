@@ -4,10 +4,15 @@ mod ablate;
 #[cfg(feature = "bench")]
 mod bench;
 mod check;
+mod completions;
+mod convert;
 mod eval;
+mod film;
 mod frame;
+mod man;
 #[cfg(any(test, not(feature = "bench")))]
 mod not_built;
+mod progress;
 #[cfg(feature = "emulator")]
 mod qemu_options;
 mod recording_options;
@@ -16,28 +21,34 @@ mod report;
 mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
+mod settings;
 mod synth;
 #[cfg(feature = "emulator")]
 mod target;
 mod track;
 mod tracker_options;
+mod trax;
 mod vectors;
 
 use crate::output::print;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::io::{self, ErrorKind, StdoutLock};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
-/// --size), or a built-in recording: `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
+/// --size), `-` (Y4M from standard input), or a built-in recording: `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
 ///
 /// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 120)]
 pub struct HostSim {
+    /// Tracker settings from a TOML file: option names without their dashes as keys. Options on the command line win
+    #[arg(long, global = true, value_name = "FILE")]
+    settings: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -45,39 +56,77 @@ pub struct HostSim {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Write one frame with a grid of coordinates as a picture, to choose or check a box
+    #[command(after_help = "Examples:
+  host-sim frame clip.mp4 1 -o first.png
+  host-sim frame clip.mp4 1 --init 142,125,90,39 -o first.png")]
     Frame(frame::Frame),
     /// Print the target's box in every frame
+    #[command(after_help = "Examples:
+  host-sim track clip.mp4 --init 142,125,90,39 --method robust --video boxes.mp4
+  host-sim track sequences/car --frames 20..80 --resize 1/2 --format csv --out boxes.csv
+  ffmpeg -v error -f v4l2 -i /dev/video0 -pix_fmt gray -f yuv4mpegpipe -strict -1 - | host-sim track - --init 280,200,80,80")]
     Track(track::Track),
     /// Compare smr-core with the float reference, score by score
+    #[command(after_help = "Examples:
+  host-sim check
+  host-sim check sequences/car --config camera")]
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
+    #[command(after_help = "Example:
+  host-sim eval sequences --method smr,robust")]
     Eval(eval::Eval),
     /// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
+    #[command(after_help = "Example:
+  host-sim ablate sequences --starts-every 1000")]
     Ablate(ablate::Ablate),
     #[cfg(feature = "bench")]
     /// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
+    #[command(after_help = "Example:\n  host-sim bench sequences/car --window 16x16")]
     Bench(bench::Bench),
     #[cfg(not(feature = "bench"))]
     /// Measure how fast it is (not built in: --features bench)
     Bench(not_built::NotBuilt),
+    /// Write a recording as files that other programs read and firmware replays
+    #[command(after_help = "Examples:
+  host-sim convert clip.mp4 --frames 1..60 --resize 160x120 -o clip.h
+  host-sim convert sequences/car --format pgm -o frames")]
+    Convert(convert::Convert),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
+    #[command(after_help = "Example:
+  host-sim report sequences/car --method smr,robust --out report.html")]
     Report(report::Report),
     /// Write the synthetic recording out as files
+    #[command(after_help = "Example:
+  host-sim synth frames --format y4m")]
     Synth(synth::Synth),
     #[cfg(feature = "emulator")]
     /// Run the firmware in QEMU on a recording, and compare every answer with the host's
+    #[command(after_help = "Example:\n  host-sim target synthetic --frames 20")]
     Target(target::Target),
     #[cfg(not(feature = "emulator"))]
     /// Run the firmware in QEMU on a recording (not built in: --features emulator)
     Target(not_built::NotBuilt),
     #[cfg(feature = "emulator")]
     /// Run any firmware in QEMU, and print its log
+    #[command(after_help = "Example:\n  host-sim run firmware.elf")]
     Run(run::Run),
     #[cfg(not(feature = "emulator"))]
     /// Run any firmware in QEMU (not built in: --features emulator)
     Run(not_built::NotBuilt),
+    /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
+    Trax(trax::Trax),
     /// Print the conformance vectors, made from the float reference
+    #[command(after_help = "Example:
+  host-sim vectors > vectors.json")]
     Vectors(vectors::Vectors),
+    /// Print the completions of a shell
+    #[command(after_help = "Example:
+  host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim")]
+    Completions(completions::Completions),
+    /// Print a page of the manual
+    #[command(after_help = "Example:
+  host-sim man track | man -l -")]
+    Man(man::Man),
 }
 
 /// What a command has to say at its end, if nothing went wrong on the way.
@@ -87,6 +136,20 @@ pub enum Outcome {
     CheckFailed,
 }
 
+/// Runs what the command line of this process says.
+#[must_use]
+pub fn run() -> ExitCode {
+    match settings::arguments(std::env::args_os().collect()) {
+        Ok(arguments) => HostSim::parse_from(arguments).run(),
+        Err(error) => refused(&error),
+    }
+}
+
+fn refused(error: &anyhow::Error) -> ExitCode {
+    eprintln!("error: {error:#}");
+    ExitCode::from(2)
+}
+
 impl HostSim {
     /// Runs the command. Errors are one line on standard error: what, where, what was expected.
     pub fn run(self) -> ExitCode {
@@ -94,10 +157,7 @@ impl HostSim {
             Ok(Outcome::Holds) => ExitCode::SUCCESS,
             Ok(Outcome::CheckFailed) => ExitCode::from(1),
             Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("error: {error:#}");
-                ExitCode::from(2)
-            }
+            Err(error) => refused(&error),
         }
     }
 
@@ -112,6 +172,7 @@ impl HostSim {
             Command::Bench(bench) => bench.run(),
             #[cfg(not(feature = "bench"))]
             Command::Bench(bench) => bench.run("bench", "bench"),
+            Command::Convert(convert) => convert.run(),
             Command::Report(report) => report.run(),
             Command::Synth(synth) => synth.run(),
             #[cfg(feature = "emulator")]
@@ -122,7 +183,10 @@ impl HostSim {
             Command::Run(run) => run.run(),
             #[cfg(not(feature = "emulator"))]
             Command::Run(run) => run.run("run", "emulator"),
+            Command::Trax(trax) => trax.run(),
             Command::Vectors(vectors) => vectors.run(),
+            Command::Completions(completions) => completions.run(),
+            Command::Man(man) => man.run(),
         }
     }
 }

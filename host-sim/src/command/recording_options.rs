@@ -1,7 +1,7 @@
 //! How recordings are opened, the same for every command that reads them.
 
 use super::tracker_options::Pair;
-use crate::sequence::{self, BoundingBox, Damage, Frames, GrayFrame, OpenOptions, Sequence};
+use crate::sequence::{self, BoundingBox, Damage, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence};
 use anyhow::{Result, ensure};
 use clap::Args;
 use std::num::NonZeroU16;
@@ -20,6 +20,13 @@ pub struct RecordingOptions {
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
+    /// Bring all frames to this size, or to a fraction of theirs; boxes beside the recording and --init are of the size before, and scaled
+    /// along
+    #[arg(long, value_name = "WxH|1/2")]
+    resize: Option<Resize>,
+    /// Which frames; of commands that have such an option.
+    #[arg(skip)]
+    part: Option<FrameRange>,
     /// Go on where a recording is damaged, and say how many frames are, on standard error; without it damage is an error
     #[arg(long)]
     lenient: bool,
@@ -34,6 +41,12 @@ impl RecordingOptions {
         self.init.is_some()
     }
 
+    /// The same, of these frames only.
+    #[must_use]
+    pub fn of_frames(&self, part: Option<FrameRange>) -> Self {
+        Self { part, ..self.clone() }
+    }
+
     /// Opens the recording at `path`.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
         let options = OpenOptions {
@@ -43,17 +56,24 @@ impl RecordingOptions {
             ffmpeg_patience: self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into())),
         };
         let mut sequence = sequence::open(path, &options)?;
+        if let Some(part) = self.part {
+            sequence = sequence.part(part);
+            sequence.init = self.init.or(sequence.init);
+        }
         if let Some(init) = sequence.init.as_mut().filter(|_| self.inclusive) {
             (init.width, init.height) = (init.width + 1.0, init.height + 1.0);
+        }
+        if let Some(resize) = self.resize {
+            sequence = sequence.resized(resize)?;
         }
         let Sequence { name, frames, damage, .. } = sequence;
         let frames: Frames = Box::new(Announced { name: name.clone(), frames, damage: damage.clone() });
         Ok(Sequence { name, frames, damage, ..sequence })
     }
 
-    /// True if no option changes the box to start from.
+    /// True if no option changes the box to start from, or the frames.
     pub fn says_nothing_of_start(&self) -> bool {
-        self.init.is_none() && !self.inclusive
+        self.init.is_none() && !self.inclusive && self.part.is_none() && self.resize.is_none()
     }
 
     /// To be asked before the work on so many recordings.

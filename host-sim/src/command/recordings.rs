@@ -2,22 +2,55 @@
 
 use crate::sequence;
 use anyhow::{Context, Result, bail};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// `path` if it is a recording, else the recordings in it, in natural order.
+/// `path` if it is a recording, else the recordings in it and in its folders, in natural order.
 pub fn recordings(path: &Path) -> Result<Vec<PathBuf>> {
     if sequence::is_sequence(path) {
         return Ok(vec![path.to_owned()]);
     }
-    let entries = std::fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
-    let mut found: Vec<PathBuf> =
-        entries.with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
-    found.retain(|entry| entry.is_dir() && sequence::is_sequence(entry));
-    if found.is_empty() {
-        bail!("{}: no recording in it: expected one, or a folder whose subfolders are recordings", path.display());
+    let entries = folders(path).with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
+    let mut search = Search { found: Vec::new(), seen: path.canonicalize().into_iter().collect() };
+    search.look_into(entries)?;
+    if search.found.is_empty() {
+        bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
     }
-    found.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()));
-    Ok(found)
+    Ok(search.found)
+}
+
+struct Search {
+    found: Vec<PathBuf>,
+    /// By their real names: a link to a folder above would be followed for ever.
+    seen: HashSet<PathBuf>,
+}
+
+impl Search {
+    /// What is a recording is not looked into.
+    fn look_into(&mut self, entries: Vec<PathBuf>) -> Result<()> {
+        for folder in entries {
+            let cannot_list = || format!("cannot list the folder {}", folder.display());
+            if !self.seen.insert(folder.canonicalize().with_context(cannot_list)?) {
+                continue;
+            }
+            if sequence::is_sequence(&folder) {
+                self.found.push(folder);
+            } else {
+                self.look_into(folders(&folder).with_context(cannot_list)?)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The folders in a folder. Hidden ones are not meant.
+fn folders(path: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut folders =
+        std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>()?;
+    let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    folders.retain(|entry| entry.is_dir() && !hidden(entry));
+    folders.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(folders)
 }
 
 #[cfg(test)]
@@ -37,6 +70,22 @@ mod tests {
         let expected = ["s2", "s10"].map(|name| folder.path().join(name));
         assert_eq!(recordings(folder.path()).unwrap(), expected);
         assert_eq!(recordings(&expected[0]).unwrap(), expected[..1]);
+    }
+
+    #[test]
+    fn folders_of_folders_are_looked_into() {
+        let above = tempfile::tempdir().unwrap();
+        let names = ["more/vot/bag/color", "more/Man/img", "tld", "a/.hidden", "a/b/c/d"];
+        for name in names {
+            fs::create_dir_all(above.path().join(name)).unwrap();
+            fs::write(above.path().join(name).join("1.png"), "").unwrap();
+        }
+        fs::create_dir(above.path().join("tld/trackers")).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(above.path(), above.path().join("a/b/again")).unwrap();
+        let found = recordings(above.path()).unwrap();
+        let expected = ["a/b/c/d", "more/Man", "more/vot/bag", "tld"].map(|name| above.path().join(name));
+        assert_eq!(found, expected);
     }
 
     #[test]

@@ -1,36 +1,69 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
-use super::Outcome;
+use super::film::Film;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::{MethodKind, Origin, Report, Run, name_of};
+use super::{Outcome, progress};
+use crate::evaluate::{Evidence, MethodKind, Origin, Report, Run, name_of};
 use crate::output::{Output, print};
-use crate::sequence::{BoundingBox, boxes};
+use crate::sequence::boxes::Form;
+use crate::sequence::{BoundingBox, FrameRange};
 use anyhow::{Context, Result};
+use clap::ValueEnum;
+use indicatif::ProgressBar;
 use serde::Serialize;
 use smr_core::Rect;
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{IsTerminal, Write, stdout};
+use std::num::NonZeroU16;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
-    /// The recording
+    /// The recording; `-` is Y4M from standard input, answered as it comes
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
     /// How the target is followed
     #[arg(long, value_enum, default_value = "smr")]
     method: MethodKind,
-    /// Print one JSON object a frame instead of x1,y1,x2,y2
-    #[arg(long)]
+    /// What a line is
+    #[arg(long, value_enum, default_value = "tld")]
+    format: Format,
+    /// Print one JSON object a frame instead
+    #[arg(long, conflicts_with = "format")]
     json: bool,
     /// Write to this file instead of standard output; if something goes wrong on the way it is not written
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Draw the boxes over the frames, too: .mp4 (needs ffmpeg), .gif, or a new folder for PNG pictures
+    #[arg(long, value_name = "FILE|DIR")]
+    video: Option<PathBuf>,
+    /// Frames a second of the video
+    #[arg(long, value_name = "RATE", default_value = "25", requires = "video")]
+    rate: NonZeroU16,
+    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
+    /// the ground truth in the first of them
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
 }
+
+/// What a line holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// x1,y1,x2,y2; NaN,NaN,NaN,NaN if the target is lost
+    Tld,
+    /// x,y,width,height, the first pixel being 1; NaN,NaN,NaN,NaN if it is lost
+    Otb,
+    /// x,y,width,height; 0 if it is lost
+    Vot,
+    /// Names in the first line, then frame, box, state and the figures behind it; empty where there are none
+    Csv,
+}
+
+const CSV_NAMES: &str = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
 /// One frame as JSON. The boxes are null when the target is lost; what the method does not know is null, too.
 #[derive(Serialize)]
@@ -73,25 +106,40 @@ impl Track {
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
         let (method, origin) = (variant.build()?, variant.origin());
-        let sequence = self.recording.open(&self.sequence)?;
+        let mut sequence = self.recording.of_frames(self.frames).open(&self.sequence)?;
         let mut run = Run::new(method, sequence.start()?);
-        let mut file = self.out.as_deref().map(Output::create).transpose()?;
-        for (number, frame) in (1..).zip(sequence.frames) {
-            let report = run.step(&frame?).with_context(|| sequence.name.clone())?;
-            let line = self.line(number, &report, &origin)? + "\n";
-            match &mut file {
-                Some(file) => file.write(line.as_bytes())?,
-                // Each line is out before the next frame is read: if that one is bad, nothing is lost.
-                None => print(|out| out.write_all(line.as_bytes()))?,
-            }
+        let mut lines = Lines::create(self.out.as_deref())?;
+        let truth = sequence.truth.take();
+        let film = self.video.as_deref().map(|video| Film::create(video, self.rate, truth));
+        let mut film = film.transpose()?;
+        // Lines on the same terminal show how far it is.
+        let shown = self.out.is_some() || !stdout().is_terminal();
+        let bar = if shown { progress::bar(&sequence.name, sequence.length) } else { ProgressBar::hidden() };
+        if self.format == Format::Csv {
+            lines.write(CSV_NAMES)?;
         }
-        file.map_or(Ok(()), Output::finish)?;
+        for (number, frame) in (1..).zip(sequence.frames) {
+            let frame = frame?;
+            let report = run.step(&frame).with_context(|| sequence.name.clone())?;
+            lines.write(&(self.line(number, &report, &origin)? + "\n"))?;
+            film.as_mut().map_or(Ok(()), |film| film.frame(frame, &report))?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        film.map_or(Ok(()), Film::finish)?;
+        lines.finish()?;
         Ok(Outcome::Holds)
     }
 
     fn line(&self, frame: usize, report: &Report, origin: &Origin) -> Result<String> {
         if !self.json {
-            return Ok(boxes::tld_line(report.target.as_ref()));
+            let form = match self.format {
+                Format::Tld => Form::Tld,
+                Format::Otb => Form::Otb,
+                Format::Vot => Form::Vot,
+                Format::Csv => return Ok(csv_line(frame, report)),
+            };
+            return Ok(form.line(report.target.as_ref()));
         }
         let evidence = report.evidence.as_ref();
         Ok(serde_json::to_string(&JsonLine {
@@ -111,6 +159,53 @@ impl Track {
     }
 }
 
+/// Where lines go: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
+/// printed before.
+enum Lines {
+    Printed,
+    File(Output),
+}
+
+impl Lines {
+    fn create(file: Option<&Path>) -> Result<Self> {
+        file.map_or(Ok(Self::Printed), |file| Output::create(file).map(Self::File))
+    }
+
+    fn write(&mut self, text: &str) -> Result<()> {
+        match self {
+            Self::Printed => print(|out| out.write_all(text.as_bytes())),
+            Self::File(file) => file.write(text.as_bytes()),
+        }
+    }
+
+    fn finish(self) -> Result<()> {
+        match self {
+            Self::Printed => Ok(()),
+            Self::File(file) => file.finish(),
+        }
+    }
+}
+
+fn csv_line(frame: usize, report: &Report) -> String {
+    let field = |value: Option<String>| value.unwrap_or_default();
+    let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
+    let evidence = report.evidence.as_ref();
+    let figure =
+        |figure: fn(&Evidence) -> Option<f64>| field(evidence.and_then(figure).map(|value| rounded(value).to_string()));
+    [
+        frame.to_string(),
+        target.unwrap_or_else(|| ",,,".to_owned()),
+        name_of(report.state).to_owned(),
+        figure(|evidence| Some(evidence.confidence)),
+        figure(|evidence| Some(evidence.ratio)),
+        figure(|evidence| evidence.runner_up_ratio),
+        figure(|evidence| evidence.alpha.map(f64::from)),
+        figure(|evidence| Some(evidence.scale)),
+        field(report.work.map(|work| work.to_string())),
+    ]
+    .join(",")
+}
+
 /// To six digits: more than the 1/65535 that a ratio is made of needs.
 fn rounded(ratio: f64) -> f64 {
     (ratio * 1e6).round() / 1e6
@@ -119,7 +214,6 @@ fn rounded(ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Evidence;
     use clap::Parser;
     use smr_core::State;
 
@@ -145,6 +239,13 @@ mod tests {
         let bbox = Rect::new(-2, 5, 10, 20);
         let report = Report { state: State::Leaving, ..Report::locked(bbox) };
         assert_eq!(line(&[], &report), "-2,5,8,25");
+        assert_eq!(line(&["--format", "otb"], &report), "-1,6,10,20");
+        assert_eq!(line(&["--format", "vot"], &report), "-2,5,10,20");
+        let csv = line(&["--format", "csv"], &report);
+        assert_eq!(
+            (csv.as_str(), csv.matches(',').count()),
+            ("7,-2,5,10,20,leaving,,,,,,", CSV_NAMES.matches(',').count())
+        );
         let expected = r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"#;
         let fine = r#""fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
         let nothing = r#""confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"#;
@@ -167,6 +268,8 @@ mod tests {
         let (state, evidence) = (State::Lost, Some(evidence));
         let report = Report { target: None, bbox: None, state, evidence, work: Some(9) };
         assert_eq!(line(&[], &report), "NaN,NaN,NaN,NaN");
+        assert_eq!(line(&["--format", "vot"], &report), "0");
+        assert_eq!(line(&["--format", "csv"], &report), "7,,,,,lost,0,0.666667,0.5,13,1,9");
         let expected = r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"#;
         let rest = r#""runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9}"#;
         assert_eq!(line(&["--json"], &report), [&head("smr", "{}"), expected, rest].concat());

@@ -12,7 +12,7 @@ mod table;
 
 pub use configs::{Configs, Origin, Variant};
 pub use core_kind::CoreKind;
-pub use method::{Evidence, Method, MethodKind, Report, Run, name_of};
+pub use method::{Evidence, Method, MethodKind, Report, Run, lock, name_of};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
 pub(crate) use table::aligned;
@@ -108,7 +108,7 @@ pub fn evaluate(
 
 /// The ground truth of the sequence called `name`, without which nothing can be measured.
 fn truth_of(name: &str, truth: Option<Vec<Option<BoundingBox>>>) -> Result<Vec<Option<BoundingBox>>> {
-    truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt or groundtruth_rect.txt"))
+    truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt, groundtruth_rect.txt or groundtruth.txt"))
 }
 
 impl Evaluation {

@@ -1,12 +1,12 @@
 //! Letters for pictures: 5 columns, 7 rows, capitals and digits only.
 
 /// Columns of a letter; the next one begins one further on.
-pub(super) const WIDTH: u32 = 5;
+pub(crate) const WIDTH: u32 = 5;
 /// Rows of a letter.
-pub(super) const HEIGHT: u32 = 7;
+pub(crate) const HEIGHT: u32 = 7;
 
 /// Where `letter` has ink, as column and row; nowhere, if it is not in this font.
-pub(super) fn ink(letter: char) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn ink(letter: char) -> impl Iterator<Item = (u32, u32)> {
     let letter = letter.to_ascii_uppercase();
     let rows = GLYPHS.iter().find(|(known, _)| *known == letter).map_or([0; 7], |(_, rows)| *rows);
     let places = (0..HEIGHT).zip(rows).flat_map(|(row, bits)| (0..WIDTH).map(move |column| (column, row, bits)));

@@ -7,7 +7,7 @@ pub mod diagram;
 mod difference;
 mod encode;
 mod film;
-mod font;
+pub(crate) mod font;
 mod look;
 mod page;
 mod picture;

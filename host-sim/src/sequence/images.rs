@@ -40,6 +40,16 @@ pub(super) fn frames(files: Vec<PathBuf>) -> impl Iterator<Item = Result<GrayFra
 /// The largest picture that memory is taken for, in pixels: 16384x16384.
 const MOST_PIXELS: u64 = 1 << 28;
 
+/// One picture.
+pub fn read_picture(file: &Path) -> Result<GrayFrame> {
+    read(file).with_context(|| format!("cannot read {}", file.display()))
+}
+
+/// One picture as the bytes of its file.
+pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
+    decode(Path::new(""), bytes)
+}
+
 fn read(file: &Path) -> Result<GrayFrame> {
     decode(file, &fs::read(file)?)
 }
@@ -160,7 +170,7 @@ fn high(value: u16) -> u8 {
 }
 
 /// The weights add up to 65536, so the third byte from the right is the quotient and never overflows.
-fn luma([r, g, b]: [u8; 3]) -> u8 {
+pub(crate) fn luma([r, g, b]: [u8; 3]) -> u8 {
     let sum = 19595 * u32::from(r) + 38470 * u32::from(g) + 7471 * u32::from(b) + 32768;
     sum.to_be_bytes()[1]
 }

@@ -8,18 +8,25 @@ pub mod boxes;
 mod damage;
 mod images;
 mod noise;
+mod part;
 mod periodic;
 mod raw;
+mod resize;
 pub mod synthetic;
 mod video;
 mod y4m;
 
 pub use boxes::BoundingBox;
 pub use damage::Damage;
+pub(crate) use images::luma;
+pub use images::{decode_picture, read_picture};
+pub use part::FrameRange;
+pub use resize::Resize;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use damage::Reading;
 use std::fs;
+use std::io::{BufReader, stdin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -93,17 +100,27 @@ impl OpenOptions {
     }
 }
 
-/// Where the pictures of a recording in OTB layout are.
-const PICTURES: &str = "img";
+/// Where the pictures of a recording in the layouts of OTB and VOT are.
+const INNER: [&str; 2] = ["img", "color"];
 
-/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/`), a folder with one video, Y4M
+/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
 /// file or raw dump, or such a file itself. The words `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
-/// folder of such a name is `./synthetic`).
+/// folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
-/// `groundtruth_rect.txt` (OTB form). Without `init.txt` the first box of the ground truth is the one to start from.
+/// `groundtruth_rect.txt` (OTB form), else `groundtruth.txt` (VOT and GOT-10k form). Without `init.txt` the first box of the ground truth is the one to start from.
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
-    let mut sequence = if let Some(built_in) = built_in(path) {
+    let mut sequence = if path == Path::new(STANDARD_INPUT) {
+        ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
+        let name = "standard input".to_owned();
+        let source = Source::new(
+            y4m::Frames::new(BufReader::new(stdin()), name.clone())?,
+            None,
+            Path::new(&name),
+            options.reading(),
+        );
+        Sequence { name, frames: source.frames, length: None, init: None, truth: None, damage: source.damage }
+    } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
     } else {
@@ -115,6 +132,9 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     sequence.init = options.init.or(sequence.init);
     Ok(sequence)
 }
+
+/// Y4M as it comes, for example from a camera: no boxes lie beside it.
+const STANDARD_INPUT: &str = "-";
 
 /// The recordings that need no file.
 pub const BUILT_IN: [&str; 4] = [synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
@@ -135,13 +155,15 @@ fn built_in(path: &Path) -> Option<Sequence> {
 /// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
 /// folders of their own.
 pub fn is_sequence(path: &Path) -> bool {
-    if BUILT_IN.iter().any(|name| path == Path::new(name)) || path.is_file() {
+    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() {
         return true;
     }
     let holds = |folder: &Path, kind: fn(&Path) -> bool| {
         files_in(folder).is_ok_and(|files| files.iter().any(|file| kind(file)))
     };
-    holds(path, images::is_picture) || holds(path, is_recording) || holds(&path.join(PICTURES), images::is_picture)
+    holds(path, images::is_picture)
+        || holds(path, is_recording)
+        || INNER.iter().any(|inner| holds(&path.join(inner), images::is_picture))
 }
 
 fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
@@ -205,9 +227,10 @@ impl Source {
 fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
     let files = files_in(folder)?;
     let mut pictures = images::pictures(&files);
-    let inner = folder.join(PICTURES);
-    if pictures.is_empty() && inner.is_dir() {
-        pictures = images::pictures(&files_in(&inner)?);
+    for inner in INNER.map(|inner| folder.join(inner)) {
+        if pictures.is_empty() && inner.is_dir() {
+            pictures = images::pictures(&files_in(&inner)?);
+        }
     }
     if pictures.is_empty() {
         let recording = only_recording(folder, &files)?;

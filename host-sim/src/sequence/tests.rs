@@ -62,6 +62,30 @@ mod folders {
     use super::*;
 
     #[test]
+    fn the_layouts_of_vot_and_got10k() {
+        let vot = folder();
+        fs::create_dir(vot.path().join("color")).unwrap();
+        for number in 1..=3 {
+            save_gray(&vot.path().join(format!("color/{number:08}.png")), 20, 16, number);
+        }
+        write(&vot, "groundtruth.txt", b"2,3,8,3,8,9,2,9\n3,4,5,6\nnan,nan,nan,nan\n");
+        write(&vot, "sequence", b"channels.color=color/%08d.jpg\n");
+        assert!(is_sequence(vot.path()));
+        let sequence = open_plain(vot.path()).unwrap();
+        let first = "2,3,6,6".parse().unwrap();
+        assert_eq!((sequence.length, sequence.init), (Some(3), Some(first)));
+        assert_eq!(sequence.truth, Some(vec![Some(first), Some("3,4,5,6".parse().unwrap()), None]));
+
+        let got = folder();
+        for number in 1..=2 {
+            save_gray(&got.path().join(format!("{number:08}.png")), 20, 16, number);
+        }
+        write(&got, "groundtruth.txt", b"2.0000,3.0000,6.0000,6.0000\n2,3,6,6\n");
+        write(&got, "absence.label", b"0\n1\n");
+        assert_eq!(open_plain(got.path()).unwrap().truth, Some(vec![Some(first), None]));
+    }
+
+    #[test]
     fn pictures_come_in_natural_order() {
         let folder = folder();
         for (name, value) in [("img10.png", 10), ("img2.PNG", 2), ("img1.pgm", 1)] {

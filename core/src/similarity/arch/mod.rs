@@ -88,7 +88,7 @@ use crate::image::Image;
 /// only. External RAM in the region of Device memory (0xA000_0000 to 0xDFFF_FFFF of the default memory map) faults until
 /// firmware has set up the MPU to make it Normal, and so does every other memory that the MPU makes Device or Strongly-ordered;
 /// so does all memory while `UNALIGN_TRP` is set. Where this cannot be had, [`Backend::Scalar`] loads bytes only:
-/// [`Config::backend`](crate::Config::backend).
+/// `Config::backend` of either tracker.
 ///
 /// ```
 /// use smr_core::similarity::Backend;

@@ -44,7 +44,7 @@ pub use grid::Grid;
 pub use target::Robust;
 pub use workspace::Workspace;
 
-/// The most that the filter searches to each side, in cells: see [`Config::reach`].
+/// The most that the filter searches to each side, in cells: see `Config::reach`.
 pub const REACH: u16 = 8;
 /// Pixels of the largest template.
 const MOST_PIXELS: usize = 1600;

@@ -67,7 +67,7 @@ impl Robust {
     }
 
     /// The cells of the search window as the next update will see them in this frame, row by row and
-    /// [`CHANNELS`](super::CHANNELS) bytes in each: the filter's and [`Config::reach`] more on each side.
+    /// [`CHANNELS`](super::CHANNELS) bytes in each: the filter's and `Config::reach` more on each side.
     ///
     /// # Errors
     /// Those of [`Target::update`]. An update under way in this workspace is given up.
@@ -82,7 +82,7 @@ impl Robust {
         Ok(&workspace.cells)
     }
 
-    /// The filter's responses to those cells, in units of 1/16384, row by row: up to [`Config::reach`] cells from the middle to each
+    /// The filter's responses to those cells, in units of 1/16384, row by row: up to `Config::reach` cells from the middle to each
     /// side, near and far ones alike; what lies beyond is 0.
     ///
     /// # Errors

@@ -1,0 +1,105 @@
+//! `host-sim convert`: a recording as files that other programs read and firmware replays.
+
+use super::recording_options::RecordingOptions;
+use super::{Outcome, progress, say};
+use crate::export::{Format, Writer, Written};
+use crate::sequence::{BoundingBox, FrameRange, Sequence};
+use anyhow::{Result, bail};
+use serde::Serialize;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Write a recording as files that other programs read and firmware replays
+///
+/// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
+/// too: init.txt and gt.txt in TLD form.
+#[derive(Debug, clap::Args)]
+pub struct Convert {
+    /// The recording
+    #[arg(value_name = "SEQ")]
+    sequence: PathBuf,
+    /// A file, or a folder; made if it is not there, and refused if there is something in it
+    #[arg(long, short, value_name = "OUT")]
+    out: PathBuf,
+    /// What frames are written as [default: by the extension of OUT, else png]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
+    /// Print a JSON object instead of a line
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recording: RecordingOptions,
+}
+
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    sequence: String,
+    out: PathBuf,
+    format: &'static str,
+    #[serde(flatten)]
+    written: Written,
+    /// The box to start from; null where none is known.
+    init: Option<BoundingBox>,
+    /// Frames that were damaged, with --lenient.
+    damaged: u64,
+}
+
+impl Convert {
+    pub fn run(self) -> Result<Outcome> {
+        let format = self.format()?;
+        let recording = self.recording.of_frames(self.frames);
+        let Sequence { name, frames, length, init, truth, damage } = recording.open(&self.sequence)?;
+        let stem = self.out.file_stem().filter(|_| Format::of_file(&self.out).is_some());
+        let title = stem.map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
+        let mut writer = Writer::create(&self.out, format, &title, init)?;
+        let bar = progress::bar(&name, length);
+        for frame in frames {
+            writer.frame(&frame?)?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let written = writer.finish(truth.as_deref())?;
+        let report = Report {
+            version: env!("CARGO_PKG_VERSION"),
+            sequence: name,
+            out: self.out,
+            format: format.name(),
+            written,
+            init,
+            damaged: damage.frames(),
+        };
+        let text = if self.json { serde_json::to_string_pretty(&report)? + "\n" } else { line(&report) };
+        say(|out| out.write_all(text.as_bytes()))?;
+        Ok(Outcome::Holds)
+    }
+
+    fn format(&self) -> Result<Format> {
+        let of_file = Format::of_file(&self.out);
+        match (self.format, of_file) {
+            (Some(format), Some(of_file)) if format != of_file => bail!(
+                "--format {} into {}: expected a folder, or a file with the extension of the format",
+                format.name(),
+                self.out.display()
+            ),
+            (format, of_file) => Ok(format.or(of_file).unwrap_or(Format::Png)),
+        }
+    }
+}
+
+fn line(report: &Report) -> String {
+    let Report { out, written: Written { frames, width, height, bytes, boxes }, format, init, .. } = report;
+    let mut line = format!("{}: {frames} frames of {width}x{height}, {bytes} bytes", out.display());
+    if *format == "raw" {
+        line += &format!(", read with --size {width}x{height}");
+    }
+    match (boxes.is_empty(), init) {
+        (false, _) => line += &format!("; {}", boxes.join(", ")),
+        (true, Some(init)) => line += &format!("; it starts with --init {init}"),
+        (true, None) => {}
+    }
+    line + "\n"
+}

@@ -1,0 +1,46 @@
+//! `host-sim trax`: a tracker behind the TraX protocol, as the VOT toolkit and others run it.
+
+use super::Outcome;
+use super::tracker_options::TrackerOptions;
+use crate::evaluate::MethodKind;
+use crate::trax::{PROTOCOLS, Server, serve};
+use anyhow::Result;
+use std::io::{stdin, stdout};
+
+/// Serve a tracker over the TraX protocol on standard input and output
+///
+/// The client gives rectangles or polygons (their box is followed), and images by path, in memory or in a buffer. Each answer is a rectangle
+/// with the property `confidence`, 0 to 1; 0 says that the target is lost, and the rectangle is then the last one.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example, a section of the VOT toolkit's trackers.ini:
+  [smr_robust]
+  protocol = trax
+  command = host-sim trax --method robust")]
+pub struct Trax {
+    /// How the target is followed
+    #[arg(long, value_enum, default_value = "smr")]
+    method: MethodKind,
+    /// The version of the protocol to begin with; clients of version 4 also speak the earlier ones
+    #[arg(long, value_name = "VERSION", default_value_t = *PROTOCOLS.end(), value_parser = clap::value_parser!(u8).range(1..=4))]
+    protocol: u8,
+    #[command(flatten)]
+    tracker: TrackerOptions,
+}
+
+impl Trax {
+    pub fn run(self) -> Result<Outcome> {
+        let variant = self.tracker.variant(self.method)?;
+        // What is wrong with the options is said before the session.
+        variant.build()?;
+        let options: Vec<String> =
+            variant.origin().options.iter().map(|(name, value)| format!(" --{name} {value}")).collect();
+        let server = Server {
+            name: self.method.name().to_owned(),
+            description: format!("smr, method {}{}", self.method.name(), options.concat()),
+            protocol: self.protocol,
+            build: || variant.build(),
+        };
+        serve(&server, stdin().lock(), stdout().lock())?;
+        Ok(Outcome::Holds)
+    }
+}

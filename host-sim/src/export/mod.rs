@@ -1,0 +1,16 @@
+//! Recordings as files: for other programs, for firmware, and to be looked at.
+//!
+//! - [`png()`], [`pgm`]: a frame as a picture.
+//! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array.
+//! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
+
+mod c_array;
+mod draw;
+mod film;
+mod picture;
+mod writer;
+
+pub use draw::{Ink, Overlay};
+pub use film::Film;
+pub use picture::{pgm, png};
+pub use writer::{Format, Writer, Written};

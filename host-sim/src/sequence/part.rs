@@ -1,0 +1,169 @@
+//! A part of a recording: some of its frames, with their boxes.
+
+use super::{Frames, GrayFrame, Sequence};
+use anyhow::{Result, bail, ensure};
+use std::fmt;
+use std::str::FromStr;
+
+/// Frames from one to another, both included; the first frame of a recording is 1. As text `20..80`, `20..` or `..80`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRange {
+    first: usize,
+    /// `None`: to the end.
+    last: Option<usize>,
+}
+
+impl FrameRange {
+    /// True if it begins with the first frame, which the box to start from is in.
+    #[must_use]
+    pub const fn begins_with_the_first(&self) -> bool {
+        self.first == 1
+    }
+
+    /// What of a list with an entry a frame belongs to these frames.
+    fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
+        entries.truncate(self.last.unwrap_or(usize::MAX));
+        entries.drain(..entries.len().min(self.first - 1));
+        entries
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let expected = "expected frames like 20..80, 20.. or ..80; the first is 1";
+        let Some((first, last)) = text.split_once("..") else { bail!(expected) };
+        let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0);
+        let first = if first.is_empty() { Some(1) } else { number(first) };
+        let (Some(first), Ok(last)) =
+            (first, if last.is_empty() { Ok(None) } else { number(last).map(Some).ok_or(()) })
+        else {
+            bail!(expected)
+        };
+        ensure!(last.is_none_or(|last| last >= first), "{expected}; the second not below the first");
+        Ok(Self { first, last })
+    }
+}
+
+impl fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..", self.first)?;
+        self.last.map_or(Ok(()), |last| write!(f, "{last}"))
+    }
+}
+
+impl Sequence {
+    /// Only these frames, and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
+    /// the ground truth, if there is any.
+    #[must_use]
+    pub fn part(self, range: FrameRange) -> Self {
+        let truth = self.truth.map(|truth| range.of(truth));
+        let init =
+            if range.begins_with_the_first() { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
+        let length = self.length.map(|length| length.min(range.last.unwrap_or(length)).saturating_sub(range.first - 1));
+        let part = Part { name: self.name.clone(), frames: self.frames, range, number: 0 };
+        Self { frames: Box::new(part), length, truth, init, ..self }
+    }
+}
+
+struct Part {
+    name: String,
+    frames: Frames,
+    range: FrameRange,
+    /// Of the last frame that was read.
+    number: usize,
+}
+
+impl Part {
+    /// Reads up to the first frame of the part.
+    fn skip(&mut self) -> Option<Result<GrayFrame>> {
+        let first = self.range.first;
+        while self.number < first {
+            match self.frames.next() {
+                Some(Ok(frame)) => {
+                    self.number += 1;
+                    if self.number == first {
+                        return Some(Ok(frame));
+                    }
+                }
+                Some(Err(error)) => return Some(Err(error)),
+                None => {
+                    let (name, length) = (&self.name, self.number);
+                    // Nothing is asked twice: what follows an error is the end.
+                    self.number = usize::MAX;
+                    return Some(Err(anyhow::anyhow!(
+                        "{name}: there is no frame {first} (--frames {}): expected 1 to {length}",
+                        self.range
+                    )));
+                }
+            }
+        }
+        None
+    }
+}
+
+impl Iterator for Part {
+    type Item = Result<GrayFrame>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.number < self.range.first {
+            return self.skip();
+        }
+        if self.number >= self.range.last.unwrap_or(usize::MAX) {
+            return None;
+        }
+        self.number += 1;
+        self.frames.next()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{OpenOptions, open, synthetic};
+    use super::*;
+    use std::path::Path;
+
+    fn range(text: &str) -> FrameRange {
+        text.parse().unwrap()
+    }
+
+    fn synthetic_part(text: &str) -> Sequence {
+        open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap().part(range(text))
+    }
+
+    #[test]
+    fn ranges_as_they_are_typed() {
+        for (text, printed) in [("3..7", "3..7"), ("3..", "3.."), ("..7", "1..7"), ("..", "1.."), ("4..4", "4..4")] {
+            assert_eq!(range(text).to_string(), printed);
+        }
+        for refused in ["", "3", "3-7", "0..4", "7..3", "a..", "..0", "1...3", "-1..3"] {
+            let error = refused.parse::<FrameRange>().unwrap_err().to_string();
+            assert!(error.starts_with("expected frames like 20..80"), "{refused}: {error}");
+        }
+    }
+
+    #[test]
+    fn frames_and_boxes_stay_together() {
+        let part = synthetic_part("11..15");
+        let truth: Vec<_> = (10..15).map(synthetic::truth).collect();
+        assert_eq!((part.length, part.init, part.truth), (Some(5), truth[0], Some(truth)));
+        assert!(part.frames.map(Result::unwrap).eq(synthetic::frames().skip(10).take(5)));
+
+        let whole = synthetic_part("..");
+        assert_eq!((whole.length, whole.init), (Some(synthetic::LENGTH), synthetic::truth(0)));
+        assert_eq!(whole.frames.count(), synthetic::LENGTH);
+        let rest = synthetic_part(&format!("{}..9999", synthetic::LENGTH));
+        assert_eq!((rest.length, rest.frames.count()), (Some(1), 1));
+    }
+
+    #[test]
+    fn a_part_beyond_the_end_is_named() {
+        let mut part = synthetic_part("9000..");
+        let error = part.frames.next().unwrap().unwrap_err().to_string();
+        let expected =
+            format!("synthetic: there is no frame 9000 (--frames 9000..): expected 1 to {}", synthetic::LENGTH);
+        assert_eq!((error, part.length, part.truth), (expected, Some(0), Some(vec![])));
+        assert!(part.frames.next().is_none());
+    }
+}

@@ -1,0 +1,200 @@
+//! The session of a tracker: it introduces itself, is told what to follow, and answers every frame.
+
+use super::message::Message;
+use super::{image, region};
+use crate::evaluate::{Method, Report, lock};
+use crate::sequence::{BoundingBox, GrayFrame};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
+use std::io::{BufRead, Read, Write};
+use std::ops::RangeInclusive;
+
+/// The versions of the protocol. Up to 3 `initialize` holds an image and a region, and there is one object. In 4 it holds a region alone,
+/// there may be several, and the image comes with the `frame` that follows.
+pub const PROTOCOLS: RangeInclusive<u8> = 1..=4;
+
+/// The most objects that are followed at a time.
+const MOST_OBJECTS: usize = 256;
+
+/// The longest line: an image of 8192x8192 pixels, three bytes each, in base 64.
+const LONGEST_LINE: u64 = 8192 * 8192 * 4 + 65536;
+
+/// What a client sees of the tracker.
+pub struct Server<F> {
+    /// What it is called.
+    pub name: String,
+    /// What it is, in one sentence.
+    pub description: String,
+    /// The version that it introduces itself with, one of [`PROTOCOLS`].
+    pub protocol: u8,
+    /// Makes a tracker without a target, one for each object.
+    pub build: F,
+}
+
+/// Serves one session. It ends when the client says `quit`, or has gone.
+///
+/// # Errors
+/// The client said what it must not, or what cannot be followed. It has been told so by `quit` with the reason.
+pub fn serve<F: Fn() -> Result<Box<dyn Method>>>(
+    server: &Server<F>,
+    mut input: impl BufRead,
+    mut output: impl Write,
+) -> Result<()> {
+    send(&mut output, &server.hello())?;
+    let mut session = Session { server, objects: Vec::new(), new: Vec::new(), frames: 0 };
+    loop {
+        let answers = match read(&mut input).and_then(|message| session.answer(message)) {
+            Ok(Next::Answers(answers)) => answers,
+            Ok(Next::Over) => return Ok(()),
+            Err(error) => {
+                let quit = Message::new("quit").property("trax.reason", format!("{error:#}"));
+                // That nobody hears it any more is no news.
+                let _ = send(&mut output, &quit);
+                return Err(error);
+            }
+        };
+        for answer in answers {
+            send(&mut output, &answer)?;
+        }
+    }
+}
+
+impl<F> Server<F> {
+    fn hello(&self) -> Message {
+        let hello = Message::new("hello")
+            .property("trax.version", self.protocol.to_string())
+            .property("trax.name", &*self.name)
+            .property("trax.identifier", concat!("host-sim ", env!("CARGO_PKG_VERSION")))
+            .property("trax.description", &*self.description)
+            .property("trax.family", "template matching")
+            .property("trax.region", "rectangle;polygon;")
+            .property("trax.image", "path;memory;buffer;")
+            .property("trax.channels", "color;");
+        if self.protocol >= 4 { hello.property("trax.multiobject", "1") } else { hello }
+    }
+}
+
+fn send(output: &mut impl Write, message: &Message) -> Result<()> {
+    let sent = output.write_all(message.line().as_bytes()).and_then(|()| output.flush());
+    sent.context("cannot write to the client")
+}
+
+/// The next message; `None` when the client has gone. Lines that are not of the protocol are passed over.
+fn read(input: &mut impl BufRead) -> Result<Option<Message>> {
+    loop {
+        let mut line = Vec::new();
+        input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line).context("cannot read from the client")?;
+        if line.is_empty() {
+            return Ok(None);
+        }
+        let ended = line.ends_with(b"\n");
+        ensure!(ended || (line.len() as u64) < LONGEST_LINE, "a line of more than {LONGEST_LINE} bytes");
+        let line = String::from_utf8(line).map_err(|_| anyhow!("a line is not UTF-8: expected text"))?;
+        if let Some(message) = Message::parse(&line)? {
+            return Ok(Some(message));
+        }
+    }
+}
+
+enum Next {
+    Answers(Vec<Message>),
+    Over,
+}
+
+struct Session<'a, F> {
+    server: &'a Server<F>,
+    objects: Vec<Object>,
+    /// Objects that are to be started in the next frame.
+    new: Vec<BoundingBox>,
+    frames: u64,
+}
+
+/// One that is followed.
+struct Object {
+    method: Box<dyn Method>,
+    /// Where it was seen last.
+    last: BoundingBox,
+}
+
+impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
+    fn answer(&mut self, message: Option<Message>) -> Result<Next> {
+        let Some(Message { name, arguments, .. }) = message else { return Ok(Next::Over) };
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let answers = match (name.as_str(), &arguments[..]) {
+            ("quit", []) => return Ok(Next::Over),
+            // Both forms are taken whatever was said in the introduction: the number of arguments tells which one it is.
+            ("initialize", [picture, target]) => {
+                let target = region::parse(target)?;
+                (self.objects, self.new) = (Vec::new(), vec![target]);
+                self.frame(picture)?
+            }
+            ("initialize", [target]) => {
+                let most = if self.server.protocol >= 4 { MOST_OBJECTS } else { 1 };
+                let count = self.objects.len() + self.new.len();
+                ensure!(count < most, "initialize: there are {count} objects: expected at most {most}");
+                self.new.push(region::parse(target)?);
+                Vec::new()
+            }
+            ("frame", [picture]) => self.frame(picture)?,
+            ("initialize" | "frame" | "quit", _) => {
+                let expected = match name.as_str() {
+                    "initialize" => "an image and a region, or a region",
+                    "frame" => "an image",
+                    _ => "none",
+                };
+                bail!("{name} has {} arguments: expected {expected}", arguments.len())
+            }
+            _ => bail!("the message {name:?}: expected initialize, frame or quit"),
+        };
+        Ok(Next::Answers(answers))
+    }
+
+    /// Answers of the objects that are followed, then of those that begin in this frame.
+    fn frame(&mut self, picture: &str) -> Result<Vec<Message>> {
+        ensure!(
+            !self.objects.is_empty() || !self.new.is_empty(),
+            "frame before initialize: there is nothing to follow"
+        );
+        self.frames += 1;
+        let number = self.frames;
+        let of_frame = |error: Error| error.context(format!("frame {number}"));
+        self.look(picture).map_err(of_frame)
+    }
+
+    fn look(&mut self, picture: &str) -> Result<Vec<Message>> {
+        let frame = image::frame(picture)?;
+        let mut answers = Vec::new();
+        for object in &mut self.objects {
+            let report = object.method.update(&frame.frame())?;
+            object.last = report.target.unwrap_or(object.last);
+            answers.push(state(&object.last, &report));
+        }
+        for target in self.new.drain(..) {
+            let (object, report) = start(&self.server.build, &frame, &target)?;
+            answers.push(state(&object.last, &report));
+            self.objects.push(object);
+        }
+        Ok(answers)
+    }
+}
+
+fn start(
+    build: &impl Fn() -> Result<Box<dyn Method>>,
+    frame: &GrayFrame,
+    target: &BoundingBox,
+) -> Result<(Object, Report)> {
+    let mut method = build()?;
+    let inside = region::inside(target, frame.width, frame.height)?;
+    lock(method.as_mut(), &frame.frame(), inside)?;
+    Ok((Object { method, last: inside.into() }, Report::locked(inside)))
+}
+
+/// Where the object is, or was when it was seen last; the confidence tells them apart. A method that does not know its own, and the
+/// frame that was started in, are sure.
+fn state(place: &BoundingBox, report: &Report) -> Message {
+    let known = report.evidence.map(|evidence| evidence.confidence);
+    let confidence = if report.target.is_some() { known.unwrap_or(1.0) } else { 0.0 };
+    Message::new("state").argument(region::text(place)).property("confidence", format!("{confidence:.6}"))
+}
+
+#[cfg(test)]
+mod tests;

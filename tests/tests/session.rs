@@ -1,0 +1,199 @@
+//! From a recording to what its user keeps: conversions, videos, live input, settings, completions and the manual.
+
+mod program;
+
+use program::{PROGRAM, host_sim, utf8};
+use serde_json::Value;
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Command, Stdio};
+
+#[test]
+fn convert_reports_and_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (small, again) = (folder.path().join("small"), folder.path().join("again.y4m"));
+    let report = host_sim(&[
+        "convert",
+        "synthetic",
+        "-o",
+        utf8(&small),
+        "--format",
+        "raw",
+        "--frames",
+        "11..20",
+        "--resize",
+        "1/2",
+        "--json",
+    ])
+    .json();
+    let (width, height) = (report["width"].as_u64().unwrap(), report["height"].as_u64().unwrap());
+    assert_eq!((&report["frames"], &report["format"]), (&Value::from(10), &Value::from("raw")));
+    assert_eq!(report["bytes"], Value::from(10 * width * height));
+    assert_eq!(report["boxes"], serde_json::json!(["init.txt", "gt.txt"]));
+    assert_eq!(fs::read_to_string(small.join("gt.txt")).unwrap().lines().count(), 10);
+
+    let size = format!("{width}x{height}");
+    let said = host_sim(&["convert", utf8(&small), "--size", &size, "-o", utf8(&again)]);
+    let start = "10 frames of ";
+    assert!(said.out.contains(start) && said.out.contains("; it starts with --init "), "{}", said.out);
+    let boxes = |path, more: &[&str]| host_sim(&[&["track", path, "--method", "robust"], more].concat()).out;
+    let init = said.out.trim_end().rsplit(' ').next().unwrap();
+    assert_eq!(boxes(utf8(&again), &["--init", init]), boxes(utf8(&small), &["--size", &size]));
+
+    host_sim(&["convert", "synthetic", "-o", utf8(&small)]).refuses(&[utf8(&small), "is not empty"]);
+    host_sim(&["convert", "synthetic", "-o", "a.raw", "--format", "pgm"]).refuses(&["--format pgm", "a.raw"]);
+    let late = folder.path().join("late.raw");
+    host_sim(&["convert", "synthetic", "-o", utf8(&late), "--frames", "9999.."]).refuses(&["no frame 9999"]);
+    assert!(!late.exists());
+}
+
+#[test]
+fn a_part_is_measured_under_a_name_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    // As a recording of the paper's table.
+    let car = folder.path().join("deep/er/06_car");
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&car), "--format", "y4m"]).code, Some(0));
+    let rows = host_sim(&["eval", utf8(folder.path()), "--frames", "5..24", "--json"]).json();
+    let rows = rows.as_array().unwrap();
+    assert_eq!(rows.len(), 1, "nothing printed stands beside a part: {rows:?}");
+    assert_eq!((&rows[0]["sequence"], &rows[0]["frames"]), (&"06_car 5..24".into(), &20.into()));
+    let whole = host_sim(&["eval", utf8(&car), "--method", "smr", "--json"]).json();
+    assert!(whole.as_array().unwrap().len() > 1);
+}
+
+#[test]
+fn a_c_array_compiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let (header, source) = (folder.path().join("my clip.h"), folder.path().join("main.c"));
+    assert_eq!(host_sim(&["convert", "periodic", "-o", utf8(&header), "--frames", "1..3"]).code, Some(0));
+    let text = "#include \"my clip.h\"\nint main(void) { return MY_CLIP_FRAMES == 3 && sizeof my_clip == 3 * MY_CLIP_WIDTH * MY_CLIP_HEIGHT ? 0 : 1; }\n";
+    fs::write(&source, text).unwrap();
+    let program = folder.path().join("program");
+    let compiler =
+        Command::new("cc").args(["-std=c99", "-Wall", "-Werror", "-pedantic", "-o"]).args([&program, &source]).status();
+    match compiler {
+        Ok(status) => {
+            assert!(status.success());
+            assert!(Command::new(program).status().unwrap().success());
+        }
+        Err(_) => {
+            let _ = writeln!(std::io::stderr(), "skipped: a_c_array_compiles: no C compiler (cc) on the PATH");
+        }
+    }
+}
+
+#[test]
+fn every_frame_is_answered_as_it_comes() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("live.y4m");
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&file), "--frames", "1..6"]).code, Some(0));
+    let expected = host_sim(&["track", "synthetic", "--frames", "1..6"]).out;
+    let bytes = fs::read(&file).unwrap();
+    let start = bytes.iter().position(|&byte| byte == b'\n').unwrap() + 1;
+    let frame = (bytes.len() - start) / 6;
+
+    let [x, y, right, bottom] = expected
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .map(|number| number.parse::<i32>().unwrap())
+        .collect::<Vec<_>>()[..]
+    else {
+        panic!()
+    };
+    let init = format!("{x},{y},{},{}", right - x, bottom - y);
+    let mut live = Command::new(PROGRAM);
+    let mut live =
+        live.args(["track", "-", "--init", &init]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let (mut to, mut from) = (live.stdin.take().unwrap(), BufReader::new(live.stdout.take().unwrap()));
+    to.write_all(&bytes[..start]).unwrap();
+    for (number, expected) in expected.lines().enumerate() {
+        to.write_all(&bytes[start + number * frame..][..frame]).unwrap();
+        to.flush().unwrap();
+        let mut line = String::new();
+        // The next frame is sent after the answer: if answers were held back, this would wait for ever.
+        from.read_line(&mut line).unwrap();
+        assert_eq!(line.trim_end(), expected);
+    }
+    drop(to);
+    let mut rest = String::new();
+    from.read_to_string(&mut rest).unwrap();
+    assert_eq!((rest.as_str(), live.wait().unwrap().code()), ("", Some(0)));
+
+    let mut refused = Command::new(PROGRAM);
+    let refused = refused.args(["track", "-"]).stdin(fs::File::open(&file).unwrap()).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("standard input: no box to start from: give --init"));
+}
+
+#[test]
+fn a_video_is_there_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let (gif, pictures) = (folder.path().join("boxes.gif"), folder.path().join("boxes"));
+    for out in [&gif, &pictures] {
+        let said = host_sim(&["track", "synthetic", "--frames", "1..5", "--video", utf8(out), "--rate", "10"]);
+        assert_eq!((said.code, said.out.lines().count()), (Some(0), 5), "{}", said.err);
+    }
+    assert!(fs::read(&gif).unwrap().starts_with(b"GIF89a"));
+    assert_eq!(fs::read_dir(&pictures).unwrap().count(), 5);
+    host_sim(&["track", "synthetic", "--video", "a.avi"]).refuses(&["a.avi", ".mp4 or .gif"]);
+
+    let cut = folder.path().join("cut.y4m");
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&cut), "--frames", "1..4"]).code, Some(0));
+    let bytes = fs::read(&cut).unwrap();
+    fs::write(&cut, &bytes[..bytes.len() - 100]).unwrap();
+    let video = folder.path().join("cut.gif");
+    let said = host_sim(&["track", utf8(&cut), "--init", "40,40,40,30", "--video", utf8(&video)]);
+    assert_eq!((said.code, said.out.lines().count(), video.exists()), (Some(2), 3, false), "{}", said.err);
+}
+
+#[test]
+fn settings_are_echoed_and_give_the_same_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("fast.toml");
+    fs::write(&file, "method = \"smr\"\nconfig = \"camera\"\nwindow = \"20x16\"\nexhaustive = true\n").unwrap();
+    let part = ["track", "synthetic", "--frames", "1..8", "--json"];
+    let by_file = host_sim(&[&part[..], &["--settings", utf8(&file)]].concat());
+    let options = ["--config", "camera", "--window", "20x16", "--exhaustive"];
+    assert_eq!(by_file.out, host_sim(&[&part[..], &options].concat()).out);
+    let first = &by_file.json_lines()[0];
+    assert_eq!(first["options"], serde_json::json!({ "config": "camera", "window": "20x16", "exhaustive": true }));
+    let nearer = host_sim(&[&part[..], &["--settings", utf8(&file), "--window", "9x8"]].concat());
+    assert_eq!(nearer.json_lines()[0]["options"]["window"], "9x8", "the command line wins");
+    fs::write(&file, "speed = 9\n").unwrap();
+    let refused = host_sim(&[&part[..], &["--settings", utf8(&file)]].concat());
+    refused.refuses(&["fast.toml: speed is no tracker option of `track`"]);
+}
+
+#[test]
+fn each_command_has_an_example_completions_and_a_page() {
+    let help = host_sim(&["--help"]).out;
+    let commands = help.split("Commands:").nth(1).unwrap().split("\n\n").next().unwrap().to_owned();
+    let commands: Vec<&str> = commands.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.len() >= 15 && commands.contains(&"trax"), "{commands:?}");
+    for command in commands.iter().filter(|&&command| command != "help") {
+        let help = host_sim(&[command, "--help"]);
+        assert!(help.out.contains("Example") && help.out.contains(&format!("host-sim {command}")), "{command}");
+        let page = host_sim(&["man", command]);
+        assert!(page.code == Some(0) && page.out.contains(".SH SYNOPSIS"), "{command}: {}", page.err);
+    }
+    assert!(host_sim(&["man"]).out.contains("host\\-sim"));
+    host_sim(&["man", "woman"]).refuses(&["no command woman", "track"]);
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        assert!(host_sim(&["completions", shell]).out.contains("ablate"), "{shell}");
+    }
+}
+
+#[test]
+fn no_color_is_heeded() {
+    let help = |variables: &[(&str, &str)]| {
+        let mut command = Command::new(PROGRAM);
+        // As on a terminal.
+        command.env_remove("NO_COLOR").env("CLICOLOR_FORCE", "1").envs(variables.iter().copied());
+        command.args(["track", "--help"]).output().unwrap().stdout
+    };
+    let escapes = |text: Vec<u8>| text.contains(&0x1B);
+    assert!(escapes(help(&[])), "the test can fail");
+    assert!(!escapes(help(&[("NO_COLOR", "1")])));
+}

@@ -1,0 +1,109 @@
+//! `host-sim trax` and the client of the protocol's own implementation, vot-trax of PyPI.
+//!
+//! `SMR_TRAX_PYTHON` names a Python that has it, else it is `python3`: `python3 -m venv trax && trax/bin/pip install vot-trax==4.0.2 numpy`; with
+//! `vot-toolkit==0.9.*`, the VOT toolkit is run, too.
+
+mod program;
+
+use program::{PROGRAM, host_sim, utf8};
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// A Python with these modules; that there is none is said by the name of the test.
+fn python(test: &str, modules: &str) -> Option<OsString> {
+    let python = std::env::var_os("SMR_TRAX_PYTHON").unwrap_or_else(|| "python3".into());
+    let imports = Command::new(&python).args(["-c", &format!("import {modules}")]).stderr(Stdio::null()).status();
+    if !imports.is_ok_and(|status| status.success()) {
+        let python = python.to_string_lossy();
+        // Not `println!`, which is not shown for a test that passes.
+        let _ = writeln!(std::io::stderr(), "skipped: {test}: {python} has not all of {modules} (set SMR_TRAX_PYTHON)");
+        return None;
+    }
+    Some(python)
+}
+
+const FRAMES: usize = 12;
+
+#[test]
+fn the_real_client_gets_the_boxes_of_track() {
+    let Some(python) = python("the_real_client_gets_the_boxes_of_track", "numpy, trax.client") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("frames");
+    for format in ["png", "pgm"] {
+        let out = folder.path().join(format);
+        assert_eq!(host_sim(&["synth", utf8(&out), "--format", format]).code, Some(0));
+        std::fs::create_dir_all(&pictures).unwrap();
+        for number in 1..=FRAMES {
+            let name = format!("{number:05}.{format}");
+            std::fs::rename(out.join(&name), pictures.join(&name)).unwrap();
+        }
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests/trax/client.py");
+    for method in ["smr", "robust"] {
+        let tracked = host_sim(&["track", "synthetic", "--method", method, "--json"]).json_lines();
+        let init = &tracked[0]["box"];
+        let [x, y, width, height] = ["x", "y", "width", "height"].map(|side| init[side].to_string());
+        for (protocol, way, form) in [
+            ("1", "path", "rectangle"),
+            ("2", "memory", "polygon"),
+            ("3", "buffer", "rectangle"),
+            ("4", "path", "polygon"),
+            ("4", "memory", "rectangle"),
+            ("4", "buffer", "polygon"),
+        ] {
+            let mut client = Command::new(&python);
+            client.arg(&script).args([PROGRAM, method, protocol, way, form, utf8(&pictures), &FRAMES.to_string()]);
+            let Output { status, stdout, stderr } = client.args([&x, &y, &width, &height]).output().unwrap();
+            let case = format!("{method}, version {protocol}, {way}, {form}");
+            assert!(status.success(), "{case}: {}", String::from_utf8_lossy(&stderr));
+            let answers = String::from_utf8(stdout).unwrap();
+            assert_eq!(answers.lines().count(), FRAMES, "{case}");
+            for (answer, tracked) in answers.lines().zip(&tracked) {
+                let numbers: Vec<f64> = answer.split(',').map(|number| number.parse().unwrap()).collect();
+                let fine = ["x", "y", "width", "height"].map(|side| tracked["fine"][side].as_f64().unwrap());
+                let confidence = tracked["confidence"].as_f64().unwrap_or(1.0);
+                for (found, expected) in numbers.iter().zip(fine.iter().chain([&confidence])) {
+                    assert!((found - expected).abs() < 1e-3, "{case}: {answer}, expected {tracked}");
+                }
+            }
+        }
+    }
+}
+
+/// Every section of the file that is shipped, on the toolkit's own short recording with three objects.
+#[test]
+fn the_vot_toolkit_runs_the_trackers_of_the_shipped_file() {
+    let test = "the_vot_toolkit_runs_the_trackers_of_the_shipped_file";
+    let Some(python) = python(test, "trax.client, vot.utilities.cli") else { return };
+    let shipped = include_str!("../../host-sim/trackers.ini");
+    let folder = tempfile::tempdir().unwrap();
+    let commands = shipped.replace("command = host-sim", &format!("command = {PROGRAM}"));
+    assert_ne!(commands, shipped);
+    std::fs::write(folder.path().join("trackers.ini"), commands).unwrap();
+    let names: Vec<&str> = shipped.lines().filter_map(|line| line.strip_prefix('[')?.strip_suffix(']')).collect();
+    assert_eq!(names.len(), 3);
+    for name in names {
+        let run = Command::new(&python).args(["-m", "vot", "test", name]).current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&run.stdout) + String::from_utf8_lossy(&run.stderr);
+        // The toolkit's own words.
+        assert!(said.contains("Test concluded successfuly"), "{name}: {said}");
+        assert!(!said.contains("trax.reason"), "{name}: {said}");
+        assert!(said.matches("@@TRAX:state").count() >= 50, "{name}: {said}");
+    }
+}
+
+#[test]
+fn violations_are_exit_code_2_and_the_client_hears_why() {
+    let mut server = Command::new(PROGRAM);
+    server.arg("trax").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut server = server.spawn().unwrap();
+    server.stdin.take().unwrap().write_all(b"@@TRAX:frame \"file:///1.png\"\n").unwrap();
+    let Output { status, stdout, stderr } = server.wait_with_output().unwrap();
+    let (out, err) = (String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap());
+    let reason = "frame before initialize: there is nothing to follow";
+    assert_eq!((status.code(), err), (Some(2), format!("error: {reason}\n")));
+    assert!(out.starts_with("@@TRAX:hello \"trax.version=4\" \"trax.name=smr\""), "{out}");
+    assert!(out.ends_with(&format!("\n@@TRAX:quit \"trax.reason={reason}\"\n")), "{out}");
+}
