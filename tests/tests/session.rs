@@ -62,6 +62,55 @@ fn a_part_is_measured_under_a_name_of_its_own() {
 }
 
 #[test]
+fn eval_prints_the_figures_of_otb_and_vot_in_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, frames) in [("a", "1..12"), ("b", "5..20")] {
+        let recording = folder.path().join(name);
+        let convert = ["convert", "synthetic", "-o", utf8(&recording), "--format", "y4m", "--frames", frames];
+        assert_eq!(host_sim(&convert).code, Some(0));
+        // Another tracker that answers the truth in the first half of the frames, and then nothing.
+        let truth = fs::read_to_string(recording.join("gt.txt")).unwrap();
+        let half: Vec<&str> = truth.lines().take(truth.lines().count() / 2).collect();
+        fs::create_dir(recording.join("trackers")).unwrap();
+        fs::write(recording.join("trackers/half.txt"), half.join("\n")).unwrap();
+    }
+    let eval = ["eval", utf8(folder.path()), "--method", "robust,sad", "--compare"];
+    let said = |more: &[&str]| host_sim(&[&eval, more].concat());
+    let rows = said(&["--json"]).json();
+    let rows = rows.as_array().unwrap();
+    assert_eq!(rows.len(), 3 * 2 + 3);
+    let close = |value: &Value, to: f64| (value.as_f64().unwrap() - to).abs() < 1e-9;
+    for row in &rows[4..6] {
+        assert_eq!(row["tracker"], "half");
+        assert!(close(&row["otb_auc"], 10.0 / 21.0) && close(&row["otb_precision"], 0.5), "{row}");
+        assert!(close(&row["vot_f"], 2.0 / 3.0) && row["vot_threshold"].is_null(), "{row}");
+    }
+    assert!(rows[0]["vot_threshold"].is_f64() && rows[2]["vot_threshold"].is_null());
+    let mean = &rows[8];
+    assert_eq!((&mean["tracker"], &mean["source"], &mean["recordings"]), (&"half".into(), &"mean".into(), &2.into()));
+    assert!(close(&mean["mean"]["otb_precision"], 0.5) && close(&mean["standard_error"]["otb_precision"], 0.0));
+
+    let text = said(&[]).out;
+    assert!(text.lines().next().unwrap().contains("OTB AUC  OTB P20  VOT F  threshold"), "{text}");
+    assert!(text.contains("half     mean of 2 ") && text.contains("half       standard error "), "{text}");
+    let csv = said(&["--format", "csv"]).out;
+    assert_eq!(csv.lines().count(), 1 + 3 * 2 + 3 * 2);
+    assert!(csv.starts_with("tracker,source,sequence,") && csv.contains("\nhalf,mean,,2,"), "{csv}");
+    let markdown = said(&["--format", "markdown"]).out;
+    assert!(markdown.starts_with("| tracker | sequence |") && markdown.contains("| half | mean of 2 |"), "{markdown}");
+
+    let unknown = said(&["--format", "html"]);
+    assert!(unknown.code == Some(2) && unknown.err.contains("text, markdown, csv"), "{}", unknown.err);
+    let both = said(&["--format", "csv", "--json"]);
+    assert!(both.code == Some(2) && both.out.is_empty() && both.err.contains("--json"), "{}", both.err);
+    assert_eq!(host_sim(&["eval", "synthetic", "--robustness", "--format", "csv"]).code, Some(2));
+    fs::write(folder.path().join("a/trackers/half.txt"), "1,2,three,4\n").unwrap();
+    let broken = said(&["--format", "csv"]);
+    assert_eq!(broken.code, Some(2));
+    assert!(broken.err.contains("half.txt: line 1") && broken.out.contains("\nrobust,measured,a,"), "{}", broken.err);
+}
+
+#[test]
 fn a_c_array_compiles() {
     let folder = tempfile::tempdir().unwrap();
     let (header, source) = (folder.path().join("my clip.h"), folder.path().join("main.c"));

@@ -90,14 +90,14 @@ impl<const SPAN: usize> Leaders<SPAN> {
     /// The least score with which the offset at (`x`, `y`) could.
     pub(super) fn needed_at(&self, window: &Window, x: i32, y: i32) -> u32 {
         let needed = self.needed();
-        if let Beside::Equals(equals) = &self.beside
-            && !equals.are_apart()
-        {
-            return needed;
-        }
-        // As good as the peak is not enough for who loses the tie.
+        // As good as the peak is not enough for who loses the tie, unless it would be the runner-up.
         let ties = self.best.is_some_and(|best| {
-            best.score == needed && window.rank(&Peak { x, y, score: needed }) < window.rank(&best)
+            let is_known = match &self.beside {
+                Beside::Nothing => true,
+                Beside::Equals(equals) => equals.are_apart(),
+                Beside::RunnerUp { floor, .. } => *floor >= best.score,
+            };
+            is_known && best.score == needed && window.rank(&Peak { x, y, score: needed }) < window.rank(&best)
         });
         needed.saturating_add(u32::from(ties))
     }
@@ -153,5 +153,27 @@ impl Peak {
     /// More than `distance` pixels away in x or in y.
     fn is_further_than(&self, distance: u32, other: &Self) -> bool {
         self.x.abs_diff(other.x).max(self.y.abs_diff(other.y)) > distance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Rect;
+    use crate::search::Radius;
+
+    /// With a floor just below the peak, an offset that loses the tie with the peak is the runner-up.
+    #[test]
+    fn a_runner_up_may_score_as_much_as_the_peak() {
+        let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);
+        let mut leaders = Leaders::<21>::new();
+        leaders.reset(&window, Wanted::RunnerUp(2));
+        leaders.note(&window, Peak { x: 20, y: 20, score: 4 });
+        leaders.note(&window, Peak { x: 30, y: 20, score: 3 });
+        assert_eq!(leaders.needed_at(&window, 10, 20), 4);
+        leaders.note(&window, Peak { x: 10, y: 20, score: 4 });
+        assert_eq!(leaders.found(&window).and_then(|found| found.runner_up), Some(4));
+        // Now the runner-up cannot be more than it is.
+        assert_eq!(leaders.needed_at(&window, 10, 25), 5);
     }
 }

@@ -229,10 +229,10 @@ fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8]
 #[cold]
 #[inline(never)] // no part of the usual case, which is inlined
 fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
-    const PART: usize = 32; // the copy is on the stack
+    const PART: u16 = 16; // the copy is on the stack
     let mut x = x;
-    for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
-        let mut copy = [[0; PART + SIDE - 1]; SIDE];
+    for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
+        let mut copy = [[0; PART as usize + SIDE - 1]; SIDE];
         // No pixel more than needed: others may not be in memory.
         let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
@@ -243,7 +243,7 @@ fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low:
                 to.iter_mut().skip(right).zip(from).for_each(|(to, &from)| *to = from);
             }
         }
-        scorer.spread(&copy.each_ref().map(<[u8; PART + SIDE - 1]>::as_slice), low, high);
-        x = x.saturating_add(32);
+        scorer.spread(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
+        x = x.saturating_add(PART.into());
     }
 }

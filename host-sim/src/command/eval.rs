@@ -6,7 +6,7 @@ use super::recordings::recordings;
 use super::robustness::{self, end, progress_bar, say_what_failed};
 use super::tracker_options::TrackerOptions;
 use crate::evaluate::robustness::{Former, Robustness, Starts};
-use crate::evaluate::{self, Evaluation, MethodKind, Results, Variant, published};
+use crate::evaluate::{self, Evaluation, Layout, MethodKind, Results, Variant, published};
 use crate::output::{Output, print};
 use crate::report::calibration;
 use crate::report::diagram::Form;
@@ -68,10 +68,13 @@ pub struct Eval {
     /// neither is one in which the target is hidden.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     calibration: Option<PathBuf>,
-    /// Print JSON instead of tables: an array of objects, one for each tracker and recording; with --robustness an object
-    /// of arrays: `recordings`, `means`, `paired`, `calibration`
+    /// Print JSON instead of tables: an array of objects, one for each tracker and recording, then one for the means of each tracker
+    /// that has several recordings; with --robustness an object of arrays: `recordings`, `means`, `paired`, `calibration`
     #[arg(long)]
     json: bool,
+    /// How the tables are written
+    #[arg(long, value_enum, default_value_t, conflicts_with_all = ["json", "robustness"])]
+    format: Layout,
     /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
     /// the ground truth in the first of them
     #[arg(long, value_name = "A..B", conflicts_with = "compare")]
@@ -180,8 +183,7 @@ impl Eval {
     fn print(&self, results: &Results) -> Result<()> {
         let text = match self.json {
             true => serde_json::to_string_pretty(&results.rows())? + "\n",
-            false if results.is_empty() => String::new(),
-            false => format!("{}\n{}", results.details(), results.correct_frames()),
+            false => results.text(self.format)?,
         };
         print(|out| out.write_all(text.as_bytes()))
     }

@@ -21,7 +21,7 @@ mod report;
 mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
-mod settings;
+pub mod settings;
 mod synth;
 #[cfg(feature = "emulator")]
 mod target;

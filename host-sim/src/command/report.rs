@@ -1,34 +1,45 @@
-//! `host-sim report`: a recording as people look at it, a page or a picture.
+//! `host-sim report`: recordings as people look at them, a page or a picture.
 
 use super::Outcome;
 use super::recording_options::RecordingOptions;
+use super::recordings::recordings;
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::{MethodKind, Results, Variant};
+use crate::evaluate::{Evaluation, MethodKind, Results, Variant, result_files};
 use crate::output::{Output, print};
-use crate::report::{self, Choice, Film};
-use crate::sequence::Sequence;
-use anyhow::{Context, Result};
+use crate::report::{self, About, Choice, Film};
+use crate::sequence::{BUILT_IN, Sequence};
+use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
 use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+/// Pictures of a page beyond this are made smaller, then fewer.
+const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
+
 #[derive(Debug, clap::Args)]
 pub struct Report {
-    /// The recording
-    #[arg(value_name = "SEQ")]
-    sequence: PathBuf,
+    /// Recordings, or folders of recordings
+    #[arg(value_name = "SEQ|DIR", required = true)]
+    paths: Vec<PathBuf>,
     /// Who is shown; several are separated by commas. The states are those of the first
     #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,sad")]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
-    #[arg(long, value_name = "DIR|FILE.html", required_unless_present = "png")]
+    ///
+    /// It has a player over all frames, curves, and what was compared; scores where there is ground truth, with other trackers'
+    /// results (trackers/*.txt beside a recording). It needs no other file and no network.
+    #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "png")]
     out: Option<PathBuf>,
-    /// Write the film strip alone, as one picture
+    /// Megabytes that the page may have: beyond it frames get smaller, then fewer
+    #[arg(long, value_name = "MB", default_value_t = BUDGET)]
+    budget: NonZeroUsize,
+    /// Write the film strip of one recording alone, as one picture
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Show these frames; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
+    /// Frames of the film strip; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     frames: Vec<NonZeroUsize>,
     /// Print a JSON object instead of a line for each file
@@ -50,27 +61,58 @@ struct Written {
 impl Report {
     pub fn run(self) -> Result<Outcome> {
         let methods = self.tracker.variants(&self.method)?;
-        let sequence = self.recording.open(&self.sequence)?;
-        let page = self.out.as_ref().map(|out| File::create(page_file(out, &sequence.name)?)).transpose()?;
+        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
+        let found = found?.concat();
+        self.recording.check_for(found.len())?;
+        ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
+        let mut sequences = found.iter().map(|path| self.recording.open(path)).collect::<Result<Vec<_>>>()?;
+        name_apart(&mut sequences);
+        let title = if let [one] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
+        let page = self.out.as_ref().map(|out| File::create(page_file(out, &title)?)).transpose()?;
         let png = self.png.clone().map(File::create).transpose()?;
-        let film = self.watch(sequence, &methods)?;
+        let mut films = self.watch(&found, sequences, &methods)?;
         let mut files = Vec::new();
         if let Some(file) = page {
-            files.push(file.write(report::page(&film)?.as_bytes())?);
+            let page = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
+            files.push(file.write(page.as_bytes())?);
         }
         if let Some(file) = png {
-            files.push(file.write(&report::picture(&film)?)?);
+            files.push(file.write(&report::picture(&films[0])?)?);
         }
-        let text = if self.json { json(&film, &files)? } else { lines(&film, &files) };
+        let text = if self.json { json(&films, &methods, &files)? } else { lines(&films, &files) };
         print(|out| out.write_all(text.as_bytes()))?;
         Ok(Outcome::Holds)
     }
 
-    fn watch(&self, sequence: Sequence, methods: &[Variant]) -> Result<Film> {
-        let progress = progress(sequence.length);
-        let film = report::watch(sequence, methods, self.choice(), || progress.inc(1));
+    fn watch(&self, paths: &[PathBuf], sequences: Vec<Sequence>, methods: &[Variant]) -> Result<Vec<Film>> {
+        let length = sequences.iter().map(|sequence| sequence.length).sum();
+        let progress = progress(length);
+        let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
+        let watch = |(path, sequence): (&PathBuf, Sequence)| {
+            let mut film = report::watch(sequence, methods, self.choice(), budget, || progress.inc(1))?;
+            if !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
+                film.compare(&result_files(path)?)?;
+            }
+            Ok(film)
+        };
+        let films = paths.par_iter().zip(sequences.into_par_iter()).map(watch).collect();
         progress.finish_and_clear();
-        film
+        films
+    }
+
+    fn budget_bytes(&self) -> usize {
+        self.budget.get().saturating_mul(1_000_000)
+    }
+
+    /// What the foot of the page says.
+    fn about(&self, title: &str, methods: &[Variant]) -> Result<About> {
+        let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+        let origins: Vec<_> = methods.iter().map(Variant::origin).collect();
+        Ok(About {
+            title: title.to_owned(),
+            command_line: std::iter::once("host-sim".to_owned()).chain(words).collect::<Vec<_>>().join(" "),
+            options: serde_json::to_string(&origins)?,
+        })
     }
 
     fn choice(&self) -> Choice {
@@ -78,6 +120,19 @@ impl Report {
             return Choice::Spread;
         }
         Choice::Listed(self.frames.iter().map(|number| number.get() - 1).collect())
+    }
+}
+
+/// Recordings of one name in several folders get numbers: each is called something else on the page.
+fn name_apart(sequences: &mut [Sequence]) {
+    for at in 1..sequences.len() {
+        let (before, rest) = sequences.split_at_mut(at);
+        let name = rest[0].name.clone();
+        let mut number = 1;
+        while before.iter().any(|other| other.name == rest[0].name) {
+            number += 1;
+            rest[0].name = format!("{name} ({number})");
+        }
     }
 }
 
@@ -112,23 +167,31 @@ impl File {
     }
 }
 
-fn lines(film: &Film, files: &[Written]) -> String {
-    let (frames, shown) = (film.moments.len(), film.shown().len());
+fn lines(films: &[Film], files: &[Written]) -> String {
+    let frames: usize = films.iter().map(|film| film.moments.len()).sum();
+    let shown: usize = films.iter().map(|film| film.shown().len()).sum();
     let line = |Written { file, bytes }: &Written| {
-        format!("{}: {frames} frames, {shown} shown, {} kB\n", file.display(), bytes.div_ceil(1000))
+        format!("{}: {frames} frames, {shown} in the film strip, {} kB\n", file.display(), bytes.div_ceil(1000))
     };
     files.iter().map(line).collect()
 }
 
-fn json(film: &Film, files: &[Written]) -> Result<String> {
-    let evaluation = film.evaluation()?;
-    let results = Results::new(evaluation.as_slice());
+fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String> {
+    let evaluations: Vec<Option<Evaluation>> = films.iter().map(Film::evaluation).collect::<Result<_>>()?;
+    let evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
+    let results = Results::new(&evaluations);
+    let recording = |film: &Film| {
+        serde_json::json!({
+            "sequence": film.name,
+            "frames": film.moments.len(),
+            "shown": film.shown(),
+            "changes_left_out": film.changes_left_out,
+            "pictures": film.pictures(),
+        })
+    };
     let object = serde_json::json!({
-        "methods": film.methods.iter().map(Variant::origin).collect::<Vec<_>>(),
-        "sequence": film.name,
-        "frames": film.moments.len(),
-        "shown": film.shown(),
-        "changes_left_out": film.changes_left_out,
+        "methods": methods.iter().map(Variant::origin).collect::<Vec<_>>(),
+        "recordings": films.iter().map(recording).collect::<Vec<_>>(),
         "files": files,
         "scores": results.measured(),
     });
@@ -177,6 +240,7 @@ mod tests {
         let out = folder.path().join("new").join("folder");
         run(&["--frames", "1,2", "--out", out.to_str().unwrap()]).unwrap();
         let page = fs::read_to_string(out.join("synthetic.html")).unwrap();
+        assert!(page.len() < 10_000_000, "{} bytes", page.len());
         let file = out.join("again.html");
         run(&["--frames", "2,1,2", "--out", file.to_str().unwrap()]).unwrap();
         assert!(page == fs::read_to_string(file).unwrap(), "the same page every time");

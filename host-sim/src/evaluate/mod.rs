@@ -3,19 +3,26 @@
 mod baseline;
 mod configs;
 mod core_kind;
+mod layout;
+mod means;
 mod method;
+mod otb;
 mod protocol;
 pub mod published;
 mod results;
 pub mod robustness;
 mod table;
+mod vot;
 
 pub use configs::{Configs, Origin, Variant};
 pub use core_kind::CoreKind;
+pub use layout::Layout;
 pub use method::{Evidence, Method, MethodKind, Report, Run, lock, name_of};
+pub use otb::Otb;
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
 pub(crate) use table::aligned;
+pub use vot::Vot;
 
 use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Error, Result, ensure};
@@ -87,15 +94,15 @@ pub fn evaluate(
     let run = |variant: &Variant| Ok(Run::new(variant.build()?, variant.start(start)));
     let runs: Result<Vec<_>> = variants.iter().map(run).collect();
     let mut count = 0;
-    let answers = follow(frames.inspect(|_| count += 1), runs?, progress)?;
+    let reports = follow(frames.inspect(|_| count += 1), runs?, progress)?;
     let boxes = truth.len();
     ensure!(count == boxes, "{name}: there are {count} frames, but the ground truth has {boxes} boxes");
 
     let visible = truth.iter().flatten().count();
     let mut evaluation =
         Evaluation { sequence: name.clone(), visible, scores: vec![], failures: vec![], notes: vec![] };
-    for (variant, answers) in variants.iter().zip(answers) {
-        let score = answers.and_then(|answers| Score::new(&answers, &truth));
+    for (variant, reports) in variants.iter().zip(reports) {
+        let score = reports.and_then(|reports| score(&reports, &truth));
         let score = score.with_context(|| format!("{name}: {}", variant.name));
         evaluation.add(Contestant::of(variant), score);
     }
@@ -104,6 +111,14 @@ pub fn evaluate(
         evaluation.add(Contestant::File(stem(path)), score);
     }
     Ok(evaluation)
+}
+
+/// The score of a run.
+fn score(reports: &[Report], truth: &Trajectory) -> Result<Score> {
+    let answers: Vec<_> = reports.iter().map(|report| report.target).collect();
+    let confidence = |report: &Report| report.evidence.map(|evidence| evidence.confidence);
+    let confidences: Vec<_> = reports.iter().map(confidence).collect();
+    Score::with_confidence(&answers, &confidences, truth)
 }
 
 /// The ground truth of the sequence called `name`, without which nothing can be measured.
@@ -127,32 +142,29 @@ impl Evaluation {
             self.notes.push(format!("{} boxes for {} frames: {}", answers.len(), truth.len(), path.display()));
         }
         answers.resize(truth.len(), None);
-        Score::new(&answers, truth)
+        Score::with_confidence(&answers, &vec![None; truth.len()], truth)
     }
 }
 
-/// The [`Trajectory`] of a run.
-type Answers = Vec<Option<BoundingBox>>;
-
-/// What each run answered in each frame. A run that fails is not asked again; the others go on.
+/// What each run reported in each frame. A run that fails is not asked again; the others go on.
 fn follow(
     frames: impl Iterator<Item = Result<GrayFrame>>,
     runs: Vec<Run>,
     progress: impl Fn(),
-) -> Result<Vec<Result<Answers>>> {
+) -> Result<Vec<Result<Vec<Report>>>> {
     let mut runs: Vec<_> = runs.into_iter().map(|run| (run, Ok(Vec::new()))).collect();
     for frame in frames {
         let frame = frame?;
-        for (run, answers) in &mut runs {
-            let Ok(so_far) = answers else { continue };
+        for (run, reports) in &mut runs {
+            let Ok(so_far) = reports else { continue };
             match run.step(&frame) {
-                Ok(report) => so_far.push(report.target),
-                Err(error) => *answers = Err(error),
+                Ok(report) => so_far.push(report),
+                Err(error) => *reports = Err(error),
             }
         }
         progress();
     }
-    Ok(runs.into_iter().map(|(_, answers)| answers).collect())
+    Ok(runs.into_iter().map(|(_, reports)| reports).collect())
 }
 
 /// Other trackers' results on the sequence at `path`: `trackers/*.txt` in its folder, in natural order; often none.

@@ -1,5 +1,7 @@
 //! The protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
 
+use super::otb::Otb;
+use super::vot::Vot;
 use crate::sequence::BoundingBox;
 use anyhow::{Result, ensure};
 use serde::Serialize;
@@ -13,7 +15,7 @@ pub const CORRECT: f64 = 0.25;
 /// The stricter count beside it.
 const CORRECT_50: f64 = 0.5;
 
-/// How well a trajectory fits the ground truth.
+/// How well a trajectory fits the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Score {
     pub frames: usize,
@@ -34,16 +36,34 @@ pub struct Score {
     pub mean_iou: f64,
     /// The first visible frame that is not correct; the first frame is 1.
     pub first_failure: Option<usize>,
+    /// `None` of a total: OTB has means over recordings instead.
+    #[serde(flatten)]
+    pub otb: Option<Otb>,
+    /// `None` of a total, and where nothing is known of confidence.
+    #[serde(flatten)]
+    pub vot: Option<Vot>,
 }
 
 impl Score {
-    /// The score of `answers`, normalised first, by `truth`.
+    /// The score of `answers` by `truth`, with what follows from the confidence that was reported in each frame; `None`
+    /// where none was.
+    ///
+    /// # Errors
+    /// The three are not of the same length.
+    pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
+        let (frames, count) = (answers.len(), confidences.len());
+        ensure!(frames == count, "there are {frames} frames, but {count} confidences");
+        Ok(Self { vot: Some(Vot::new(answers, confidences, truth)), ..Self::new(answers, truth)? })
+    }
+
+    /// The score of `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
     ///
     /// # Errors
     /// The two are not of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
+        score.otb = Some(Otb::new(answers, truth));
         let mut iou_sum = 0.0;
         for (frame, iou) in (1..).zip(overlaps) {
             let Some(iou) = iou else { continue };
@@ -59,7 +79,7 @@ impl Score {
         Ok(score.with_means(iou_sum))
     }
 
-    /// All frames of all `parts` as one; the first failure has no meaning then and is none.
+    /// All frames of all `parts` as one; what has no meaning then is none.
     pub fn total<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut total = Self::default();
         let mut iou_sum = 0.0;
@@ -164,8 +184,13 @@ mod tests {
             f: 0.5,
             mean_iou: (1.0 + 1.0 / 3.0 + 0.25) / 4.0,
             first_failure: Some(3),
+            // 20, 7 and 5 of 21 thresholds; the answered ones are near.
+            otb: Some(Otb { otb_auc: 32.0 / 4.0 / 21.0, otb_precision: 0.75 }),
+            vot: None,
         };
         assert_eq!(Score::new(&answers, &truth).unwrap(), expected);
+        let vot = Some(Vot::new(&answers, &[None; 6], &truth));
+        assert_eq!(Score::with_confidence(&answers, &[None; 6], &truth).unwrap(), Score { vot, ..expected });
     }
 
     #[test]
@@ -195,13 +220,15 @@ mod tests {
         let unseen = Score::new(&[one, one], &[None, None]).unwrap();
         assert_eq!((unseen.precision, unseen.recall, unseen.f, unseen.mean_iou), (0.0, 0.0, 0.0, 0.0));
         assert_eq!(unseen.first_failure, None);
-        assert_eq!(Score::new(&[], &[]).unwrap(), Score::default());
+        assert_eq!(Score::new(&[], &[]).unwrap(), Score { otb: Some(Otb::default()), ..Score::default() });
     }
 
     #[test]
     fn lengths_that_differ_are_both_named() {
         let error = Score::new(&[None, None], &[None; 3]).unwrap_err();
         assert_eq!(error.to_string(), "there are 2 frames, but the ground truth has 3 boxes");
+        let error = Score::with_confidence(&[None; 3], &[None; 2], &[None; 3]).unwrap_err();
+        assert_eq!(error.to_string(), "there are 3 frames, but 2 confidences");
     }
 
     fn any_box() -> impl Strategy<Value = Option<BoundingBox>> {
@@ -223,9 +250,11 @@ mod tests {
             prop_assert!(score.correct_50 <= score.correct);
             prop_assert!(score.correct <= score.visible.min(score.answered));
             prop_assert!(score.visible.max(score.answered) <= score.frames);
-            for ratio in [score.precision, score.recall, score.f] {
-                prop_assert!((0.0..=1.0).contains(&ratio));
+            let (otb, vot) = (score.otb.unwrap(), Vot::new(&answers, &vec![None; answers.len()], &truth));
+            for ratio in [score.precision, score.recall, score.f, otb.otb_precision, vot.vot_f, vot.vot_recall] {
+                prop_assert!((0.0..=1.0 + 1e-12).contains(&ratio));
             }
+            prop_assert!((0.0..=20.0 / 21.0 + 1e-12).contains(&otb.otb_auc));
             prop_assert!((0.0..=1.0 + 1e-12).contains(&score.mean_iou));
             prop_assert!(score.f <= score.precision.max(score.recall) && score.f >= score.precision.min(score.recall));
             prop_assert_eq!(score.first_failure.is_none(), score.correct == score.visible);
@@ -256,7 +285,9 @@ mod tests {
                 BoundingBox { x, y, width, height }
             };
             let others: Vec<_> = answers.iter().map(|answer| answer.as_ref().map(other)).collect();
-            prop_assert_eq!(Score::new(&others, &truth).unwrap(), Score::new(&answers, &truth).unwrap());
+            // OTB takes the boxes as they are.
+            let tld = |answers: &[_]| Score { otb: None, ..Score::new(answers, &truth).unwrap() };
+            prop_assert_eq!(tld(&others), tld(&answers));
         }
 
         #[test]

@@ -1,16 +1,81 @@
-//! Results as text: every score in full, and the paper's Table 2.
+//! Results as tables: every score in full, and the paper's Table 2.
 
-use super::Score;
 use super::published;
-use super::results::{Line, MEASURED, Results};
+use super::results::{Fractions, Line, MEASURED, Results};
+use super::{Layout, Score};
+use anyhow::Result;
+use serde_json::Value;
 use std::fmt::Write as _;
 
 const NOTHING: &str = "-";
 
+/// The columns of CSV: the keys of JSON. A row of means is two lines here, `mean` and `standard error`.
+const CSV_COLUMNS: [&str; 23] = [
+    "tracker",
+    "source",
+    "sequence",
+    "recordings",
+    "frames",
+    "visible",
+    "answered",
+    "correct",
+    "correct_50",
+    "precision",
+    "recall",
+    "f",
+    "mean_iou",
+    "first_failure",
+    "otb_auc",
+    "otb_precision",
+    "vot_f",
+    "vot_precision",
+    "vot_recall",
+    "vot_threshold",
+    "method",
+    "version",
+    "options",
+];
+
 impl Results {
-    /// Every score in full, contestant by contestant, each with a total if it has more than one.
+    /// All that there is. Nothing if nobody has a score.
+    ///
+    /// # Errors
+    /// What serde_json says; it has no reason to.
+    pub fn text(&self, layout: Layout) -> Result<String> {
+        Ok(match layout {
+            _ if self.is_empty() => String::new(),
+            Layout::Csv => self.csv()?,
+            _ => format!("{}\n{}", self.details(layout), self.correct_frames(layout)),
+        })
+    }
+
+    fn csv(&self) -> Result<String> {
+        let mut lines = vec![CSV_COLUMNS.map(str::to_owned).to_vec()];
+        for row in self.rows() {
+            let row = serde_json::to_value(row)?;
+            let line = |part: Option<(&str, &str)>| {
+                let cell = |column: &str| match part {
+                    Some((_, name)) if column == "source" => name.to_owned(),
+                    Some((key, _)) => csv_cell(row[key].get(column).unwrap_or(&row[column])),
+                    None => csv_cell(&row[column]),
+                };
+                CSV_COLUMNS.map(cell).to_vec()
+            };
+            match row.get("mean") {
+                None => lines.push(line(None)),
+                Some(_) => {
+                    let parts = [("mean", "mean"), ("standard_error", "standard error")];
+                    lines.extend(parts.map(|part| line(Some(part))));
+                }
+            }
+        }
+        Ok(Layout::Csv.table(&lines, 0))
+    }
+
+    /// Every score in full, contestant by contestant; of several a total over all frames, the mean over recordings, and
+    /// its standard error.
     #[must_use]
-    pub fn details(&self) -> String {
+    pub fn details(&self, layout: Layout) -> String {
         let header = [
             "tracker",
             "sequence",
@@ -23,6 +88,10 @@ impl Results {
             "recall",
             "F",
             "mean IoU",
+            "OTB AUC",
+            "OTB P20",
+            "VOT F",
+            "threshold",
             "first failure",
         ];
         let mut lines = vec![header.map(String::from).to_vec()];
@@ -34,20 +103,24 @@ impl Results {
             if line.scores.iter().flatten().count() > 1 {
                 lines.push(details(name, "total", &Score::total(line.scores.iter().flatten())));
             }
+            if let Some(means) = line.means() {
+                lines.push(fractions(name, &format!("mean of {}", means.recordings), means.mean));
+                lines.push(fractions(name, "  standard error", means.standard_error));
+            }
         }
-        aligned(&lines, 2)
+        layout.table(&lines, 2)
     }
 
     /// The paper's Table 2 if one of its sequences is here, and correct frames as they were measured: contestants down,
     /// sequences across.
     #[must_use]
-    pub fn correct_frames(&self) -> String {
+    pub fn correct_frames(&self, layout: Layout) -> String {
         let mut header = ["correct frames", "source"].map(str::to_owned).to_vec();
         header.extend(self.sequences.iter().map(|sequence| format!("{} /{}", sequence.name, sequence.visible)));
         let mut lines = vec![header];
         lines.extend(self.published());
         lines.extend(self.lines.iter().map(correct_frames));
-        aligned(&lines, 2)
+        layout.table(&lines, 2)
     }
 
     /// The rows of the paper, if one of its sequences is here.
@@ -70,8 +143,27 @@ fn details(tracker: &str, sequence: &str, score: &Score) -> Vec<String> {
     let mut line = vec![tracker.to_owned(), sequence.to_owned()];
     line.extend(counts.map(|count| count.to_string()));
     line.extend(means.map(|mean| format!("{mean:.3}")));
+    let fraction = |value: Option<f64>| value.map_or(NOTHING.to_owned(), |value| format!("{value:.3}"));
+    let (otb, vot) = (score.otb, score.vot);
+    line.extend([otb.map(|otb| otb.otb_auc), otb.map(|otb| otb.otb_precision)].map(fraction));
+    line.extend([vot.map(|vot| vot.vot_f), vot.and_then(|vot| vot.vot_threshold)].map(fraction));
     line.push(score.first_failure.map_or(NOTHING.to_owned(), |frame| frame.to_string()));
     line
+}
+
+/// Means have no counts.
+fn fractions(tracker: &str, what: &str, of: Fractions) -> Vec<String> {
+    let mut line = [tracker, what, "", "", "", "", ""].map(str::to_owned).to_vec();
+    line.extend(of.values().map(|value| format!("{value:.3}")));
+    line
+}
+
+fn csv_cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
 }
 
 fn correct_frames(of: &Line) -> Vec<String> {
@@ -109,7 +201,7 @@ mod tests {
         let score = |correct: usize| {
             let mut boxes = vec![None; 4];
             boxes[..correct].fill(Some("1,2,3,4".parse().unwrap()));
-            Score::new(&boxes, &[Some("1,2,3,4".parse().unwrap()); 4]).unwrap()
+            Score::with_confidence(&boxes, &[None; 4], &[Some("1,2,3,4".parse().unwrap()); 4]).unwrap()
         };
         let scores = scores.iter().map(|(who, correct)| (who.clone(), score(*correct))).collect();
         Evaluation { sequence: sequence.to_owned(), visible: 4, scores, failures: vec![], notes: vec![] }
@@ -132,18 +224,22 @@ mod tests {
     #[test]
     fn every_score_in_full() {
         let expected = "\
-tracker  sequence  frames  visible  answered  correct  correct@0.5  precision  recall      F  mean IoU  first failure
-smr      mine           4        4         4        4            4      1.000   1.000  1.000     1.000              -
-smr      06_car         4        4         2        2            2      1.000   0.500  0.667     0.500              3
-smr      total          8        8         6        6            6      1.000   0.750  0.857     0.750              -
-sad      mine           4        4         1        1            1      1.000   0.250  0.400     0.250              2
-sad      06_car         4        4         0        0            0      0.000   0.000  0.000     0.000              1
-sad      total          8        8         1        1            1      1.000   0.125  0.222     0.125              -
-smr      06_car         4        4         1        1            1      1.000   0.250  0.400     0.250              2
-t2       06_car         4        4         2        2            2      1.000   0.500  0.667     0.500              3
-t10      mine           4        4         3        3            3      1.000   0.750  0.857     0.750              4
+tracker  sequence          frames  visible  answered  correct  correct@0.5  precision  recall      F  mean IoU  OTB AUC  OTB P20  VOT F  threshold  first failure
+smr      mine                   4        4         4        4            4      1.000   1.000  1.000     1.000    0.952    1.000  1.000          -              -
+smr      06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500    0.476    0.500  0.667          -              3
+smr      total                  8        8         6        6            6      1.000   0.750  0.857     0.750        -        -      -          -              -
+smr      mean of 2                                                              1.000   0.750  0.833     0.750    0.714    0.750  0.833
+smr        standard error                                                       0.000   0.250  0.167     0.250    0.238    0.250  0.167
+sad      mine                   4        4         1        1            1      1.000   0.250  0.400     0.250    0.238    0.250  0.400          -              2
+sad      06_car                 4        4         0        0            0      0.000   0.000  0.000     0.000    0.000    0.000  0.000          -              1
+sad      total                  8        8         1        1            1      1.000   0.125  0.222     0.125        -        -      -          -              -
+sad      mean of 2                                                              0.500   0.125  0.200     0.125    0.119    0.125  0.200
+sad        standard error                                                       0.500   0.125  0.200     0.125    0.119    0.125  0.200
+smr      06_car                 4        4         1        1            1      1.000   0.250  0.400     0.250    0.238    0.250  0.400          -              2
+t2       06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500    0.476    0.500  0.667          -              3
+t10      mine                   4        4         3        3            3      1.000   0.750  0.857     0.750    0.714    0.750  0.857          -              4
 ";
-        assert_eq!(results().details(), expected);
+        assert_eq!(results().details(Layout::Text), expected);
     }
 
     #[test]
@@ -162,9 +258,12 @@ smr                                        measured        -          1
 t2                                         measured        -          2
 t10                                        measured        3          -
 ";
-        assert_eq!(results().correct_frames(), expected);
+        assert_eq!(results().correct_frames(Layout::Text), expected);
         let other = Results::new(&[evaluation("mine", &[(method("smr"), 4)])]);
-        assert_eq!(other.correct_frames(), "correct frames  source    mine /4\nsmr             measured        4\n");
+        assert_eq!(
+            other.correct_frames(Layout::Text),
+            "correct frames  source    mine /4\nsmr             measured        4\n"
+        );
     }
 
     #[test]
@@ -174,14 +273,64 @@ t10                                        measured        3          -
             "version": env!("CARGO_PKG_VERSION"), "method": "smr", "options": {},
             "tracker": "smr", "source": "measured", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
             "correct_50": 2, "precision": 1.0, "recall": 0.5, "f": 2.0 / 3.0, "mean_iou": 0.5, "first_failure": 3,
+            "otb_auc": 10.0 / 21.0, "otb_precision": 0.5,
+            "vot_f": 2.0 / 3.0, "vot_precision": 1.0, "vot_recall": 0.5, "vot_threshold": null,
         });
         assert_eq!(rows[1], expected);
         assert!(rows[0]["first_failure"].is_null());
         // Collins has no figure for the one sequence of the table.
-        assert_eq!(rows.as_array().unwrap().len(), 7 + 5);
+        assert_eq!(rows.as_array().unwrap().len(), 7 + 5 + 2);
         let lim = serde_json::json!({
             "tracker": "Lim 2004 (incremental subspace)", "source": "printed", "sequence": "06_car", "correct": 163,
         });
         assert_eq!(rows[7], lim);
+    }
+    #[test]
+    fn means_are_over_recordings() {
+        let rows = serde_json::to_value(results().rows()).unwrap();
+        let smr = &rows[12];
+        assert_eq!((&smr["tracker"], &smr["source"], &smr["recordings"]), (&"smr".into(), &"mean".into(), &2.into()));
+        assert!(smr.get("sequence").is_none());
+        // 1 and 1/2: the mean is 3/4, and each is 1/4 from it: sqrt(2 / 16 / 1 / 2).
+        assert_eq!((&smr["mean"]["recall"], &smr["standard_error"]["recall"]), (&0.75.into(), &0.25.into()));
+        assert_eq!(smr["standard_error"]["precision"], 0.0);
+    }
+
+    #[test]
+    fn csv_has_every_key_of_json() {
+        let results = results();
+        let rows = serde_json::to_value(results.rows()).unwrap();
+        for row in rows.as_array().unwrap() {
+            for key in row.as_object().unwrap().keys().filter(|key| !["mean", "standard_error"].contains(&key.as_str()))
+            {
+                assert!(CSV_COLUMNS.contains(&key.as_str()), "{key}");
+            }
+        }
+        let text = results.text(Layout::Csv).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 1 + 7 + 5 + 2 * 2);
+        assert_eq!(lines[0], CSV_COLUMNS.join(","));
+        assert_eq!(&lines[2][..30], "smr,measured,06_car,,4,4,2,2,2");
+        assert!(
+            lines.contains(&"\"Kalal 2010 (forward-backward, MedianFlow)\",printed,06_car,,,,,510,,,,,,,,,,,,,,,"),
+            "{text}"
+        );
+        assert!(lines[13].starts_with("smr,mean,,2,,,,,,1.0,0.75,"), "{}", lines[13]);
+        assert!(lines[14].starts_with("smr,standard error,,2,,,,,,0.0,0.25,"), "{}", lines[14]);
+    }
+
+    #[test]
+    fn markdown_has_both_tables() {
+        let text = results().text(Layout::Markdown).unwrap();
+        let tables: Vec<&str> = text.split("\n\n").collect();
+        assert_eq!(tables.len(), 2);
+        assert!(
+            tables[0].starts_with("| tracker | sequence | frames |") && tables[1].starts_with("| correct frames |")
+        );
+        for table in tables {
+            let cells: Vec<usize> = table.lines().map(|line| line.matches('|').count()).collect();
+            assert!(cells.iter().all(|&count| count == cells[0]), "{table}");
+        }
+        assert_eq!(Results::new(&[]).text(Layout::Csv).unwrap(), "");
     }
 }

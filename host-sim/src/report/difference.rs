@@ -5,11 +5,12 @@ use smr_core::{Image, Rect};
 
 /// The absolute difference of every pixel of a box to the template's.
 pub(super) struct Difference {
-    pub at: Rect,
     /// Of the template, which may have another resolution than the frame.
     pub size: (u16, u16),
     /// Row by row.
     pub pixels: Vec<u8>,
+    /// What is compared with, row by row.
+    pub template: Vec<u8>,
 }
 
 /// Gray levels that one bar of a histogram spans.
@@ -26,7 +27,11 @@ impl Difference {
             (at.x..).zip(row).map(of).collect::<Vec<u8>>()
         };
         let size = (template.width(), template.height());
-        Self { at, size, pixels: (at.y..).zip(template.rows()).flat_map(row).collect() }
+        Self {
+            size,
+            pixels: (at.y..).zip(template.rows()).flat_map(row).collect(),
+            template: template.rows().flatten().copied().collect(),
+        }
     }
 
     /// The share of the pixels in each bar.
@@ -70,7 +75,7 @@ mod tests {
     #[test]
     fn the_last_bar_has_the_rest() {
         let difference =
-            Difference { at: Rect::new(0, 0, 4, 2), size: (4, 2), pixels: vec![0, 1, 2, 125, 126, 127, 200, 255] };
+            Difference { size: (4, 2), pixels: vec![0, 1, 2, 125, 126, 127, 200, 255], template: vec![0; 8] };
         let histogram = difference.histogram();
         assert_eq!([0, 1, 62, 63].map(|bar| histogram[bar]), [0.25, 0.125, 0.125, 0.5]);
         assert_eq!(histogram.iter().sum::<f64>(), 1.0);

@@ -2,9 +2,10 @@
 
 use super::Color;
 use crate::sequence::GrayFrame;
-use anyhow::Result;
-use image::ExtendedColorType;
+use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
+use image::imageops::{FilterType, resize};
+use image::{ExtendedColorType, GrayImage};
 
 /// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
 pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
@@ -27,6 +28,32 @@ pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The frame as a JPEG with no side longer than `side`.
+pub(super) fn jpeg_within(frame: &GrayFrame, side: u32) -> Result<Vec<u8>> {
+    let size = (frame.width.into(), frame.height.into());
+    let (width, height) = within(size, side);
+    let whole = GrayImage::from_raw(size.0, size.1, frame.pixels.clone()).context("a frame has all its pixels")?;
+    if size == (width, height) {
+        jpeg_of(&whole)
+    } else {
+        jpeg_of(&resize(&whole, width, height, FilterType::Triangle))
+    }
+}
+
+/// A frame of a film, smaller in bytes than one that is looked at for itself.
+pub(super) fn jpeg_of(image: &GrayImage) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, 75).encode_image(image)?;
+    Ok(bytes)
+}
+
+/// The size with no side longer than `side`.
+pub(super) fn within((width, height): (u32, u32), side: u32) -> (u32, u32) {
+    let longest = width.max(height).max(1);
+    let fit = |length: u32| if longest <= side { length } else { (length * side / longest).max(1) };
+    (fit(width), fit(height))
+}
+
 /// A URI that holds the bytes themselves: a page with it needs no other file.
 pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", base64(bytes))
@@ -34,7 +61,7 @@ pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
 
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-fn base64(bytes: &[u8]) -> String {
+pub(super) fn base64(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {
         let byte = |at: usize| u32::from(group.get(at).copied().unwrap_or(0));

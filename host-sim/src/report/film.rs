@@ -1,11 +1,14 @@
 //! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
 
+use super::entrants::ResultFile;
 use super::look::{self, Shown, Sight};
+use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
-use crate::evaluate::{Contestant, Evaluation, MethodKind, Report, Score, Variant};
-use crate::sequence::{BoundingBox, GrayFrame, Sequence};
+use crate::evaluate::{Contestant, Evaluation, Report, Score, Variant};
+use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
+use std::path::PathBuf;
 
 /// All that a report tells.
 pub struct Film {
@@ -21,11 +24,24 @@ pub struct Film {
     /// Changes of state that there was no room to show.
     pub changes_left_out: usize,
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
+    /// All frames, if they were asked for.
+    pub(super) pictures: Option<Pictures>,
+    pub(super) files: Vec<ResultFile>,
+}
+
+/// Which pictures were kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Kept {
+    pub frames: usize,
+    /// In pixels.
+    pub longest_side: u32,
 }
 
 /// What the methods said about one frame.
 pub struct Moment {
     pub reports: Vec<Report>,
+    /// The box that is drawn of each: when lost, the last one that was believed, or the one that is followed meanwhile.
+    pub(super) lasts: Vec<BoundingBox>,
 }
 
 impl Moment {
@@ -52,17 +68,25 @@ impl Still {
     }
 }
 
-/// Runs all `methods` over the sequence. Frames stream: only those of `choice` are kept. `progress` is called after each.
+/// Runs all `methods` over the sequence. Frames stream: only those of `choice` are kept, and with `budget` small pictures of all
+/// in so many bytes. `progress` is called after each.
 ///
 /// # Errors
 /// No method, no box to start from, a frame that cannot be read or tracked, or a listed frame that there is not.
-pub fn watch(sequence: Sequence, methods: &[Variant], choice: Choice, progress: impl Fn()) -> Result<Film> {
+pub fn watch(
+    sequence: Sequence,
+    methods: &[Variant],
+    choice: Choice,
+    budget: Option<usize>,
+    progress: impl Fn(),
+) -> Result<Film> {
     ensure!(!methods.is_empty(), "there is no method to show");
     let start = sequence.start()?;
     let Sequence { name, frames, truth, .. } = sequence;
     let last = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
     let mut trackers: Vec<Box<dyn Shown>> = methods.iter().map(look::shown).collect::<Result<_>>()?;
     let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
+    let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
         let look = |(tracker, variant): (&mut Box<dyn Shown>, &Variant)| {
@@ -70,11 +94,15 @@ pub fn watch(sequence: Sequence, methods: &[Variant], choice: Choice, progress: 
             look.with_context(|| format!("{name}: {}: frame {}", variant.name, index + 1))
         };
         let looks: Result<Vec<(Report, Sight)>> = trackers.iter_mut().zip(methods).map(look).collect();
-        let (reports, sights) = looks?.into_iter().unzip();
-        let moment = Moment { reports };
+        let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
+        let moment = Moment { reports, lasts: Vec::new() };
         let changed = moments.last().is_some_and(|last| last.first().state != moment.first().state);
         size = (frame.width, frame.height);
-        moments.push(moment);
+        let lasts = sights.iter().map(|sight| sight.bbox).collect();
+        moments.push(Moment { lasts, ..moment });
+        if let Some(pictures) = &mut pictures {
+            pictures.offer(index, &frame, &sights)?;
+        }
         reel.offer(index, changed, || Still { index, frame, sights });
         progress();
     }
@@ -84,7 +112,19 @@ pub fn watch(sequence: Sequence, methods: &[Variant], choice: Choice, progress: 
     }
     let (stills, changes_left_out) = reel.into_stills();
     let padding = methods[0].configs().paper.padding;
-    Ok(Film { name, methods: methods.to_vec(), size, start, padding, moments, stills, changes_left_out, truth })
+    Ok(Film {
+        name,
+        methods: methods.to_vec(),
+        size,
+        start,
+        padding,
+        moments,
+        stills,
+        changes_left_out,
+        truth,
+        pictures,
+        files: Vec::new(),
+    })
 }
 
 impl Film {
@@ -94,6 +134,27 @@ impl Film {
         self.stills.iter().map(|still| still.index + 1).collect()
     }
 
+    /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
+    #[must_use]
+    pub fn pictures(&self) -> Option<Kept> {
+        self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
+    }
+
+    /// Puts the result files of other trackers beside the methods. One that ends early has no answer from there on, and what it
+    /// says of frames that do not exist is not looked at.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn compare(&mut self, files: &[PathBuf]) -> Result<()> {
+        for path in files {
+            let mut answers = boxes::read_tld(path)?;
+            answers.resize(self.moments.len(), None);
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            self.files.push(ResultFile { name, answers });
+        }
+        Ok(())
+    }
+
     /// How well all did, by the protocol of the recordings; `None` without ground truth.
     ///
     /// # Errors
@@ -101,17 +162,26 @@ impl Film {
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {
-            let score = Score::new(&self.trajectory(index), truth).with_context(|| self.name.clone())?;
+            let confidence = |moment: &Moment| moment.reports[index].evidence.map(|evidence| evidence.confidence);
+            let confidences: Vec<_> = self.moments.iter().map(confidence).collect();
+            let score = Score::with_confidence(&self.trajectory(index), &confidences, truth);
+            let score = score.with_context(|| self.name.clone())?;
             anyhow::Ok((Contestant::of(variant), score))
         };
-        let scores = self.methods.iter().enumerate().map(score).collect::<Result<_>>()?;
+        let mut scores = self.methods.iter().enumerate().map(score).collect::<Result<Vec<_>>>()?;
+        for file in &self.files {
+            let confidences = vec![None; truth.len()];
+            let score =
+                Score::with_confidence(&file.answers, &confidences, truth).with_context(|| self.name.clone())?;
+            scores.push((Contestant::File(file.name.clone()), score));
+        }
         let visible = truth.iter().flatten().count();
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
     }
 
-    /// Where in the list of methods those of this kind are.
-    pub(super) fn all_of(&self, kind: MethodKind) -> impl Iterator<Item = usize> {
-        (0..self.methods.len()).filter(move |&index| self.methods[index].kind == kind)
+    /// Pixels of the padding that are shown around the frame: a wide padding would leave little room for it.
+    pub(super) fn margin(&self) -> u16 {
+        self.padding.min(self.size.0.max(self.size.1) / 4)
     }
 
     /// What one of the methods answered.
@@ -127,7 +197,7 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Configs;
+    use crate::evaluate::{Configs, MethodKind};
     use crate::sequence::{self, OpenOptions, synthetic};
     use smr_core::State;
     use smr_core::paper::Config;
@@ -143,7 +213,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> Film {
-        watch(open(), &variants(methods), Choice::Spread, || ()).unwrap()
+        watch(open(), &variants(methods), Choice::Spread, None, || ()).unwrap()
     }
 
     #[test]
@@ -165,13 +235,9 @@ mod tests {
         for &kind in MethodKind::value_variants() {
             let film = film(&[kind]);
             assert!(film.moments.iter().all(|moment| kind.states().contains(&moment.first().state)), "{}", kind.name());
-            let page = crate::report::page(&film).unwrap();
-            assert!(page.contains(&format!(">{}</th>", kind.name().to_uppercase())));
-            assert_eq!(page.contains("</span>uncertain<span"), kind == MethodKind::Robust);
-            assert_eq!(page.contains("</span>leaving"), kind != MethodKind::Robust);
             assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
         }
-        assert!(watch(open(), &[], Choice::Spread, || ()).is_err());
+        assert!(watch(open(), &[], Choice::Spread, None, || ()).is_err());
     }
 
     #[test]
@@ -187,7 +253,8 @@ mod tests {
             let ratio = score / search.difference.pixels.len() as f64;
             assert_eq!(evidence.alpha, search.alpha);
             assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
-            assert!(search.window.unwrap().contains(search.difference.at));
+            let bbox = film.moments[still.index].reports[0].bbox;
+            assert!(bbox.is_none_or(|bbox| !bbox.intersection(search.window.unwrap()).is_empty()));
             searched += 1;
         }
         assert!(searched > 10);
@@ -196,14 +263,15 @@ mod tests {
     #[test]
     fn a_frame_that_there_is_not_is_named() {
         let choice = Choice::Listed([0, 240].into());
-        let error = watch(open(), &variants(&[MethodKind::Smr]), choice, || ()).err().unwrap();
+        let error = watch(open(), &variants(&[MethodKind::Smr]), choice, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
     #[test]
     fn ground_truth_of_another_length_is_an_error() {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
-        let film = watch(Sequence { truth, ..open() }, &variants(&[MethodKind::Smr]), Choice::Spread, || ()).unwrap();
+        let film =
+            watch(Sequence { truth, ..open() }, &variants(&[MethodKind::Smr]), Choice::Spread, None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
     }

@@ -71,6 +71,7 @@ impl Shown for Tracker<Paper> {
         // What is compared with, before this frame takes its place.
         let template = Pixels::of(self.target().template().context("there is no template yet")?);
         let answer = Self::update(self, &frame.frame())?;
+        let work = self.work();
         let found = self.workspace().found().context("the update is finished")?;
         let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
         let search = Search {
@@ -78,7 +79,8 @@ impl Shown for Tracker<Paper> {
             difference: Difference::new(frame, peak, template.image()?),
             alpha: answer.alpha,
         };
-        Ok((answer.into(), Sight { bbox: answer.bbox.into(), search: Some(search) }))
+        let report = Report { work: Some(work), ..answer.into() };
+        Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
     }
 }
 
@@ -96,6 +98,7 @@ impl Shown for Tracker<Robust> {
         let (columns, rows) = (grid.columns.into(), grid.rows.into());
         let early = Patch { columns, rows, pixels: early.map(f64::from).collect() };
         let answer = Self::update(self, &frame.frame())?;
+        let work = self.work();
         let target = BoundingBox::from(answer.fine);
         let lattice = Lattice {
             x: target.x + target.width / 2.0 - 0.5,
@@ -111,12 +114,13 @@ impl Shown for Tracker<Robust> {
         let byte = |level: f64| level as u8;
         let pairs = seen.pixels.iter().zip(&lit.pixels);
         let difference = Difference {
-            at: answer.bbox,
             size: (grid.columns, grid.rows),
             pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
+            template: lit.pixels.iter().copied().map(byte).collect(),
         };
         let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &seen)).into()) };
-        Ok((answer.into(), Sight { bbox: target, search: Some(search) }))
+        let report = Report { work: Some(work), ..answer.into() };
+        Ok((report, Sight { bbox: target, search: Some(search) }))
     }
 }
 

@@ -1,16 +1,20 @@
-//! What people look at: methods side by side on a recording, as one page or as one picture; how fast they are and what
+//! What people look at: methods side by side on recordings, as one page or as one picture; how fast they are and what
 //! their confidence is worth, as diagrams.
 
+mod accuracy;
 pub mod calibration;
 mod coordinates;
+mod data;
 pub mod diagram;
 mod difference;
 mod encode;
+mod entrants;
 mod film;
 pub(crate) mod font;
 mod look;
 mod page;
 mod picture;
+mod pictures;
 mod plot;
 mod reel;
 #[cfg(feature = "bench")]
@@ -19,7 +23,7 @@ mod tile;
 
 pub use coordinates::coordinates;
 pub use film::{Film, watch};
-pub use page::page;
+pub use page::{About, page};
 pub use picture::picture;
 pub use reel::Choice;
 

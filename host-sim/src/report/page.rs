@@ -1,132 +1,327 @@
-//! The whole report as one HTML page that needs nothing else: no script, no other file, no net.
+//! The whole report as one HTML page that needs nothing else: style, script, pictures and figures are in it.
 
-use super::difference::Difference;
+use super::accuracy::Accuracy;
+use super::data::{css, data};
+use super::entrants::{Entrant, entrants};
 use super::film::{Film, Still};
-use super::{Color, TRUTH, color_of, color_of_method, encode, plot, tile};
-use crate::evaluate::{Evaluation, Evidence, MethodKind, Score, Variant, name_of, overlaps};
-use anyhow::{Context, Result};
+use super::plot::{self, Line};
+use super::{TRUTH, color_of, pictures, tile};
+use crate::evaluate::{Evaluation, Evidence, Score, name_of};
+use anyhow::{Context, Result, ensure};
 use smr_core::State;
 
-/// The page.
+/// What the foot of the page says.
+pub struct About {
+    /// Of the whole page.
+    pub title: String,
+    /// As it was typed.
+    pub command_line: String,
+    /// All that the methods were built with, as JSON.
+    pub options: String,
+}
+
+/// The page, of at most `budget` bytes: frames get smaller, then fewer, until it is.
 ///
 /// # Errors
-/// The ground truth is not that of so many frames, or a picture cannot be encoded.
-pub fn page(film: &Film) -> Result<String> {
-    let evaluation = film.evaluation()?;
+/// No film, ground truth that is not of so many frames, a picture that cannot be encoded, or figures alone that take more than
+/// the budget.
+pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
+    loop {
+        let page = whole(films, about)?;
+        if page.len() <= budget {
+            return Ok(page);
+        }
+        let pictured = films.iter_mut().filter_map(|film| film.pictures.as_mut());
+        let largest = pictured.max_by_key(|pictures| pictures.bytes());
+        let shrunk = largest.map(pictures::Pictures::shrink).transpose()?.unwrap_or(false);
+        let bytes = page.len().div_ceil(1_000_000);
+        ensure!(shrunk, "the page has {bytes} MB with next to no frames: expected --budget {bytes} or more");
+    }
+}
+
+fn whole(films: &[Film], about: &About) -> Result<String> {
+    ensure!(!films.is_empty(), "there is no recording to show");
+    let scored = films.iter().map(Scored::of).collect::<Result<Vec<_>>>()?;
+    let strips = films.iter().map(|film| strip(film, films.len() > 1)).collect::<Result<String>>()?;
     let sections = [
-        head(film),
-        summary(film),
-        evaluation.as_ref().map(scores).unwrap_or_default(),
-        strip(film)?,
-        over_time(film)?,
-        differences(film)?,
-        "</body>\n</html>\n".to_owned(),
+        head(about),
+        summary(films, about),
+        scores(films, &scored)?,
+        player(films),
+        strips,
+        words(),
+        foot(about),
+        format!("<script type=\"application/json\" id=\"data\">{}</script>\n", data(films)?),
+        format!("<script>\n{}</script>\n</body>\n</html>\n", include_str!("page.js")),
     ];
     Ok(sections.concat())
 }
 
-fn head(film: &Film) -> String {
-    let methods = film.methods.iter().map(|method| (method.kind.name(), color_of_method(method.kind)));
-    let colors = [("truth", TRUTH), ("counts", counting_color(20))];
+fn head(about: &About) -> String {
     let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
-    let variables: String = methods
-        .chain(colors)
-        .chain(states)
-        .map(|(name, [r, g, b])| format!("--{name}: rgb({r}, {g}, {b}); "))
-        .collect();
-    // Of equal boxes all are seen: what is drawn first is wider.
-    let styles: String = (1..)
-        .zip(&film.methods)
-        .map(|(place, method)| {
-            let (name, width) = (method.kind.name(), 3 * place);
-            format!(
-                ".key.{name} {{ border: 3px solid var(--{name}); box-sizing: border-box; }}\n\
-                 .tile .{name} {{ stroke: var(--{name}); stroke-width: {width}; }}\n\
-                 .line.{name} {{ stroke: var(--{name}); }} .bars.{name} {{ fill: var(--{name}); }}\n"
-            )
-        })
-        .collect();
+    let others = [("truth", TRUTH), ("counts", pictures::counting_color(20))];
+    let variables: String =
+        states.iter().chain(&others).map(|(name, color)| format!("--{name}: {}; ", css(*color))).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>SMR: {}</title>\n\
-         <style>\n:root {{ {variables}}}\n{}{styles}</style>\n</head>\n<body>\n",
-        escaped(&film.name),
+         <style>\n:root {{ {variables}}}\n{}</style>\n</head>\n<body>\n",
+        escaped(&about.title),
         include_str!("page.css")
     )
 }
 
-fn summary(film: &Film) -> String {
+fn summary(films: &[Film], about: &About) -> String {
+    let mut text = format!("<h1>{}</h1>\n", escaped(&about.title));
+    if films.len() > 1 {
+        let frames: usize = films.iter().map(|film| film.moments.len()).sum();
+        return text + &format!("<p>{} recordings with {frames} frames in all.</p>\n", films.len());
+    }
+    let film = &films[0];
     let first = &film.methods[0];
     let count = |state: State| film.moments.iter().filter(|moment| moment.first().state == state).count();
     let states = first.kind.states().iter().map(|&state| format!("{} in {}", name_of(state), count(state)));
-    format!(
-        "<h1>{}</h1>\n<p>{} frames of {}x{} pixels, locked on the box of {}. Frames by the state of {}: {}.</p>\n",
-        escaped(&film.name),
+    text += &format!(
+        "<p>{} frames of {}x{} pixels, locked on the box of {}. Frames by the state of {}: {}.</p>\n",
         film.moments.len(),
         film.size.0,
         film.size.1,
         tile::words(film.start),
-        title(first),
+        first.name.to_uppercase(),
         states.collect::<Vec<_>>().join(", ")
+    );
+    text
+}
+
+/// A recording's scores with everyone's accuracy, in the order of its entrants.
+struct Scored {
+    evaluation: Evaluation,
+    accuracies: Vec<Accuracy>,
+}
+
+impl Scored {
+    /// `None` without ground truth.
+    fn of(film: &Film) -> Result<Option<Self>> {
+        let (Some(evaluation), Some(truth)) = (film.evaluation()?, &film.truth) else { return Ok(None) };
+        let accuracy = |entrant: &Entrant| Accuracy::new(&entrant.answers, truth).with_context(|| film.name.clone());
+        let accuracies = entrants(film).iter().map(accuracy).collect::<Result<_>>()?;
+        Ok(Some(Self { evaluation, accuracies }))
+    }
+
+    /// How accurate the one called `name` is.
+    fn accuracy_of(&self, name: &str) -> Option<&Accuracy> {
+        self.place_of(name).map(|place| &self.accuracies[place])
+    }
+
+    fn score_of(&self, name: &str) -> Option<&Score> {
+        self.place_of(name).map(|place| &self.evaluation.scores[place].1)
+    }
+
+    fn place_of(&self, name: &str) -> Option<usize> {
+        self.evaluation.scores.iter().position(|(who, _)| who.name() == name)
+    }
+}
+
+fn scores(films: &[Film], scored: &[Option<Scored>]) -> Result<String> {
+    let measured: Vec<(&Film, &Scored)> =
+        films.iter().zip(scored).filter_map(|(film, scored)| Some((film, scored.as_ref()?))).collect();
+    if measured.is_empty() {
+        return Ok(String::new());
+    }
+    let everyone = everyone(&measured);
+    let protocol = "A frame is correct if the intersection over union (IoU) with the ground truth is above 0.25 (TLD \
+                    protocol). Success is the area under the success plot, precision the part of the visible frames with \
+                    a centre error of at most 20 pixels. The best is bold.";
+    let mut section = format!("<h2>Scores</h2>\n<p class=\"note\">{protocol}</p>\n");
+    if measured.len() > 1 {
+        section += &across(&measured, &everyone);
+    } else {
+        section += &table_of(measured[0].0, measured[0].1);
+    }
+    let lines: Vec<Line> = everyone
+        .iter()
+        .filter_map(|entrant| {
+            let of: Vec<Accuracy> =
+                measured.iter().filter_map(|(_, scored)| scored.accuracy_of(&entrant.name).cloned()).collect();
+            let (title, color) = (entrant.title.clone(), entrant.color);
+            (of.len() == measured.len()).then(|| Accuracy::mean(&of)).flatten().map(|accuracy| Line {
+                title,
+                color,
+                accuracy,
+            })
+        })
+        .collect();
+    section += &plot::plots(&lines);
+    if measured.len() > 1 {
+        for (film, scored) in &measured {
+            let (name, table) = (escaped(&film.name), table_of(film, scored));
+            section += &format!("<details><summary>Scores on {name}</summary>\n{table}</details>\n");
+        }
+    }
+    Ok(section)
+}
+
+/// All that are in one recording or another, each once.
+fn everyone(measured: &[(&Film, &Scored)]) -> Vec<Entrant> {
+    let mut all: Vec<Entrant> = Vec::new();
+    for entrant in measured.iter().flat_map(|(film, _)| entrants(film)) {
+        if all.iter().all(|known| known.name != entrant.name) {
+            all.push(entrant);
+        }
+    }
+    all
+}
+
+/// A number in a table; larger ones are better.
+struct Cell {
+    value: Option<f64>,
+    text: String,
+}
+
+impl Cell {
+    fn count(value: usize) -> Self {
+        Self { value: Some(value as f64), text: value.to_string() }
+    }
+
+    fn part(value: f64) -> Self {
+        Self { value: Some((value * 1000.0).round()), text: format!("{value:.3}") }
+    }
+
+    fn plain(text: String) -> Self {
+        Self { value: None, text }
+    }
+}
+
+/// A table with a line for each entrant; the largest value of each column is bold.
+fn table(caption: &str, header: &[String], lines: &[(&Entrant, Vec<Cell>)]) -> String {
+    let best = |column: usize| {
+        let values = lines.iter().filter_map(|(_, cells)| cells[column].value);
+        values.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let cell = |(column, cell): (usize, &Cell)| match cell.value {
+        Some(value) if lines.len() > 1 && value == best(column) => format!("<td><b>{}</b></td>", cell.text),
+        _ => format!("<td>{}</td>", cell.text),
+    };
+    let heads: String = header.iter().map(|head| format!("<th scope=\"col\">{}</th>", escaped(head))).collect();
+    let rows: String = lines
+        .iter()
+        .map(|(entrant, cells)| {
+            let cells: String = cells.iter().enumerate().map(cell).collect();
+            format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", key(entrant))
+        })
+        .collect();
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n\
+         <thead><tr><td></td>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
+        escaped(caption)
     )
 }
 
-/// A method's name as it stands on the page.
-fn title(method: &Variant) -> String {
-    method.name.to_uppercase()
+/// The mark of an entrant, with its name.
+fn key(entrant: &Entrant) -> String {
+    let class = if entrant.method.is_some() {
+        entrant.name.replace(|letter: char| !letter.is_alphanumeric(), "-")
+    } else {
+        "file".into()
+    };
+    format!("<span class=\"key {class}\" style=\"--c:{}\"></span>{}", css(entrant.color), escaped(&entrant.title))
 }
 
-/// The methods in their colors.
-fn keys(film: &Film) -> String {
-    let key = |method: &Variant| format!("<span class=\"key {}\"></span>{}", method.kind.name(), title(method));
-    film.methods.iter().map(key).collect()
+fn across(measured: &[(&Film, &Scored)], everyone: &[Entrant]) -> String {
+    let visible = |scored: &Scored| scored.evaluation.visible;
+    let mut header: Vec<String> =
+        measured.iter().map(|(film, scored)| format!("{} (of {})", film.name, visible(scored))).collect();
+    let all: usize = measured.iter().map(|(_, scored)| visible(scored)).sum();
+    header.extend([format!("all (of {all})"), "success".to_owned(), "precision".to_owned()]);
+    let line = |entrant: &Entrant| {
+        let scores: Vec<Option<&Score>> = measured.iter().map(|(_, scored)| scored.score_of(&entrant.name)).collect();
+        let none = || Cell::plain("-".to_owned());
+        let mut cells: Vec<Cell> =
+            scores.iter().map(|score| score.map_or_else(none, |score| Cell::count(score.correct))).collect();
+        let of: Vec<Accuracy> =
+            measured.iter().filter_map(|(_, scored)| scored.accuracy_of(&entrant.name).cloned()).collect();
+        match Accuracy::mean(&of) {
+            Some(mean) if of.len() == measured.len() => {
+                let correct = scores.iter().flatten().map(|score| score.correct).sum();
+                cells.extend([
+                    Cell::count(correct),
+                    Cell::part(mean.success_area()),
+                    Cell::part(mean.precision_at_20()),
+                ]);
+            }
+            _ => cells.extend([none(), none(), none()]),
+        }
+        cells
+    };
+    let lines: Vec<(&Entrant, Vec<Cell>)> = everyone.iter().map(|entrant| (entrant, line(entrant))).collect();
+    table("Correct frames of each recording; success and precision are means over the recordings", &header, &lines)
 }
 
-fn scores(evaluation: &Evaluation) -> String {
+fn table_of(film: &Film, scored: &Scored) -> String {
     let header = [
-        "",
-        "frames",
-        "visible",
         "answered",
         "correct",
         "correct at 0.5",
-        "precision",
-        "recall",
+        "correct / answered",
+        "correct / visible",
         "F",
         "mean IoU",
+        "success",
+        "precision",
         "first failure",
     ];
-    let header: String = header.map(|cell| format!("<th>{cell}</th>")).concat();
-    let rows: String = evaluation.scores.iter().map(|(who, score)| score_row(who.name(), score)).collect();
+    let entrants = entrants(film);
+    let mut lines = Vec::new();
+    for (entrant, ((_, score), accuracy)) in
+        entrants.iter().zip(scored.evaluation.scores.iter().zip(&scored.accuracies))
+    {
+        let first_failure = score.first_failure.map_or("-".to_owned(), |frame| frame.to_string());
+        let mut cells = vec![Cell::plain(score.answered.to_string())];
+        cells.extend([score.correct, score.correct_50].map(Cell::count));
+        cells.extend([score.precision, score.recall, score.f, score.mean_iou].map(Cell::part));
+        cells.extend([accuracy.success_area(), accuracy.precision_at_20()].map(Cell::part));
+        cells.push(Cell::plain(first_failure));
+        lines.push((entrant, cells));
+    }
+    let caption = format!("{} frames, the target is visible in {}", film.moments.len(), scored.evaluation.visible);
+    table(&caption, &header.map(str::to_owned), &lines)
+}
+
+/// What the script fills: the player, the curves, and what was compared.
+fn player(films: &[Film]) -> String {
+    let options: String = films
+        .iter()
+        .enumerate()
+        .map(|(index, film)| format!("<option value=\"{index}\">{}</option>", escaped(&film.name)))
+        .collect();
+    let hidden = if films.len() > 1 { "" } else { " hidden" };
     format!(
-        "<h2>Scores</h2>\n<p class=\"note\">By the TLD protocol: a frame is correct if the intersection over union \
-         (IoU) with the ground truth is above 0.25.</p>\n<div class=\"scroll\"><table>\n<thead><tr>{header}</tr></thead>\n\
-         <tbody>\n{rows}</tbody>\n</table></div>\n"
+        "<h2>Player</h2>\n<noscript><p class=\"note\">Player and curves need scripts to be allowed.</p></noscript>\n\
+         <p{hidden}><label>Recording <select id=\"recording\">{options}</select></label></p>\n{}",
+        include_str!("player.html")
     )
 }
 
-fn score_row(name: &str, score: &Score) -> String {
-    let counts = [score.frames, score.visible, score.answered, score.correct, score.correct_50];
-    let means = [score.precision, score.recall, score.f, score.mean_iou];
-    let first_failure = score.first_failure.map_or("-".to_owned(), |frame| frame.to_string());
-    let cells = counts.iter().map(ToString::to_string).chain(means.iter().map(|mean| format!("{mean:.3}")));
-    let cells: String = cells.chain([first_failure]).map(|cell| format!("<td>{cell}</td>")).collect();
-    format!("<tr><th><span class=\"key {name}\"></span>{}</th>{cells}</tr>\n", name.to_uppercase())
-}
-
-fn strip(film: &Film) -> Result<String> {
+fn strip(film: &Film, several: bool) -> Result<String> {
     let figures: Result<String> = film.stills.iter().map(|still| figure(film, still)).collect();
+    let keys: String = entrants(film).iter().filter(|entrant| entrant.method.is_some()).map(key).collect();
     let truth = if film.truth.is_some() { "<span class=\"key truth\"></span>ground truth" } else { "" };
     let left_out = match film.changes_left_out {
         0 => String::new(),
-        more => format!("<p class=\"note\">{more} more changes of state are not shown here; all are below.</p>\n"),
+        more => format!("<p class=\"note\">{more} more changes of state are not shown here; the player has all.</p>\n"),
     };
-    Ok(format!(
-        "<h2>Film strip</h2>\n<p class=\"note\">{}{truth}<span class=\"key window\"></span>search window; dashed: the last \
-         box, while lost; black around the frame: padding</p>\n{left_out}<div class=\"strip\">\n{}</div>\n",
-        keys(film),
+    let name = escaped(&film.name);
+    let strip = format!(
+        "<p class=\"note\">{keys}{truth}<span class=\"key window\"></span>search window; dashed: the last \
+         box, while lost; black around the frame: padding. A click shows the frame in the player.</p>\n{left_out}\
+         <div class=\"strip\" data-recording=\"{name}\">\n{}</div>\n",
         figures?
-    ))
+    );
+    Ok(if several {
+        format!("<details><summary>Film strip of {name}</summary>\n{strip}</details>\n")
+    } else {
+        format!("<h2>Film strip</h2>\n{strip}")
+    })
 }
 
 fn figure(film: &Film, still: &Still) -> Result<String> {
@@ -135,160 +330,167 @@ fn figure(film: &Film, still: &Still) -> Result<String> {
         let Evidence { confidence, ratio, runner_up_ratio, alpha, .. } = report.evidence?;
         let runner_up = runner_up_ratio.map_or(String::new(), |ratio| format!(", runner-up {ratio:.3}"));
         let alpha = alpha.map_or(String::new(), |alpha| format!(", alpha {alpha}"));
-        Some(format!("{}: confidence {confidence:.3}, ratio {ratio:.3}{runner_up}{alpha}", title(method)))
+        Some(format!("{}: confidence {confidence:.3}, ratio {ratio:.3}{runner_up}{alpha}", method.name.to_uppercase()))
     });
     let evidence = if still.index == 0 { "locked here".to_owned() } else { known.collect::<Vec<_>>().join("<br>") };
     let (number, tile) = (still.index + 1, tile::tile(film, still)?);
-    Ok(format!("<figure id=\"f{number}\">{tile}<figcaption>{evidence}</figcaption></figure>\n"))
-}
-
-fn over_time(film: &Film) -> Result<String> {
-    let iou = |truth| {
-        let of = |method| overlaps(&film.trajectory(method), truth).with_context(|| film.name.clone());
-        (0..film.methods.len()).map(of).collect::<Result<Vec<_>>>()
-    };
-    let overlaps = film.truth.as_ref().map(|truth| iou(truth)).transpose()?;
-    let about_iou = match overlaps {
-        Some(_) => " Without an answer the IoU is 0; where the target is not visible there is none.",
-        None => "",
-    };
-    let smr = film.all_of(MethodKind::Smr).next().is_some();
-    let (runner_up, about_alpha) =
-        if smr { ("<span class=\"key runner-up\"></span>runner-up", " alpha is in gray levels;") } else { ("", "") };
-    let states = film.methods[0].kind.states();
-    let states: String =
-        states.iter().map(|&state| format!("<span class=\"key {0}\"></span>{0}", name_of(state))).collect();
     Ok(format!(
-        "<h2>Over time</h2>\n<p class=\"note\">{states}<span></span> ({}){}{runner_up}.{about_alpha} \
-         The marks on top lead to the frames above.{about_iou}</p>\n<div class=\"scroll\">{}</div>\n",
-        title(&film.methods[0]),
-        keys(film),
-        plot::over_time(film, overlaps)
+        "<figure><a class=\"still\" href=\"#player\" data-frame=\"{number}\">{tile}</a><figcaption>{evidence}</figcaption>\
+         </figure>\n"
     ))
 }
 
-fn differences(film: &Film) -> Result<String> {
-    let figures: Result<String> = film.stills.iter().map(|still| comparison(film, still)).collect();
-    Ok(format!(
-        "<h2>Differences</h2>\n<p class=\"note\">|F - G| of each pixel of the winners to their templates, the brighter \
-         the more.<span class=\"key counts\"></span>counts: below alpha, with the share of such pixels. Under them how many \
-         pixels differ by how many gray levels: {}<span class=\"key threshold\"></span>alpha of {}</p>\n\
-         <div class=\"strip large\">\n{}</div>\n",
-        keys(film),
-        title(&film.methods[0]),
-        figures?
-    ))
+/// What the terms on the page mean.
+fn words() -> String {
+    let terms = [
+        (
+            "SMR",
+            "The Similarity Matching Ratio of a place in the frame: each pixel that differs from the template by less than \
+             alpha adds exp(-difference / 255), all others add nothing, and the sum is divided by the number of pixels. \
+             The place with the largest ratio wins, and how badly a pixel differs does not matter.",
+        ),
+        (
+            "alpha",
+            "The threshold in gray levels below which a pixel counts. It is a quarter of the largest difference between the \
+             last two templates, so that it follows how fast the target changes.",
+        ),
+        (
+            "runner-up",
+            "The best ratio of all places away from the winner. Where it comes close to the winner, the answer could as well \
+             be another place.",
+        ),
+        (
+            "confidence",
+            "How much an answer can be relied on, from 0 to 1, as the tracker itself says. It is made to be compared within one \
+             tracker; <code>eval --calibration</code> shows how often answers of a confidence are correct.",
+        ),
+        (
+            "tracking",
+            "The target was found and its box is inside the frame. The template is updated where the method allows it.",
+        ),
+        (
+            "leaving",
+            "The target was found, but its box reaches over the border of the frame. The template stays as it is.",
+        ),
+        (
+            "uncertain",
+            "The robust tracker follows something that may not be the target. Its box is an answer still, to be used with \
+             care.",
+        ),
+        (
+            "lost",
+            "Nothing in the search window is clear enough to be the target, so there is no answer. The tracker goes on \
+             looking; the dashed box is the last one, or the one that it follows meanwhile.",
+        ),
+        (
+            "cost",
+            "The work of a frame: the comparisons or products that the answer took, at most. It does not depend on the \
+             machine.",
+        ),
+    ];
+    let terms: String = terms.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n")).collect();
+    format!("<h2>What the words mean</h2>\n<dl>\n{terms}</dl>\n")
 }
 
-/// Nothing for the frame that was locked on.
-fn comparison(film: &Film, still: &Still) -> Result<String> {
-    let reports = &film.moments[still.index].reports;
-    let mut maps = String::new();
-    for ((method, report), sight) in film.methods.iter().zip(reports).zip(&still.sights) {
-        let Some(search) = &sight.search else { return Ok(String::new()) };
-        let belief = if report.target.is_some() { "" } else { " (not believed)" };
-        let counting = |alpha| format!(": {:.0}%", search.difference.counting(alpha) * 100.0);
-        maps += &format!(
-            "<div>{}<figcaption>{}{belief}{}</figcaption></div>",
-            map(&search.difference, search.alpha.unwrap_or(0))?,
-            title(method),
-            search.alpha.map_or(String::new(), counting)
-        );
-    }
-    let (number, state) = (still.index + 1, name_of(reports[0].state));
-    Ok(format!(
-        "<figure><figcaption><a href=\"#f{number}\">frame {number}</a>, {state}</figcaption><div class=\"pair\">{maps}</div>{}\
-         </figure>\n",
-        plot::histogram(film, still)
-    ))
-}
-
-/// Larger differences are as bright: a first half of a palette for pixels that do not count, the other for those that do.
-const BRIGHTEST: u8 = 127;
-
-/// Each pixel's difference; those below `alpha` are marked.
-fn map(difference: &Difference, alpha: u16) -> Result<String> {
-    let index = |&pixel: &u8| pixel.min(BRIGHTEST) + if u16::from(pixel) < alpha { BRIGHTEST + 1 } else { 0 };
-    let indices: Vec<u8> = difference.pixels.iter().map(index).collect();
-    let palette: Vec<Color> =
-        (0..=BRIGHTEST).map(|level| [gray(level); 3]).chain((0..=BRIGHTEST).map(counting_color)).collect();
-    let size = (difference.size.0.into(), difference.size.1.into());
-    let picture = encode::data_uri("image/png", &encode::png(size, &indices, &palette)?);
-    Ok(format!("<img src=\"{picture}\" alt=\"differences of the box of {}\">", tile::words(difference.at)))
-}
-
-/// Steep where differences are small, as most are.
-fn gray(level: u8) -> u8 {
-    let shade = (255 * 255 * u32::from(level) / u32::from(BRIGHTEST)).isqrt();
-    u8::try_from(shade).unwrap_or(u8::MAX)
-}
-
-fn counting_color(level: u8) -> Color {
-    let shade = gray(level) / 3;
-    [shade, 105 + shade, 65 + shade]
+fn foot(about: &About) -> String {
+    format!(
+        "<footer><p>host-sim {}</p>\n<pre>{}</pre>\n<pre>{}</pre></footer>\n",
+        env!("CARGO_PKG_VERSION"),
+        escaped(&about.command_line),
+        escaped(&about.options)
+    )
 }
 
 /// A name as the text of a page.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::{MethodKind, Variant};
     use crate::report::{Choice, watch};
     use crate::sequence::{self, OpenOptions, Sequence, synthetic};
     use smr_core::paper::Config;
     use std::path::Path;
 
+    const BUDGET: usize = 25_000_000;
+
     fn film(change: impl FnOnce(Sequence) -> Sequence) -> Film {
         let sequence = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let choice = Choice::Listed([0, 104, 180].into());
         let variant = |kind| Variant::new(kind, &Config::paper().into());
-        watch(change(sequence), &[MethodKind::Smr, MethodKind::Sad].map(variant), choice, || ()).unwrap()
+        let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
+        watch(change(sequence), &methods, choice, Some(BUDGET), || ()).unwrap()
+    }
+
+    fn about() -> About {
+        About { title: "<b>&".into(), command_line: "host-sim report '<i>'".into(), options: "{}".into() }
     }
 
     /// Every tag that is opened is closed, in the right order.
     fn nests(page: &str) {
         let mut open = Vec::new();
+        let page = page.split("<script").next().unwrap();
         for tag in page.split('<').skip(2).filter_map(|rest| rest.split('>').next()) {
             let name = tag.split([' ', '\n']).next().unwrap();
             match name.strip_prefix('/') {
                 Some(closed) => assert_eq!(open.pop(), Some(closed)),
-                None if tag.ends_with('/') || ["meta", "img", "br"].contains(&name) => (),
+                None if tag.ends_with('/') || ["meta", "img", "br", "input"].contains(&name) => (),
                 None => open.push(name),
             }
         }
-        assert_eq!(open, Vec::<&str>::new());
+        assert_eq!(open, ["html", "body"]);
     }
 
     #[test]
     fn a_page_shows_what_was_asked_for_and_needs_nothing_else() {
-        let page = page(&film(|sequence| sequence)).unwrap();
+        let page = page(&mut [film(|sequence| sequence)], &about(), BUDGET).unwrap();
         nests(&page);
-        for id in ["f1", "f105", "f181"] {
-            assert!(page.contains(&format!("<figure id=\"{id}\">")), "{id}");
+        for number in ["1", "105", "181"] {
+            assert!(page.contains(&format!("data-frame=\"{number}\"")), "{number}");
         }
-        assert_eq!(page.matches("<figure id=").count(), 3);
-        assert_eq!(page.matches("class=\"histogram\"").count(), 2, "nothing is compared in the frame locked on");
-        assert!(page.contains("<td>213</td>") && page.contains("(not believed)"));
-        assert!(!page.contains("http") && !page.contains("<script") && !page.contains("url("));
-        let references = page.matches("href=\"").count() + page.matches("src=\"").count();
-        let own = ["href=\"data:", "src=\"data:", "href=\"#"].map(|own| page.matches(own).count());
+        assert!(page.contains("<td><b>213</b></td>") && page.contains("<h1>&lt;b&gt;&amp;</h1>"));
+        assert!(page.contains("<pre>host-sim report '&lt;i&gt;'</pre>"));
+        assert!(!page.contains("url(") && !page.contains("import ") && !page.contains("fetch("));
+        let namespace = "http://www.w3.org/2000/svg";
+        assert!(page.matches("http").count() == page.matches(namespace).count(), "nothing from elsewhere");
+        let references = page.matches("href=\"").count() + page.matches(" src=\"").count();
+        let own = ["href=\"data:", " src=\"data:", "href=\"#"].map(|own| page.matches(own).count());
         assert_eq!(own.iter().sum::<usize>(), references);
     }
 
     #[test]
     fn without_ground_truth_there_are_no_scores() {
-        let page = page(&film(|sequence| Sequence { truth: None, name: "<b>&".to_owned(), ..sequence })).unwrap();
+        let name = "</script><script>alert(1)</script>";
+        let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
-        assert!(!page.contains("<h2>Scores") && !page.contains(">IoU<") && !page.contains("ground truth"));
-        assert!(page.contains("<h1>&lt;b&gt;&amp;</h1>"));
+        assert!(!page.contains("<h2>Scores") && !page.contains("</span>ground truth"));
+        assert!(!page.contains("<script>alert"));
     }
 
     #[test]
-    fn brightness_grows_with_the_difference() {
-        assert!((1..=BRIGHTEST).all(|level| gray(level) >= gray(level - 1)));
-        assert_eq!((gray(0), gray(BRIGHTEST)), (0, 255));
+    fn several_recordings_are_set_beside_each_other() {
+        let renamed = |name: &str| film(|sequence| Sequence { name: name.to_owned(), ..sequence });
+        let mut films = [renamed("one"), renamed("two")];
+        films[0].files.push(crate::report::entrants::ResultFile { name: "other".into(), answers: vec![None; 240] });
+        let page = page(&mut films, &about(), BUDGET).unwrap();
+        nests(&page);
+        assert!(page.contains("<p>2 recordings with 480 frames in all.</p>"));
+        assert!(page.contains("<td><b>426</b></td>"), "the sum is best");
+        assert!(page.contains("other</th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
+        assert!(page.contains("Scores on two") && page.contains("Film strip of one"));
+    }
+
+    #[test]
+    fn a_page_keeps_its_budget_or_says_what_it_needs() {
+        let mut films = [film(|sequence| sequence)];
+        let whole = page(&mut films, &about(), BUDGET).unwrap().len();
+        let less = page(&mut films, &about(), whole * 2 / 3).unwrap();
+        assert!(less.len() <= whole * 2 / 3 && films[0].pictures.as_ref().unwrap().every > 1);
+        let error = page(&mut films, &about(), 1000).unwrap_err().to_string();
+        assert!(error.contains("expected --budget 1 or more"), "{error}");
     }
 }

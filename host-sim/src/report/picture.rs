@@ -236,7 +236,7 @@ mod tests {
     fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
-        let film = watch(sequence, &methods, choice, || ()).unwrap();
+        let film = watch(sequence, &methods, choice, None, || ()).unwrap();
         image::load_from_memory(&picture(&film).unwrap()).unwrap().into_rgb8()
     }
 

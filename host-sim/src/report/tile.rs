@@ -1,7 +1,8 @@
 //! One frame with all its boxes, as SVG: drawn over the picture, so that they stay sharp at any size.
 
-use super::encode;
+use super::data::css;
 use super::film::{Film, Still};
+use super::{color_of_method, encode};
 use crate::evaluate::name_of;
 use crate::sequence::BoundingBox;
 use anyhow::Result;
@@ -10,8 +11,7 @@ use smr_core::Rect;
 /// The frame, as much of the padding as boxes reach into, the boxes, and the state.
 pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
     let (width, height) = (i32::from(still.frame.width), i32::from(still.frame.height));
-    // A wide padding would leave little room for the frame.
-    let margin = i32::from(film.padding).min(width.max(height) / 4);
+    let margin = i32::from(film.margin());
     let (whole, tall) = (width + 2 * margin, height + 2 * margin);
     let moment = &film.moments[still.index];
     let picture = encode::data_uri("image/jpeg", &encode::jpeg(&still.frame)?);
@@ -22,9 +22,11 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
     });
     // Each where it is; the ones below are drawn wider, so that of equal boxes all are seen.
     let boxes = film.methods.iter().zip(moment.reports.iter().zip(&still.sights)).rev();
-    let boxes = boxes.map(|(method, (report, sight))| {
+    let boxes = boxes.zip((1..=film.methods.len()).rev()).map(|((method, (report, sight)), place)| {
         let last = if report.target.is_some() { "" } else { " last" };
-        outline(&format!("{}{last}", method.kind.name()), &sight.bbox)
+        let (color, width) = (css(color_of_method(method.kind)), 3 * place);
+        let outline = outline(&format!("method{last}"), &sight.bbox);
+        outline.replacen("<rect ", &format!("<rect style=\"--c:{color};stroke-width:{width}\" "), 1)
     });
     let truth = film.truth_at(still.index).map(|truth| outline("truth", &truth));
     let boxes = window.into_iter().chain(boxes).chain(truth).collect::<String>();

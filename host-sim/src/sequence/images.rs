@@ -80,6 +80,7 @@ fn check_header(bytes: &[u8]) -> Result<()> {
 
 fn check_size(width: u32, height: u32) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
+    ensure!(pixels > 0, "it is {width}x{height}: expected at least 1 pixel on each side");
     ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
     Ok(())
 }
@@ -147,6 +148,8 @@ fn gray(picture: DynamicImage) -> Result<GrayFrame> {
     let (Ok(width), Ok(height)) = (u16::try_from(width), u16::try_from(height)) else {
         bail!("it is {width}x{height}: expected at most 65535 pixels on each side");
     };
+    // A header may say 0 on one side alone, which decoders take.
+    check_size(width.into(), height.into())?;
     let pixels = match picture {
         DynamicImage::ImageLuma8(picture) => picture.into_raw(),
         DynamicImage::ImageLumaA8(picture) => picture.pixels().map(|pixel| pixel.0[0]).collect(),

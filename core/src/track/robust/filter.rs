@@ -143,11 +143,15 @@ impl Sample<'_> {
     /// Response less label at all offsets; says how large the largest is.
     #[inline(never)] // its stack is not that of a step
     fn errors(&self, grid: &Grid, errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
-        let [across, down] = Bell::of(grid).around(self.target, self.reach);
+        let (bell, span) = (Bell::of(grid), self.responses.span);
+        let mut across = [0; SPAN];
+        for (offset, part) in across.iter_mut().enumerate() {
+            *part = bell.at_offset(offset, self.target.0, self.reach);
+        }
         let mut largest = 0;
         errors.as_flattened_mut().fill(0);
-        let span = self.responses.span;
-        for ((errors, responses), down) in errors.iter_mut().zip(&self.responses.rows).zip(down).take(span) {
+        for (row, (errors, responses)) in errors.iter_mut().zip(&self.responses.rows).enumerate().take(span) {
+            let down = bell.at_offset(row, self.target.1, self.reach);
             for ((error, response), across) in errors.iter_mut().zip(responses).zip(across).take(span) {
                 let label = (across * down + (1 << 13)) >> 14;
                 *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);

@@ -2,7 +2,6 @@
 //! target's middle.
 
 use super::grid::Grid;
-use super::responses::SPAN;
 
 /// 1.0, as labels and responses have it.
 pub(super) const ONE: i32 = 1 << 14;
@@ -39,23 +38,16 @@ impl Bell {
     }
 
     #[inline(never)] // one copy in flash
-    /// At so much from the target on one axis, in units of 1/256 cell; the label is the product of both axes' parts.
+    /// At so much from the middle, in units of 1/256 cell.
     pub(super) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.narrow) >> 20;
         usize::try_from(entry).ok().and_then(|entry| BELL.get(entry)).map_or(0, |&part| part.into())
     }
 
-    /// Both axes' parts at each offset of a search of so much reach, of a target so far from its middle.
-    pub(super) fn around(self, (x, y): (i32, i32), reach: u16) -> [[i32; SPAN]; 2] {
-        let mut parts = [[0; SPAN]; 2];
-        for (parts, target) in parts.iter_mut().zip([x, y]) {
-            let mut offset = -256 * i32::from(reach) - target;
-            for part in parts {
-                *part = self.at(offset);
-                offset += 256;
-            }
-        }
-        parts
+    /// At an offset of a search of so much reach, on one axis, of a target so far from its middle; the label is the product of both
+    /// axes' parts.
+    pub(super) fn at_offset(self, offset: usize, target: i32, reach: u16) -> i32 {
+        self.at(256 * (i32::try_from(offset).unwrap_or(0) - i32::from(reach)) - target)
     }
 }
 

@@ -10,7 +10,7 @@ use super::features::{CELL, CHANNELS};
 use super::filter::{Change, Filter, Sample, layout};
 use super::grid::{Grid, Lattice, SCALE};
 use super::light::Contrast;
-use super::responses::{self, Peak, SPAN};
+use super::responses::{self, Peak};
 use super::track::{Place, Track};
 use super::trust::{Evidence, Trust};
 use super::workspace::Workspace;
@@ -294,13 +294,12 @@ impl Target<'_> {
 
     fn size(&self, workspace: &mut Workspace, number: usize) -> Stage {
         let (grid, products) = (&self.track.grid, self.products());
-        let Workspace { strip, aside, desk, progress, .. } = workspace;
+        let Workspace { strip, aside, beside, desk, progress, .. } = workspace;
         let span = 2 * usize::from(SIZE_REACH) + 1;
-        let mut rows = [[0; SPAN]; 2 * SIZE_REACH as usize + 1];
         let under = (&aside[..], layout(grid, span));
         let mut parts = 0..;
-        while !desk.responses(products, strip.room(), progress.shift, under, parts.next().unwrap_or(0), &mut rows) {}
-        let height = i64::from(responses::peak(&rows, span, false).height);
+        while !desk.responses(products, strip.room(), progress.shift, under, parts.next().unwrap_or(0), beside) {}
+        let height = i64::from(responses::peak(beside, span, false).height);
         let counts = if number == 0 { height } else { (height * SIZE_PART) >> 8 };
         if let Some((scale, _)) = progress.aside(number, grid).filter(|_| counts > progress.highest) {
             (progress.highest, progress.scale) = (counts, scale);

@@ -30,8 +30,9 @@ pub struct Workspace {
     /// Cells of the window.
     pub(super) cells: Vec<i8, WINDOW>,
     pub(super) responses: Responses,
-    /// Cells of another scale.
+    /// Cells of another scale, and the responses to them.
     pub(super) aside: Vec<i8, ASIDE>,
+    pub(super) beside: [[i32; SPAN]; 2 * SIZE_REACH as usize + 1],
     pub(super) desk: Desk,
     pub(super) view: Vec<u8, VIEW>,
     pub(super) lit: Vec<u8, MOST_PIXELS>,
@@ -50,8 +51,9 @@ impl Workspace {
         Self {
             strip: Strip::new(),
             cells: Vec::new(),
-            responses: Responses { rows: [[0; SPAN]; SPAN], span: SPAN },
+            responses: Responses { rows: [[0; SPAN]; SPAN], span: 0 },
             aside: Vec::new(),
+            beside: [[0; SPAN]; 2 * SIZE_REACH as usize + 1],
             desk: Desk::new(),
             view: Vec::new(),
             lit: Vec::new(),

@@ -1,6 +1,7 @@
-//! How sure the means over recordings are: recordings are drawn from all that there could be.
+//! The figures that trackers are compared by, their means over recordings, and how sure these are.
 
 use super::Figures;
+use crate::evaluate::means;
 use serde::Serialize;
 
 /// The figures that trackers are compared by.
@@ -33,17 +34,18 @@ impl Headline {
     }
 
     pub(super) fn mean(of: &[Self]) -> Self {
-        let sum = |figure: usize| of.iter().map(|one| one.values()[figure]).sum::<f64>();
-        Self::from_values([0, 1, 2].map(|figure| sum(figure) / of.len().max(1) as f64))
+        Self::from_values([0, 1, 2].map(|figure| means::mean(&values(of, figure))))
     }
 
-    /// Of the mean: the standard deviation (over n - 1) over the square root of n. `None` of fewer than two.
+    /// Of the mean; `None` of fewer than two.
     pub(super) fn standard_error(of: &[Self]) -> Option<Self> {
-        let mean = Self::mean(of).values();
-        let squares = |figure: usize| of.iter().map(|one| (one.values()[figure] - mean[figure]).powi(2)).sum::<f64>();
-        let n = of.len() as f64;
-        (of.len() > 1).then(|| Self::from_values([0, 1, 2].map(|figure| (squares(figure) / (n - 1.0) / n).sqrt())))
+        let [correct, correct_50, f] = [0, 1, 2].map(|figure| means::standard_error(&values(of, figure)));
+        Some(Self::from_values([correct?, correct_50?, f?]))
     }
+}
+
+fn values(of: &[Headline], figure: usize) -> Vec<f64> {
+    of.iter().map(|one| one.values()[figure]).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,362 @@
+// The player, the curves and the comparisons of the page. Everything that is shown follows from three things: the recording,
+// the frame, and who is switched on.
+"use strict";
+(() => {
+  const byId = (id) => document.getElementById(id);
+  const data = JSON.parse(byId("data").textContent);
+  const TRUTH = "ground truth";
+  const off = new Set();
+  let recording = data.recordings[0];
+  let frame = 0;
+  let hovered = null;
+  let timer = null;
+  let panels = [];
+
+  const svgNode = (name, attributes, text) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const key in attributes) node.setAttribute(key, attributes[key]);
+    if (text !== undefined) node.textContent = text;
+    return node;
+  };
+  const htmlNode = (name, attributes, ...children) => {
+    const node = document.createElement(name);
+    for (const key in attributes) node.setAttribute(key, attributes[key]);
+    node.append(...children);
+    return node;
+  };
+  const shown = () => recording.entrants.filter((entrant) => !off.has(entrant.name));
+  const isVisible = (index) => recording.truth === null || recording.truth[index] !== null;
+
+  // ---- player
+
+  function drawStage() {
+    const stage = byId("stage");
+    const { width, height, margin, pictures } = recording;
+    const whole = [-margin, -margin, width + 2 * margin, height + 2 * margin];
+    stage.setAttribute("viewBox", whole.join(" "));
+    const nodes = [svgNode("rect", { class: "padding", x: whole[0], y: whole[1], width: whole[2], height: whole[3] })];
+    if (pictures) {
+      const href = "data:image/jpeg;base64," + pictures.frames[Math.floor(frame / pictures.every)];
+      nodes.push(svgNode("image", { href, width, height, preserveAspectRatio: "none" }));
+    }
+    const box = (of, name, style) => {
+      if (of) nodes.push(svgNode("rect", { class: "box " + name, x: of[0], y: of[1], width: of[2], height: of[3], style }));
+    };
+    // What is drawn first is wider, so that of equal boxes all are seen.
+    const list = shown();
+    list.forEach((_, at) => {
+      const entrant = list[list.length - 1 - at];
+      const style = `--c:${entrant.color};stroke-width:${2 + 1.5 * (list.length - 1 - at)}`;
+      box(entrant.boxes[frame], "method", style);
+      if (entrant.lasts) box(entrant.lasts[frame], "method last", style);
+    });
+    if (recording.truth && !off.has(TRUTH)) box(recording.truth[frame], "truth", "");
+    const letters = whole[2] / 22;
+    const first = recording.entrants.find((entrant) => entrant.states);
+    const words = svgNode("text", { x: whole[0] + letters / 2, y: whole[1] + letters * 1.2, "font-size": letters });
+    words.append(frame + 1 + " ", svgNode("tspan", { class: first.states[frame] }, first.states[frame]));
+    if (!isVisible(frame)) words.append(", target hidden");
+    nodes.push(words);
+    stage.replaceChildren(...nodes);
+    const said = `frame ${frame + 1} of ${recording.frames}`;
+    stage.setAttribute("aria-label", `${said}, ${first.title} ${first.states[frame]}`);
+    byId("place").value = said;
+    byId("scrub").value = frame + 1;
+    byId("scrub").setAttribute("aria-valuetext", said);
+  }
+
+  function drawSwitches() {
+    const legend = byId("switches").firstElementChild;
+    const names = recording.entrants.map((entrant) => [entrant.name, entrant.title, entrant.color]);
+    if (recording.truth) names.push([TRUTH, TRUTH, "var(--truth)"]);
+    const labels = names.map(([name, title, color]) => {
+      const input = htmlNode("input", { type: "checkbox" });
+      input.checked = !off.has(name);
+      input.addEventListener("change", () => {
+        if (input.checked) off.delete(name);
+        else off.add(name);
+        drawCurves();
+        show();
+      });
+      return htmlNode("label", {}, input, htmlNode("span", { class: "key", style: `--c:${color}` }), title);
+    });
+    byId("switches").replaceChildren(legend, ...labels);
+    const every = recording.pictures ? recording.pictures.every : 1;
+    byId("kept").textContent = every > 1 ? `To keep the page small, one of ${every} frames has its picture; boxes and curves have all.` : "";
+  }
+
+  function play(on) {
+    clearInterval(timer);
+    timer = on ? setInterval(step, 1000 / Number(byId("speed").value), 1) : null;
+    byId("play").textContent = on ? "❚❚" : "▶";
+    byId("play").setAttribute("aria-label", on ? "Pause" : "Play");
+  }
+
+  function step(by) {
+    const last = recording.frames - 1;
+    if (timer !== null && frame === last) play(false);
+    else goTo(frame + by);
+  }
+
+  function goTo(index) {
+    frame = Math.max(0, Math.min(recording.frames - 1, index));
+    show();
+  }
+
+  // ---- curves
+
+  const CURVES = [
+    { title: "IoU", key: "iou", most: 1, digits: 2 },
+    { title: "Centre error, pixels", key: "error", digits: 1 },
+    { title: "Confidence", key: "confidence", most: 1, digits: 3 },
+    { title: "Ratio (dotted: runner-up)", key: "ratio", second: "runner_up", most: 1, digits: 3 },
+    { title: "Alpha, gray levels", key: "alpha", digits: 0 },
+    { title: "Size, pixels (root of the box's area)", key: "size", digits: 1, truth: true },
+    { title: "Cost, comparisons or products", key: "work", digits: 0 },
+  ];
+  const LEFT = 46, RIGHT = 8, TOP = 6, BOTTOM = 6, HEIGHT = 104;
+
+  function niceAbove(value) {
+    const unit = 10 ** Math.floor(Math.log10(Math.max(value, 1)));
+    return [1, 2, 3, 4, 5, 6, 8, 10].map((times) => times * unit).find((nice) => nice >= value);
+  }
+
+  const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
+
+  function pathOf(values, x, y) {
+    let path = "";
+    let gap = true;
+    values.forEach((value, index) => {
+      if (value !== null) path += `${gap ? "M" : "L"}${x(index).toFixed(1)} ${y(value).toFixed(1)}${gap ? "h0" : ""}`;
+      gap = value === null;
+    });
+    return path;
+  }
+
+  /** First and last index of every run for which `same` is a value that is not null. */
+  function runs(length, valueAt) {
+    const found = [];
+    for (let index = 0; index < length; index++) {
+      const value = valueAt(index);
+      const last = found[found.length - 1];
+      if (value === null) continue;
+      if (last && last.value === value && last.to === index - 1) last.to = index;
+      else found.push({ value, from: index, to: index });
+    }
+    return found;
+  }
+
+  function drawCurves() {
+    const holder = byId("curves");
+    const width = Math.max(280, holder.clientWidth);
+    const inner = width - LEFT - RIGHT;
+    const edge = (index) => LEFT + (inner * index) / recording.frames;
+    const x = (index) => edge(index + 0.5);
+    const hidden = recording.truth ? runs(recording.frames, (index) => (recording.truth[index] ? null : "hidden")) : [];
+    panels = [];
+    const nodes = [];
+    const add = (title, height, label) => {
+      const svg = svgNode("svg", { class: "curve", viewBox: `0 0 ${width} ${height}`, width, height, role: "img", "aria-label": label });
+      for (const run of hidden) {
+        const shade = { class: "gone", x: edge(run.from), y: 0, width: edge(run.to + 1) - edge(run.from), height };
+        svg.append(svgNode("rect", shade));
+      }
+      const values = htmlNode("span", { class: "values" });
+      const cursor = svgNode("path", { class: "cursor" });
+      const pointer = svgNode("path", { class: "pointer" });
+      nodes.push(htmlNode("div", { class: "panel" }, htmlNode("div", { class: "name" }, htmlNode("b", {}, title), values), svg));
+      const panel = { svg, values, cursor, pointer, x, height };
+      const indexAt = (event) => {
+        const place = event.clientX - svg.getBoundingClientRect().left;
+        return Math.max(0, Math.min(recording.frames - 1, Math.floor(((place - LEFT) / inner) * recording.frames)));
+      };
+      svg.addEventListener("pointermove", (event) => { hovered = indexAt(event); drawReadout(); });
+      svg.addEventListener("pointerleave", () => { hovered = null; drawReadout(); });
+      svg.addEventListener("click", (event) => { play(false); goTo(indexAt(event)); });
+      panels.push(panel);
+      return panel;
+    };
+    const list = shown();
+    const withStates = list.filter((entrant) => entrant.states);
+    if (withStates.length) {
+      const panel = add("States", withStates.length * 14 + 4, "states over frames");
+      withStates.forEach((entrant, row) => {
+        panel.svg.append(svgNode("text", { x: LEFT - 6, y: row * 14 + 12, "text-anchor": "end" }, entrant.title.slice(0, 6)));
+        for (const run of runs(recording.frames, (index) => entrant.states[index])) {
+          const band = { class: "band " + run.value, x: edge(run.from), y: row * 14 + 2, width: edge(run.to + 1) - edge(run.from), height: 12 };
+          const node = svgNode("rect", band);
+          node.append(svgNode("title", {}, `${entrant.title} ${run.value}: frames ${run.from + 1} to ${run.to + 1}`));
+          panel.svg.append(node);
+        }
+      });
+      panel.read = (index) => withStates.map((entrant) => [entrant, entrant.states[index]]);
+      panel.svg.append(panel.pointer, panel.cursor);
+    }
+    for (const curve of CURVES) {
+      const lines = list.filter((entrant) => entrant[curve.key]);
+      if (!lines.length) continue;
+      const sets = lines.map((entrant) => entrant[curve.key]);
+      const truth = curve.truth && recording.truth && !off.has(TRUTH)
+        ? recording.truth.map((box) => box && Math.sqrt(box[2] * box[3])) : null;
+      if (truth) sets.push(truth);
+      const most = curve.most || niceAbove(sets.reduce((most, values) => values.reduce((a, b) => Math.max(a, b || 0), most), 1));
+      const y = (value) => TOP + (HEIGHT - TOP - BOTTOM) * (1 - Math.min(value, most) / most);
+      const panel = add(curve.title, HEIGHT, curve.title + " over frames");
+      for (const level of [0, most / 2, most]) {
+        panel.svg.append(svgNode("path", { class: "grid", d: `M${LEFT} ${y(level)}H${width - RIGHT}` }));
+        panel.svg.append(svgNode("text", { x: LEFT - 6, y: y(level) + 4, "text-anchor": "end" }, short(level)));
+      }
+      if (truth) panel.svg.append(svgNode("path", { class: "line", style: "--c:var(--truth)", d: pathOf(truth, x, y) }));
+      // What is drawn last is on top: the first one.
+      for (const entrant of [...lines].reverse()) {
+        const style = `--c:${entrant.color}`;
+        const second = curve.second && entrant[curve.second];
+        if (second) panel.svg.append(svgNode("path", { class: "line second", style, d: pathOf(second, x, y) }));
+        panel.svg.append(svgNode("path", { class: "line", style, d: pathOf(entrant[curve.key], x, y) }));
+      }
+      const text = (value) => (value === null ? "–" : value.toFixed(curve.digits));
+      panel.read = (index) => lines.map((entrant) => {
+        const second = curve.second && entrant[curve.second];
+        return [entrant, text(entrant[curve.key][index]) + (second ? ` (${text(second[index])})` : "")];
+      });
+      panel.svg.append(panel.pointer, panel.cursor);
+    }
+    const axis = svgNode("svg", { class: "curve axis", viewBox: `0 0 ${width} 18`, width, height: 18, role: "img", "aria-label": "frames" });
+    const unit = niceAbove(recording.frames / (inner / 90));
+    axis.append(svgNode("text", { x: x(0), y: 13, "text-anchor": "middle" }, 1));
+    for (let number = unit; number <= recording.frames; number += unit) {
+      if (edge(number) > LEFT + 24) axis.append(svgNode("text", { x: Math.min(x(number - 1), width - 12), y: 13, "text-anchor": "middle" }, number));
+    }
+    holder.replaceChildren(...nodes, axis);
+    drawReadout();
+  }
+
+  function drawReadout() {
+    const at = hovered === null ? frame : hovered;
+    for (const panel of panels) {
+      const line = (index) => `M${panel.x(index).toFixed(1)} 0V${panel.height}`;
+      panel.cursor.setAttribute("d", line(frame));
+      panel.pointer.setAttribute("d", hovered === null ? "" : line(hovered));
+      const values = panel.read(at).map(([entrant, value]) =>
+        htmlNode("span", { class: "value" }, htmlNode("span", { class: "dash", style: `--c:${entrant.color}` }), `${entrant.title} ${value}`));
+      panel.values.replaceChildren(`frame ${at + 1}${isVisible(at) ? "" : ", hidden"}`, ...values);
+    }
+  }
+
+  // ---- what was compared
+
+  function drawComparisons() {
+    const pictures = recording.pictures;
+    const at = pictures ? Math.floor(frame / pictures.every) : 0;
+    const kept = pictures ? at * pictures.every : 0;
+    const all = pictures ? pictures.comparisons[at] : [];
+    const list = shown().filter((entrant) => entrant.method !== null && all[entrant.method]);
+    const which = kept === frame ? `Frame ${frame + 1}` : `Frame ${kept + 1}, the nearest before with its picture`;
+    byId("compared").textContent = list.length
+      ? `${which}: the template, |F - G| of each pixel of the winner to it, and how many pixels differ by how many gray levels. Green: below alpha, these pixels count.`
+      : `${which}: nothing was compared; the methods that are switched on were locked here, or none is.`;
+    const cards = list.map((entrant) => {
+      const { template, map, counting } = all[entrant.method];
+      const picture = (bytes, alt) => htmlNode("img", { src: "data:image/png;base64," + bytes, alt });
+      const believed = entrant.boxes[kept] ? "" : ", not believed";
+      const counts = counting === null ? "all pixels count" : `${Math.round(counting * 100)}% of the pixels count`;
+      return htmlNode("figure", { class: "card", style: `--c:${entrant.color}` },
+        htmlNode("div", { class: "pair" }, picture(template, `template of ${entrant.title}`), picture(map, `differences of ${entrant.title}`)),
+        htmlNode("figcaption", {}, htmlNode("span", { class: "dash", style: `--c:${entrant.color}` }), `${entrant.title}: ${counts}${believed}`));
+    });
+    byId("comparisons").replaceChildren(...cards);
+    byId("scale").hidden = !list.length;
+    drawHistogram(list.map((entrant) => [entrant, all[entrant.method], entrant.alpha && entrant.alpha[kept]]));
+  }
+
+  function drawScale() {
+    const bright = (level) => Math.floor(Math.sqrt((255 * 255 * level) / 127));
+    const stops = (color) => Array.from({ length: 17 }, (_, at) => color(bright((at * 127) / 16))).join(", ");
+    const bar = (color) => htmlNode("span", { class: "ramp", style: `background: linear-gradient(to right, ${stops(color)})` });
+    const line = (text, color) => htmlNode("div", {}, htmlNode("span", {}, "0"), bar(color), htmlNode("span", {}, "127+ " + text));
+    byId("scale").replaceChildren(
+      line("gray levels", (shade) => `rgb(${shade}, ${shade}, ${shade})`),
+      line("that count", (shade) => `rgb(${Math.floor(shade / 3)}, ${105 + Math.floor(shade / 3)}, ${65 + Math.floor(shade / 3)})`));
+  }
+
+  function drawHistogram(list) {
+    const svg = byId("histogram");
+    const width = Math.max(280, byId("player").clientWidth), height = 170, top = 10, bottom = height - 34;
+    const inner = width - LEFT - 22;
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    svg.toggleAttribute("hidden", !list.length);
+    const most = Math.max(10, ...list.flatMap(([, one]) => one.histogram));
+    const x = (bar) => LEFT + (inner * bar) / data.bars;
+    const y = (part) => bottom - ((bottom - top) * part) / most;
+    const nodes = [];
+    for (const part of [0, most / 2, most]) {
+      nodes.push(svgNode("path", { class: "grid", d: `M${LEFT} ${y(part)}H${x(data.bars)}` }));
+      nodes.push(svgNode("text", { x: LEFT - 6, y: y(part) + 4, "text-anchor": "end" }, (part / 10).toFixed(0) + "%"));
+    }
+    list.forEach(([entrant, one, alpha], place) => {
+      const style = `--c:${entrant.color}`;
+      const steps = one.histogram.map((part, bar) => `V${y(part).toFixed(1)}H${x(bar + 1).toFixed(1)}`).join("");
+      const d = `M${LEFT} ${bottom}${steps}V${bottom}`;
+      nodes.push(svgNode("path", place === 0 ? { class: "bars", style, d: d + "z" } : { class: "line", style, d }));
+      if (alpha !== null && alpha !== undefined) {
+        const at = x(Math.min(alpha / data.bar, data.bars));
+        nodes.push(svgNode("path", { class: "threshold", style, d: `M${at} ${top}V${bottom}` }));
+        nodes.push(svgNode("text", { x: at + 4, y: top + 10 + 13 * place }, `alpha ${alpha} (${entrant.title})`));
+      }
+    });
+    for (let bar = 0; bar <= data.bars; bar += data.bars / 8) {
+      const label = bar * data.bar + (bar === data.bars ? "+" : "");
+      nodes.push(svgNode("text", { x: x(bar), y: bottom + 14, "text-anchor": "middle" }, label));
+    }
+    nodes.push(svgNode("text", { x: x(data.bars), y: bottom + 30, "text-anchor": "end" }, "difference in gray levels"));
+    svg.replaceChildren(...nodes);
+  }
+
+  // ---- all together
+
+  function show() {
+    drawStage();
+    drawReadout();
+    drawComparisons();
+  }
+
+  function open(index, at) {
+    recording = data.recordings[index];
+    byId("recording").value = index;
+    byId("scrub").max = recording.frames;
+    play(false);
+    drawSwitches();
+    frame = Math.max(0, Math.min(recording.frames - 1, at));
+    drawCurves();
+    show();
+  }
+
+  for (const one of data.recordings) for (const entrant of one.entrants) if (entrant.method === null) off.add(entrant.name);
+  byId("player").hidden = false;
+  byId("play").addEventListener("click", () => {
+    if (timer === null && frame === recording.frames - 1) goTo(0);
+    play(timer === null);
+  });
+  byId("back").addEventListener("click", () => { play(false); step(-1); });
+  byId("on").addEventListener("click", () => { play(false); step(1); });
+  byId("scrub").addEventListener("input", (event) => { play(false); goTo(Number(event.target.value) - 1); });
+  byId("speed").addEventListener("change", () => play(timer !== null));
+  byId("recording").addEventListener("change", (event) => open(Number(event.target.value), 0));
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("input, select, button, a, summary")) return;
+    const by = event.shiftKey ? 10 : 1;
+    const moves = { ArrowLeft: () => goTo(frame - by), ArrowRight: () => goTo(frame + by), Home: () => goTo(0), End: () => goTo(recording.frames - 1) };
+    if (event.key === " ") play(timer === null);
+    else if (moves[event.key]) { play(false); moves[event.key](); }
+    else return;
+    event.preventDefault();
+  });
+  for (const link of document.querySelectorAll("a.still")) {
+    const name = link.closest(".strip").dataset.recording;
+    link.addEventListener("click", () => open(data.recordings.findIndex((one) => one.name === name), Number(link.dataset.frame) - 1));
+  }
+  let resized = null;
+  addEventListener("resize", () => { clearTimeout(resized); resized = setTimeout(() => { drawCurves(); show(); }, 100); });
+  drawScale();
+  open(0, 0);
+})();

@@ -1,0 +1,104 @@
+//! The paper's tracker, small, with configurations of every kind.
+
+use crate::scene::Scene;
+use crate::{Fuzzed, mostly};
+use arbitrary::{Result, Unstructured};
+use smr_core::paper::{Config, Fraction, Margins, Radius, RunnerUp};
+use smr_core::similarity::{Backend, Table};
+use std::sync::LazyLock;
+
+/// Small enough for many executions a second; no size of it is special.
+pub(crate) type Small = smr_core::Paper<256, 41>;
+
+static TABLES: LazyLock<[Table; 4]> =
+    LazyLock::new(|| [255, 1, 40, 4096].map(|scale| Table::new(scale).expect("a scale in the range")));
+
+/// One of a few similarities.
+pub(crate) fn table(u: &mut Unstructured<'_>) -> Result<&'static Table> {
+    u.choose(&*TABLES)
+}
+
+/// The best way, or one that the machine has.
+pub(crate) fn backend(u: &mut Unstructured<'_>) -> Result<Option<Backend>> {
+    let all: Vec<Backend> = Backend::available().collect();
+    Ok(all.get(usize::from(u.int_in_range(0..=7_u8)?)).copied())
+}
+
+fn fraction(u: &mut Unstructured<'_>) -> Result<Fraction> {
+    let denominator = if u.ratio(1, 64)? { 0 } else { mostly(u, 1..=100)? };
+    Ok(Fraction::new(mostly(u, 0..=130)?, denominator))
+}
+
+fn radius(u: &mut Unstructured<'_>, range: std::ops::RangeInclusive<u16>) -> Result<Radius> {
+    Ok(Radius { x: mostly(u, range.clone())?, y: mostly(u, range)? })
+}
+
+impl Fuzzed for Small {
+    const SIZE_AT: usize = 26;
+    const UPDATES: u32 = 12;
+
+    fn configuration(u: &mut Unstructured<'_>) -> Result<Config> {
+        let mut config = if u.arbitrary()? { Config::paper() } else { Config::camera() };
+        config.window = radius(u, 0..=12)?;
+        config.window_limit = config.window;
+        config.backend = backend(u)?;
+        let what: u8 = u.arbitrary()?;
+        let asked = |bit: u8| what & (1 << bit) != 0;
+        if asked(0) {
+            let grown = radius(u, 0..=20)?;
+            config.window_limit = Radius { x: config.window.x.max(grown.x), y: config.window.y.max(grown.y) };
+            config.growth = mostly(u, 0..=4)?;
+        }
+        if asked(1) {
+            config.padding = mostly(u, 0..=30)?;
+        }
+        if asked(2) {
+            config.table = table(u)?;
+            (config.k, config.first_threshold, config.least_threshold) = (fraction(u)?, u.arbitrary()?, u.arbitrary()?);
+        }
+        if asked(3) {
+            let gate = &mut config.gate;
+            (gate.tracking, gate.leaving) = (fraction(u)?, fraction(u)?);
+            (gate.returning, gate.lost) = (fraction(u)?, fraction(u)?);
+            (gate.lead, gate.least_ratio) = (mostly(u, 0..=200)?, u.arbitrary()?);
+        }
+        if asked(4) {
+            config.neighbourhood = mostly(u, 0..=20)?;
+        }
+        if asked(5) {
+            config.update_zone = Margins {
+                left: mostly(u, 0..=20)?,
+                top: mostly(u, 0..=20)?,
+                right: mostly(u, 0..=20)?,
+                bottom: mostly(u, 0..=20)?,
+            };
+        }
+        if asked(6) {
+            config.runner_up = RunnerUp::Always;
+        }
+        config.pruning = !asked(7);
+        Ok(config)
+    }
+
+    fn usual() -> Config {
+        let mut config = Config::camera();
+        config.window = Radius { x: 4, y: 5 };
+        config.window_limit = Radius { x: 9, y: 7 };
+        config
+    }
+
+    fn plain(config: Config) -> Config {
+        let mut plain = config;
+        (plain.backend, plain.pruning) = (Some(Backend::Scalar), false);
+        plain
+    }
+
+    fn locked() -> &'static [(Scene, Vec<u8>)] {
+        static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(crate::saved::locked::<Small>);
+        &LOCKED
+    }
+
+    fn beside(_: &mut Unstructured<'_>) -> Result<bool> {
+        Ok(true)
+    }
+}

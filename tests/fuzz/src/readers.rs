@@ -1,0 +1,168 @@
+//! Every reader of host-sim: an error or what was read, and never a panic.
+
+use host_sim::command::settings;
+use host_sim::evaluate::robustness::Former;
+use host_sim::evaluate::{Method, Report};
+use host_sim::sequence::{self, BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
+use host_sim::trax::{PROTOCOLS, Server, serve};
+use smr_core::{Frame, Rect, Tracker};
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// The files of one target, one after the other in the same place.
+struct Place(TempDir);
+
+thread_local! {
+    static PLACE: Place = Place(TempDir::new().expect("a folder for files"));
+}
+
+/// Has `read` read `bytes` as the file `name`.
+fn as_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
+    PLACE.with(|Place(folder)| {
+        let file: PathBuf = folder.path().join(name);
+        fs::write(&file, bytes).expect("room for a small file");
+        read(&file);
+        fs::remove_file(&file).expect("it was written");
+    });
+}
+
+/// Frames that are given to a tracker have as many pixels as they say, and one at least.
+fn check(sequence: anyhow::Result<Sequence>) {
+    let Ok(sequence) = sequence else { return };
+    let _ = sequence.start();
+    for frame in sequence.frames.take(5).flatten() {
+        assert!(frame.width > 0 && frame.height > 0);
+        assert_eq!(frame.pixels.len(), usize::from(frame.width) * usize::from(frame.height));
+        assert_eq!(frame.frame().bounds(), Rect::new(0, 0, frame.width, frame.height));
+    }
+}
+
+fn recording(name: &str, bytes: &[u8], size: Option<(u16, u16)>) {
+    as_file(name, bytes, |file| {
+        for lenient in [false, true] {
+            check(sequence::open(file, &OpenOptions { size, lenient, ..OpenOptions::default() }));
+        }
+    });
+}
+
+/// PNM, PNG and JPEG, by what they begin with.
+pub(crate) fn picture(bytes: &[u8]) {
+    let Ok(frame) = sequence::decode_picture(bytes) else { return };
+    assert_eq!(frame.pixels.len(), usize::from(frame.width) * usize::from(frame.height));
+    let _ = frame.frame();
+}
+
+pub(crate) fn pnm(bytes: &[u8]) {
+    recording("1.pgm", bytes, None);
+}
+
+pub(crate) fn png(bytes: &[u8]) {
+    recording("1.png", bytes, None);
+}
+
+pub(crate) fn jpeg(bytes: &[u8]) {
+    recording("1.jpg", bytes, None);
+}
+
+pub(crate) fn y4m(bytes: &[u8]) {
+    recording("1.y4m", bytes, None);
+}
+
+/// The size stands in the first bytes.
+pub(crate) fn raw(bytes: &[u8]) {
+    let Some((&[a, b, c, d], pixels)) = bytes.split_first_chunk() else { return };
+    recording("1.raw", pixels, Some((u16::from_le_bytes([a, b]) >> 6, u16::from_le_bytes([c, d]) >> 6)));
+}
+
+/// Ground truth, starts and results in the forms of TLD, OTB, VOT and GOT-10k.
+pub(crate) fn boxes(bytes: &[u8]) {
+    let Some((form, text)) = bytes.split_first() else { return };
+    let names = ["gt.txt", "groundtruth_rect.txt", "groundtruth.txt", "init.txt", "absence.label", "result.txt"];
+    let name = names[usize::from(*form) % names.len()];
+    as_file("1.pgm", b"P5 2 1 255\n\x03\xFF", |picture| {
+        let folder = picture.parent().expect("it is in a folder");
+        as_file(name, text, |file| {
+            check(sequence::open(folder, &OpenOptions::default()));
+            for read in [boxes::read_tld, boxes::read_otb, boxes::read_vot] {
+                let Ok(entries) = read(file) else { continue };
+                for entry in entries.into_iter().flatten() {
+                    let _ = (entry.to_rect(), entry.pixels(), entry.scaled((0.5, 3.0)));
+                    let overlap = entry.iou(&entry);
+                    assert!(overlap.is_nan() || overlap <= 1.0, "{entry:?}: {overlap}");
+                }
+            }
+        });
+    });
+}
+
+/// What stands on the command line: a box, a region, a range of frames, a size.
+pub(crate) fn words(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let _ = text.parse::<BoundingBox>();
+    let _ = boxes::region(text);
+    let _ = text.parse::<FrameRange>();
+    let _ = text.parse::<Resize>();
+}
+
+/// A tracker that stays: it is the protocol that is read.
+struct Still(Rect);
+
+impl Method for Still {
+    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> anyhow::Result<()> {
+        assert!(frame.bounds().contains(target) && !target.is_empty(), "{target:?}");
+        self.0 = target;
+        Ok(())
+    }
+
+    fn update(&mut self, _: &Frame<'_>) -> anyhow::Result<Report> {
+        Ok(Report::locked(self.0))
+    }
+}
+
+/// A session; what it answers are lines of text.
+pub(crate) fn trax(bytes: &[u8]) {
+    // What a path names is not to depend on the machine.
+    if bytes.windows(4).any(|four| four == b"/dev" || four == b"/pro" || four == b"/sys") {
+        return;
+    }
+    let protocol = PROTOCOLS.clone().nth(bytes.len() % 4).expect("there are four");
+    let build = || -> anyhow::Result<Box<dyn Method>> { Ok(Box::new(Still(Rect::default()))) };
+    let server = Server { name: "still".to_owned(), description: "stays".to_owned(), protocol, build };
+    let mut said = Vec::new();
+    let _ = serve(&server, bytes, &mut said);
+    assert!(String::from_utf8(said).is_ok_and(|said| said.ends_with('\n')));
+}
+
+/// Settings of each command that has some.
+pub(crate) fn settings(bytes: &[u8]) {
+    as_file("settings.toml", bytes, |file| {
+        let words = ["host-sim", "track", "synthetic", "--settings"].map(OsString::from);
+        let given: Vec<OsString> = words.into_iter().chain([file.into()]).collect();
+        if let Ok(all) = settings::arguments(given.clone()) {
+            assert!(all.len() >= given.len());
+        }
+    });
+}
+
+/// What was measured before.
+pub(crate) fn former(bytes: &[u8]) {
+    as_file("former.json", bytes, |file| {
+        let _ = Former::read(file);
+    });
+}
+
+/// Conformance vectors of both trackers.
+pub(crate) fn vectors(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let mut buffer = vec![0; smr_tests::FRAME_PIXELS];
+    let mut paper = Box::new(Tracker::new(smr_core::paper::Config::camera()).expect("a configuration"));
+    let _ = smr_tests::follow::<smr_tests::SmallPaper>(&mut paper, text, &mut buffer, |tracker, frame| {
+        tracker.update(frame).ok()
+    });
+    let mut robust = Box::new(Tracker::new(smr_core::robust::Config::robust()).expect("a configuration"));
+    let _ = smr_tests::follow::<smr_core::Robust>(&mut robust, text, &mut buffer, |tracker, frame| {
+        tracker.update(frame).ok()
+    });
+}

@@ -1,0 +1,57 @@
+//! The robust tracker with configurations of every kind.
+
+use crate::scene::Scene;
+use crate::{Fuzzed, mostly, paper};
+use arbitrary::{Result, Unstructured};
+use smr_core::Robust;
+use smr_core::robust::Config;
+use smr_core::similarity::Backend;
+use std::sync::LazyLock;
+
+impl Fuzzed for Robust {
+    const SIZE_AT: usize = 14;
+    const UPDATES: u32 = 6;
+
+    fn configuration(u: &mut Unstructured<'_>) -> Result<Config> {
+        let mut config = Config::robust();
+        config.reach = if u.ratio(1, 8)? { u.arbitrary()? } else { u.int_in_range(4..=5)? };
+        config.backend = paper::backend(u)?;
+        let what: u8 = u.arbitrary()?;
+        let asked = |bit: u8| what & (1 << bit) != 0;
+        (config.size, config.sweep) = (!asked(0), !asked(1));
+        if asked(2) {
+            config.table = paper::table(u)?;
+        }
+        if asked(3) {
+            config.patience = u.arbitrary()?;
+        }
+        if asked(4) {
+            (config.lost_below, config.uncertain_below) = (u.arbitrary()?, u.arbitrary()?);
+        }
+        if asked(5) {
+            (config.learning_rate, config.early_rate) = (mostly(u, 0..=256)?, mostly(u, 0..=1024)?);
+        }
+        Ok(config)
+    }
+
+    fn usual() -> Config {
+        let mut config = Config::robust();
+        config.reach = 4;
+        config
+    }
+
+    fn plain(config: Config) -> Config {
+        let mut plain = config;
+        plain.backend = Some(Backend::Scalar);
+        plain
+    }
+
+    fn locked() -> &'static [(Scene, Vec<u8>)] {
+        static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(crate::saved::locked::<Robust>);
+        &LOCKED
+    }
+
+    fn beside(u: &mut Unstructured<'_>) -> Result<bool> {
+        u.ratio(1, 16)
+    }
+}

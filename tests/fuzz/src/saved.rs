@@ -1,0 +1,103 @@
+//! Bytes of a saved target, changed, with a checksum that is right again: refused, or followed without a panic.
+
+use crate::scene::{KINDS, Part, Scene, frame};
+use crate::{Fuzzed, calls};
+use arbitrary::{Result, Unstructured};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use smr_core::{Rect, Tracker};
+
+const SUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// Where the length stands.
+const LENGTH: std::ops::Range<usize> = 10..14;
+
+pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
+    let u = &mut Unstructured::new(bytes);
+    let mut tracker = Box::new(Tracker::<T>::new(T::usual()).expect("one that a tracker takes"));
+    if u.ratio(1, 64)? {
+        assert!(tracker.restore(bytes).is_err());
+        return Ok(());
+    }
+    let (mut scene, mut saved) = u.choose(T::locked())?.clone();
+    for _ in 0..u.int_in_range(0..=6_u8)? {
+        change(u, &mut saved)?;
+    }
+    if u.ratio(15, 16)? {
+        seal(&mut saved);
+    }
+    if tracker.restore(&saved).is_err() {
+        return Ok(());
+    }
+    // Written again, it is the same; what follows a saved target is not looked at.
+    let again = calls::saved(&tracker).expect("it is locked");
+    assert!(saved.starts_with(&again), "what was restored is saved as other bytes");
+    // The frames have the size that the bytes say.
+    (scene.width, scene.height) = (number(&saved, T::SIZE_AT), number(&saved, T::SIZE_AT + 2));
+    follow(&mut tracker, &mut scene, u)
+}
+
+fn number(saved: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([saved[at], saved[at + 1]])
+}
+
+/// Targets that are locked on in scenes of every kind.
+pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
+    let mut tracker = Box::new(Tracker::<T>::new(T::usual()).expect("one that a tracker takes"));
+    let saved = (0..KINDS).map(|kind| {
+        let (scene, target) = (Scene::of(kind), Rect::new((2 * kind).into(), 5, 9 + u16::from(kind), 12));
+        let part = scene.part(tracker.lock_window(scene.bounds(), target), 0).expect("it is small");
+        tracker.lock(&frame(&scene, &part, None), target).expect("a box in the frame");
+        (scene, calls::saved(&tracker).expect("it is locked"))
+    });
+    saved.collect()
+}
+
+/// A few bytes, a number, or the length.
+fn change(u: &mut Unstructured<'_>, saved: &mut Vec<u8>) -> Result<()> {
+    // Mostly in the track, which stands first.
+    let end = if u.arbitrary()? { 80.min(saved.len()) } else { saved.len() };
+    let at = u.choose_index(end.max(1))?;
+    match u.int_in_range(0..=5_u8)? {
+        0 => saved.truncate(at),
+        1 => saved.extend_from_slice(u.bytes(u.len().min(at % 16))?),
+        2 => put(saved, at, &u.arbitrary::<u16>()?.to_le_bytes()),
+        3 => put(saved, at, &u.arbitrary::<i32>()?.to_le_bytes()),
+        4 => put(saved, at, &u.choose(&[0, 1, -1, i64::MAX, i64::MIN, 1 << 31])?.to_le_bytes()),
+        _ => put(saved, at, &[u.arbitrary::<u8>()?]),
+    }
+    Ok(())
+}
+
+fn put(saved: &mut [u8], at: usize, bytes: &[u8]) {
+    saved.iter_mut().skip(at).zip(bytes).for_each(|(old, &new)| *old = new);
+}
+
+/// Length and checksum as they must be.
+fn seal(saved: &mut [u8]) {
+    let Some(end) = saved.len().checked_sub(4).filter(|&end| end >= LENGTH.end) else { return };
+    let length = u32::try_from(saved.len()).expect("a few thousand");
+    saved[LENGTH].copy_from_slice(&length.to_le_bytes());
+    let sum = SUM.checksum(&saved[..end]);
+    saved[end..].copy_from_slice(&sum.to_le_bytes());
+}
+
+/// Frames with the parts that are asked for in memory.
+fn follow<T: Fuzzed>(tracker: &mut Tracker<T>, scene: &mut Scene, u: &mut Unstructured<'_>) -> Result<()> {
+    for _ in 0..u.int_in_range(1..=4 * T::UPDATES)? {
+        let part = |rect: Option<Rect>| rect.and_then(|rect| scene.part(rect, 1));
+        let first: Option<Part> = part(tracker.window()).or_else(|| scene.part(Rect::new(0, 0, 1, 1), 0));
+        let Some(first) = first else { return Ok(()) };
+        let second = part(tracker.sweep_window());
+        let enough = tracker.window().is_none_or(|window| window.is_empty() || first.rect == window)
+            && tracker.sweep_window().is_some() == second.is_some();
+        let answer = tracker.update(&frame(scene, &first, second.as_ref()));
+        assert!(!enough || answer.is_ok(), "what it asked for is in memory: {answer:?}");
+        if answer.is_err() {
+            return Ok(());
+        }
+        scene.change(u)?;
+        if u.ratio(1, 4)? {
+            tracker.moved(u.arbitrary()?, u.arbitrary()?);
+        }
+    }
+    Ok(())
+}

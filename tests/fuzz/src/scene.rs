@@ -1,0 +1,135 @@
+//! Pictures without a memory: every pixel follows from a few numbers, so a frame can be of any size.
+
+use arbitrary::{Result, Unstructured};
+use smr_core::{Frame, Image, Rect};
+
+/// The most pixels of a part that is put into memory.
+const MOST: u32 = 1 << 16;
+
+/// Textures.
+pub(crate) const KINDS: u8 = 7;
+
+/// What the camera sees.
+#[derive(Clone)]
+pub(crate) struct Scene {
+    pub(crate) width: u16,
+    pub(crate) height: u16,
+    kind: u8,
+    seed: u32,
+    right: i32,
+    down: i32,
+    gain: u8,
+}
+
+/// A rectangle of it in memory, its rows `stride` apart, not a byte longer than it must be.
+pub(crate) struct Part {
+    pixels: Vec<u8>,
+    stride: usize,
+    pub(crate) rect: Rect,
+}
+
+impl Scene {
+    pub(crate) fn new(u: &mut Unstructured<'_>) -> Result<Self> {
+        let (width, height) = match u.int_in_range(0..=9_u8)? {
+            0 => (u.int_in_range(1..=u16::MAX)?, u.int_in_range(1..=u16::MAX)?),
+            1 => (u.int_in_range(1..=8)?, u.int_in_range(1..=8)?),
+            _ => (u.int_in_range(16..=80)?, u.int_in_range(12..=64)?),
+        };
+        Ok(Self { width, height, kind: u.arbitrary()?, seed: u.arbitrary()?, right: 0, down: 0, gain: 64 })
+    }
+
+    /// A small one, the camera at rest.
+    pub(crate) fn of(kind: u8) -> Self {
+        Self { width: 64, height: 48, kind, seed: 0x1234_5678, right: 0, down: 0, gain: 64 }
+    }
+
+    pub(crate) fn bounds(&self) -> Rect {
+        Rect::new(0, 0, self.width, self.height)
+    }
+
+    /// The next moment: moved, darker, another scene, or as it was.
+    pub(crate) fn change(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
+        let by: [i8; 2] = [u.arbitrary()?, u.arbitrary()?];
+        match u.int_in_range(0..=7_u8)? {
+            0..=3 => {
+                self.right = self.right.wrapping_add((by[0] >> 4).into());
+                self.down = self.down.wrapping_add((by[1] >> 4).into());
+            }
+            4 => {
+                (self.right, self.down) = (self.right.wrapping_add(by[0].into()), self.down.wrapping_add(by[1].into()));
+            }
+            5 => self.gain = by[0].cast_unsigned() >> 1,
+            6 => (self.kind, self.seed) = (by[0].cast_unsigned(), self.seed ^ u32::from(by[1].cast_unsigned())),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn pixel(&self, x: i32, y: i32) -> u8 {
+        let (x, y) = (x.wrapping_sub(self.right), y.wrapping_sub(self.down));
+        let noise = |x: i32, y: i32| {
+            let mixed =
+                (x.cast_unsigned() ^ self.seed).wrapping_mul(0x9E37_79B1) ^ y.cast_unsigned().wrapping_mul(0x85EB_CA77);
+            (mixed ^ (mixed >> 15)).wrapping_mul(0x2C1B_3C6D).to_be_bytes()[0]
+        };
+        let seen = match self.kind % KINDS {
+            0 => noise(x >> 2, y >> 2),
+            1 => noise(x, y),
+            2 => self.seed.to_le_bytes()[0],
+            3 => x.wrapping_mul(3).wrapping_add(y.wrapping_mul(5)).to_le_bytes()[0],
+            4 => {
+                if (x >> 1 ^ y >> 1) & 1 == 0 {
+                    255
+                } else {
+                    0
+                }
+            }
+            5 => {
+                if (8..24).contains(&x) && (8..24).contains(&y) {
+                    noise(x >> 1, y >> 1)
+                } else {
+                    90
+                }
+            }
+            _ => self.seed.to_le_bytes()[(x.wrapping_add(y) & 3).unsigned_abs() as usize],
+        };
+        u8::try_from(u32::from(seen) * u32::from(self.gain) / 64).unwrap_or(255)
+    }
+
+    /// A rectangle of it, put into memory; `None` if it is empty, outside, or too large for that.
+    pub(crate) fn part(&self, rect: Rect, gap: usize) -> Option<Part> {
+        if rect.is_empty() || rect.area() > MOST || !self.bounds().contains(rect) {
+            return None;
+        }
+        let stride = usize::from(rect.width) + gap;
+        let mut pixels = Vec::with_capacity(stride * usize::from(rect.height));
+        for y in rect.y..rect.bottom() {
+            if y > rect.y {
+                pixels.extend(std::iter::repeat_n(0xA5, gap));
+            }
+            pixels.extend((rect.x..rect.right()).map(|x| self.pixel(x, y)));
+        }
+        Some(Part { pixels, stride, rect })
+    }
+}
+
+impl Part {
+    fn image(&self) -> Image<'_> {
+        Image::with_stride(&self.pixels, self.rect.width, self.rect.height, self.stride).expect("as many as it says")
+    }
+
+    fn corner(&self) -> (u16, u16) {
+        let inside = |at: i32| u16::try_from(at).expect("it lies in the frame");
+        (inside(self.rect.x), inside(self.rect.y))
+    }
+}
+
+/// The frame with these parts in memory, of which there is at least one.
+pub(crate) fn frame<'a>(scene: &Scene, first: &'a Part, second: Option<&'a Part>) -> Frame<'a> {
+    let (x, y) = first.corner();
+    let frame = Frame::part(first.image(), x, y, scene.width, scene.height).expect("it lies in the frame");
+    second.map_or(frame, |second| {
+        let (x, y) = second.corner();
+        frame.and_part(second.image(), x, y).expect("it lies in the frame")
+    })
+}

@@ -1,0 +1,87 @@
+//! The page of `host-sim report` in a browser: no error, the player steps, the curves follow.
+
+mod program;
+
+use program::{host_sim, utf8};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Command;
+
+/// Headless Chromium under one of its names; `None`, and a word about it, where there is none.
+fn browser(test: &str) -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
+    if found.is_none() {
+        // Not `println!`, which is not shown for a test that passes.
+        let _ = writeln!(std::io::stderr(), "skipped: {test}: no Chromium");
+    }
+    found
+}
+
+/// What a person does, and what is then to be seen; every failure becomes a line of the list that is read by the test.
+const SCRIPT: &str = r##"
+<script>
+const problems = [];
+const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
+try {
+  const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
+  const place = () => document.getElementById("place").value;
+  is("start", place(), "frame 1 of 240");
+  document.getElementById("on").click();
+  is("a step", place(), "frame 2 of 240");
+  press("ArrowRight"); press("ArrowRight", true);
+  is("keys", place(), "frame 13 of 240");
+  press("End");
+  is("the end", place(), "frame 240 of 240");
+  press("Home");
+  const scrub = document.getElementById("scrub");
+  scrub.value = 100;
+  scrub.dispatchEvent(new Event("input", { bubbles: true }));
+  is("scrubbing", place(), "frame 100 of 240");
+  const boxes = () => document.querySelectorAll("#stage rect.box").length;
+  const before = boxes();
+  document.querySelector("#switches input").click();
+  is("a method switched off", boxes() < before, true);
+  document.querySelector("#switches input").click();
+  const curve = document.querySelectorAll("#curves svg")[1];
+  const area = curve.getBoundingClientRect();
+  const at = { clientX: area.left + 0.75 * area.width, clientY: area.top + area.height / 2, bubbles: true };
+  for (const kind of ["pointermove", "mousemove", "pointerdown", "mousedown", "pointerup", "mouseup", "click"]) {
+    curve.dispatchEvent(new (kind.startsWith("pointer") ? PointerEvent : MouseEvent)(kind, at));
+  }
+  const number = Number(place().split(" ")[1]);
+  is("a click on a curve goes near " + number, number > 150 && number < 210, true);
+  is("pictures to compare", document.querySelectorAll("#comparisons img, #comparisons canvas, #comparisons svg").length > 0, true);
+} catch (error) { problems.push(String(error)); }
+document.title = problems.length ? "PROBLEMS " + problems.join("; ") : "FINE";
+</script>
+"##;
+
+#[test]
+fn the_page_plays_in_a_browser() {
+    let Some(browser) = browser("the_page_plays_in_a_browser") else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
+    fs::create_dir_all(&folder).unwrap();
+    let page = folder.join("report.html");
+    let said = host_sim(&["report", "synthetic", "--method", "smr,robust,sad", "--out", utf8(&page)]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let text = fs::read_to_string(&page).unwrap();
+    assert!(!text.contains("http://") || text.matches("http://").count() == text.matches("http://www.w3.org/").count());
+    let watch = "<script>window.onerror = (message) => { document.documentElement.dataset.error = message; };</script>";
+    let tried = folder.join("tried.html");
+    fs::write(
+        &tried,
+        text.replacen("<head>", &format!("<head>{watch}"), 1).replacen("</body>", &format!("{SCRIPT}</body>"), 1),
+    )
+    .unwrap();
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,2000", "--virtual-time-budget=5000"])
+        .args(["--dump-dom", &format!("file://{}", utf8(&tried))])
+        .output()
+        .expect("it was there a moment ago");
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let title = dom.split("<title>").nth(1).and_then(|rest| rest.split("</title>").next()).unwrap_or("no title");
+    assert_eq!(title, "FINE", "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!dom.contains("data-error"), "an error in the page's script");
+}
