@@ -406,7 +406,7 @@ fn report_says_what_it_wrote() {
     let page = folder.path().join("page.html");
     let said = host_sim(&["report", "periodic", "--out", utf8(&page), "--json"]).json();
     assert_eq!(said["recordings"][0]["frames"], 19);
-    assert_eq!(said["recordings"][0]["pictures"], json!({ "frames": 19, "longest_side": 96 }));
+    assert_eq!(said["recordings"][0]["pictures"], json!({ "frames": 19, "longest_side": 64 }));
     assert_eq!(said["files"][0]["bytes"], fs::metadata(&page).unwrap().len());
     assert_eq!(host_sim(&["report", "periodic"]).code, Some(2));
     host_sim(&["report", "periodic", "--out", utf8(&page), "--frames", "20"]).refuses(&["no frame 20", "1 to 19"]);

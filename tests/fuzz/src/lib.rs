@@ -1,9 +1,9 @@
 //! What is fuzzed. A target takes any bytes, and panics if something is wrong.
 //!
-//! - [`calls`]: sequences of calls of a tracker, beside a plain one that must answer the same.
-//! - [`saved`]: changed bytes of a saved target.
-//! - [`readers`]: the files, lines and words that host-sim reads.
-//! - [`scene`]: the frames that both see.
+//! - `calls`: sequences of calls of a tracker, beside a plain one that must answer the same.
+//! - `saved`: changed bytes of a saved target.
+//! - `readers`: the files, lines and words that host-sim reads.
+//! - `scene`: the frames that both see.
 
 mod calls;
 mod paper;
