@@ -44,7 +44,7 @@ static void stop(const char *what, uint32_t start)
 /* Memory of just this size, with anything in it. */
 static void *memory(size_t size)
 {
-    unsigned char *made = malloc(size ? size : 1);
+    unsigned char *made = (unsigned char *)malloc(size ? size : 1);
     size_t at;
     if (!made) {
         exit(2);
@@ -90,7 +90,7 @@ static void part(smr_part *made, smr_rect wanted)
     made->y = (uint16_t)wanted.y;
     made->stride = wanted.width + gap;
     made->size = made->stride * (wanted.height - 1u) + wanted.width;
-    made->pixels = memory(made->size);
+    made->pixels = (const uint8_t *)memory(made->size);
 }
 
 /* What is said of it is changed, never beyond what there is. */
@@ -160,7 +160,7 @@ static void configure(smr_config *config, smr_table *table)
 static void one(uint32_t start)
 {
     /* Zeroes are a table that was never made. */
-    smr_table *table = calloc(1, sizeof *table);
+    smr_table *table = (smr_table *)calloc(1, sizeof *table);
     smr_config config;
     smr_tracker *tracker = NULL;
     size_t storage_size, workspace_size, size = 0, written = 0;
@@ -185,7 +185,7 @@ static void one(uint32_t start)
         tracker = NULL;
     }
     smr_saved_size(tracker, &size);
-    saved = memory(size);
+    saved = (uint8_t *)memory(size);
     for (call = 0; call < CALLS; call++) {
         smr_frame frame;
         smr_answer answer;
