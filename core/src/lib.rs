@@ -65,7 +65,7 @@
 //!
 //! - `std`: asks the machine at run time which instruction sets it has; see [`similarity::Backend`].
 //! - `verify`: runs the plain loops beside every call of a faster backend, and panics where they differ.
-//! - `defmt`: the public types implement `defmt::Format`.
+//! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to its log.
 //! - `pursuit`: module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]
@@ -90,5 +90,6 @@ struct Readme;
 
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
 pub use track::paper::{self, Paper};
+pub use track::record;
 pub use track::robust::{self, Robust};
 pub use track::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, Tracker, Update, UpdateError};

@@ -6,8 +6,10 @@
 //! - [`check`]: core against the references, score by score.
 //! - [`vectors`]: the conformance vectors, made from the reference.
 //! - [`evaluate`]: how well a tracker does, by the protocol of the recordings.
+//! - [`mod@replay`]: flight records of firmware, run again.
 //! - [`report`]: what people look at.
 //! - [`trax`]: both trackers behind the protocol of evaluation tools.
+//! - [`soak`]: video without end, every answer compared.
 //! - [`export`]: recordings as files.
 //! - [`output`]: how files are written: whole or not at all.
 //! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
@@ -25,8 +27,10 @@ pub mod evaluate;
 pub mod export;
 pub mod output;
 pub mod reference;
+pub mod replay;
 pub mod report;
 pub mod sequence;
+pub mod soak;
 pub mod spread;
 pub mod trax;
 pub mod vectors;

@@ -409,7 +409,7 @@ fn report_says_what_it_wrote() {
     assert_eq!(said["recordings"][0]["pictures"], json!({ "frames": 19, "longest_side": 64 }));
     assert_eq!(said["files"][0]["bytes"], fs::metadata(&page).unwrap().len());
     assert_eq!(host_sim(&["report", "periodic"]).code, Some(2));
-    host_sim(&["report", "periodic", "--out", utf8(&page), "--frames", "20"]).refuses(&["no frame 20", "1 to 19"]);
+    host_sim(&["report", "periodic", "--out", utf8(&page), "--strip", "20"]).refuses(&["no frame 20", "1 to 19"]);
     host_sim(&["report", "no/such/recording", "--out", utf8(&page)]).refuses(&["no/such/recording"]);
     host_sim(&["report", "periodic", "--png", utf8(folder.path())]).refuses(&["cannot write", utf8(folder.path())]);
 }

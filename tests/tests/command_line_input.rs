@@ -5,6 +5,7 @@ mod program;
 use program::{PROGRAM, host_sim, recordings, utf8};
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -26,6 +27,65 @@ fn a_picture_without_pixels_is_bad_input() {
         fs::write(&file, header).unwrap();
         host_sim(&["track", utf8(&file), "--init", "0,0,1,1"]).refuses(&["1.pgm"]);
     }
+}
+
+/// A video as `arguments` of ffmpeg make it; `None`, and a word about it, without ffmpeg.
+fn film(test: &str, file: &Path, arguments: &[&str]) -> Option<()> {
+    let source = ["-v", "error", "-f", "lavfi", "-i"];
+    let made = Command::new("ffmpeg").args(source).args(arguments).arg(file).status();
+    if made.is_err() {
+        // Not `println!`, which is not shown for a test that passes.
+        let _ = writeln!(std::io::stderr(), "skipped: {test}: no ffmpeg");
+        return None;
+    }
+    assert!(made.unwrap().success(), "{arguments:?}");
+    Some(())
+}
+
+/// What phones make: turned by a note in the file, and frames as they come.
+#[test]
+fn videos_of_phones_are_shown_upright_and_whole() {
+    const TEST: &str = "videos_of_phones_are_shown_upright_and_whole";
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let (plain, turned, uneven) = (file("plain.mp4"), file("turned.mp4"), file("uneven.mp4"));
+    if film(TEST, &plain, &["testsrc=size=320x240:rate=30:duration=1", "-pix_fmt", "yuv420p"]).is_none() {
+        return;
+    }
+    let note = ["-c", "copy", "-metadata:s:v:0", "rotate=90"];
+    let copied = Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&plain)]).args(note).arg(&turned).status();
+    assert!(copied.unwrap().success());
+    let picture = file("frame.png");
+    let size = |video: &Path| {
+        let said = host_sim(&["frame", utf8(video), "-o", utf8(&picture), "--json"]).json();
+        (said["width"].as_u64().unwrap(), said["height"].as_u64().unwrap())
+    };
+    assert_eq!((size(&plain), size(&turned)), ((320, 240), (240, 320)));
+
+    // Two of three frames are left out, those that stay keep their times: none is invented to fill the gaps.
+    let some = ["testsrc=size=321x241:rate=30:duration=1", "-vf", "select=not(mod(n\\,3))", "-vsync", "vfr"];
+    film(TEST, &uneven, &[&some[..], &["-pix_fmt", "yuv444p"]].concat()).unwrap();
+    let said = host_sim(&["track", utf8(&uneven), "--init", "100,100,40,40"]);
+    assert_eq!((said.code, said.out.lines().count()), (Some(0), 10), "{}", said.err);
+    assert_eq!(size(&uneven), (321, 241));
+}
+
+#[test]
+fn the_smallest_recording_can_be_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["1.pgm", "2.pgm"] {
+        fs::write(folder.path().join(name), b"P5 1 1 255\n\x50").unwrap();
+    }
+    let one = utf8(folder.path());
+    let out = tempfile::tempdir().unwrap();
+    let page = out.path().join("page.html");
+    for command in [&["report", one, "-o", utf8(&page)][..], &["figures", one, "-o", utf8(out.path())], &["track", one]]
+    {
+        let said = host_sim(&[command, &["--init", "0,0,1,1"]].concat());
+        assert_eq!(said.code, Some(0), "{command:?}: {}", said.err);
+    }
+    // Who does not know the box yet is told how to find it.
+    host_sim(&["track", one]).refuses(&["no box to start from", "--init X,Y,W,H", "host-sim frame"]);
 }
 
 #[test]

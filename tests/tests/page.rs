@@ -28,6 +28,7 @@ try {
   const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
   const place = () => document.getElementById("place").value;
   is("start", place(), "frame 1 of 240");
+  is("nothing to compare yet", getComputedStyle(document.getElementById("histogram")).display, "none");
   document.getElementById("on").click();
   is("a step", place(), "frame 2 of 240");
   press("ArrowRight"); press("ArrowRight", true);
@@ -41,6 +42,7 @@ try {
   is("scrubbing", place(), "frame 100 of 240");
   const boxes = () => document.querySelectorAll("#stage rect.box").length;
   const before = boxes();
+  is("boxes that coincide share a line", document.querySelectorAll('#stage rect.box[style*="dasharray"]').length > 1, true);
   document.querySelector("#switches input").click();
   is("a method switched off", boxes() < before, true);
   document.querySelector("#switches input").click();

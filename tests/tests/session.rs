@@ -48,6 +48,47 @@ fn convert_reports_and_reads_back() {
 }
 
 #[test]
+fn synth_reports_what_it_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("frames");
+    let said = host_sim(&["synth", utf8(&out), "--format", "y4m", "--json"]).json();
+    assert_eq!((&said["frames"], &said["format"], &said["width"]), (&240.into(), &"y4m".into(), &160.into()));
+    assert!(out.join("synthetic.y4m").exists());
+}
+
+#[test]
+fn parts_are_shown_and_checked_as_they_are_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("part.html");
+    let said =
+        host_sim(&["report", "synthetic", "--frames", "20..40", "--strip", "1,21", "-o", utf8(&page), "--json"]).json();
+    assert_eq!((&said["recordings"][0]["frames"], &said["recordings"][0]["shown"]), (&21.into(), &vec![1, 21].into()));
+    let said = host_sim(&["check", "synthetic", "--frames", "20..40", "--json"]).json();
+    assert_eq!(said[0]["frames"], Value::from(20), "one is locked on");
+    host_sim(&["report", "synthetic", "--frames", "300..", "-o", utf8(&page)]).refuses(&["no frame 300"]);
+    host_sim(&["bench", "synthetic", "--frames", "7"]).refuses_usage("20..80");
+}
+
+/// Results of other trackers are of the whole recording: a part of them stands beside a part.
+#[test]
+fn results_of_others_are_cut_with_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("clip");
+    assert_eq!(
+        host_sim(&["convert", "synthetic", "-o", utf8(&recording), "--frames", "1..30", "--format", "y4m"]).code,
+        Some(0)
+    );
+    fs::create_dir(recording.join("trackers")).unwrap();
+    fs::copy(recording.join("gt.txt"), recording.join("trackers/perfect.txt")).unwrap();
+    let page = folder.path().join("page.html");
+    let said = host_sim(&["report", utf8(&recording), "--frames", "11..", "-o", utf8(&page), "--json"]).json();
+    let scores = said["scores"].as_array().unwrap();
+    let perfect = scores.iter().find(|score| score["method"] == "perfect" || score["tracker"] == "perfect");
+    let perfect = perfect.unwrap_or_else(|| panic!("{scores:?}"));
+    assert_eq!(perfect["correct"], 20, "{perfect}");
+}
+
+#[test]
 fn a_part_is_measured_under_a_name_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
     // As a recording of the paper's table.

@@ -49,7 +49,7 @@ impl Bench {
 
     fn start(&self, arguments: &[&str]) -> Child {
         Command::new(PROGRAM)
-            .args(["target", "synthetic", "--frames", "3", "--elf"])
+            .args(["target", "synthetic", "--frames", "..4", "--elf"])
             .arg(self.path("firmware"))
             .arg("--qemu")
             .arg(self.path("qemu"))

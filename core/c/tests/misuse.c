@@ -665,6 +665,33 @@ static void saved(void)
     HOLD(second == written && memcmp(bytes, again, written) == 0);
 }
 
+/* A write of a newer copy over an older one that stops anywhere: what is neither of the two is refused. */
+static void power(void)
+{
+    static uint8_t older[sizeof bytes], newer[sizeof bytes];
+    smr_tracker *tracker = locked_tracker();
+    smr_frame frame = good_frame();
+    smr_answer answer;
+    size_t size, second, cut;
+    EXPECT(smr_save(tracker, older, sizeof older, &size), SMR_OK);
+    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
+    HOLD(second == size && memcmp(older, newer, size) == 0); /* an update under way has changed nothing */
+    EXPECT(smr_moved(tracker, 512, 256), SMR_OK);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+    EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
+    HOLD(second == size && memcmp(older, newer, size) != 0);
+    for (cut = 0; cut <= size; cut += cut < 40 || cut + 40 > size ? 1 : 13) {
+        memcpy(bytes, newer, cut);
+        memcpy(bytes + cut, older + cut, size - cut);
+        if (memcmp(bytes, older, size) != 0 && memcmp(bytes, newer, size) != 0) {
+            HOLD(smr_restore(tracker, bytes, size) == SMR_ERROR_DAMAGED);
+        }
+    }
+    EXPECT(smr_restore(tracker, older, size), SMR_OK);
+    EXPECT(smr_restore(tracker, newer, size), SMR_OK);
+}
+
 /* The template is shown where it is; the early template is copied, into enough memory and no further. */
 static void templates(void)
 {
@@ -716,6 +743,7 @@ int main(void)
         windows();
         order();
         saved();
+        power();
         templates();
     }
     robust = 0;

@@ -9,10 +9,12 @@ mod products;
 mod scalar;
 mod table;
 
-pub(crate) use arch::Products;
+#[cfg(smr_helium)]
+pub(crate) use arch::cells;
 pub use arch::{Backend, Scorer};
-#[cfg(any(smr_dsp, smr_helium))]
-pub(crate) use arch::{pair, sectors};
+pub(crate) use arch::{Columns, Mixed, Products};
+#[cfg(smr_dsp)]
+pub(crate) use arch::{Directions, sectors};
 pub(crate) use products::{Layout, ROOM, Room};
 pub use table::{CutTable, Table, TableError};
 

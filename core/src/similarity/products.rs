@@ -1,9 +1,9 @@
 //! Sums of products: bytes, as the filter sees a picture, times numbers of 16 bits. The plain loops; they specify what a backend
 //! computes.
 
-/// Numbers that a backend may put together before it multiplies: for the bytes in a row of 48 cells one each.
-pub(crate) const ROOM: usize = 480;
-pub(crate) type Room = [u32; ROOM];
+/// Numbers that a backend may put together before it multiplies: for the bytes in a row of 48 cells two each.
+pub(crate) const ROOM: usize = 960;
+pub(crate) type Room = [u16; ROOM];
 
 use core::ops::Range;
 

@@ -8,11 +8,15 @@
 //! | `update.rs` | an update in steps |
 //! | `answer.rs`, `error.rs` | what comes back |
 //! | `saved.rs` | a target as bytes |
+//! | `record.rs` | a flight record: all that a tracker saw and answered, as bytes |
+//! | `checksum.rs` | the checksum of both |
 //! | `paper/`, `robust/` | the two trackers |
 
 mod answer;
+mod checksum;
 mod error;
 pub mod paper;
+pub mod record;
 pub mod robust;
 mod saved;
 mod target;

@@ -13,6 +13,7 @@
 //! Numbers are little-endian; checksums are CRC-32 (that of Ethernet and zip). The configuration itself is not saved: a table cannot be
 //! rebuilt from its address, and firmware has its configuration anyway.
 
+use super::checksum::Crc;
 use core::fmt;
 
 const MAGIC: [u8; 3] = *b"SMR";
@@ -20,37 +21,6 @@ const VERSION: u16 = 1;
 const HEAD: usize = 14;
 /// Bytes beside what a tracker remembers.
 pub(super) const AROUND: usize = HEAD + 4;
-
-/// CRC-32, bit by bit. By hand: the crate `crc` without its table takes 1.5 KB of flash for what takes 60 bytes here, and the
-/// tests hold this against it.
-#[derive(Clone, Copy)]
-struct Crc(u32);
-
-impl Crc {
-    const fn new() -> Self {
-        Self(u32::MAX)
-    }
-
-    #[inline(never)] // one copy in flash
-    fn update(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 ^= u32::from(byte);
-            for _ in 0..8 {
-                self.0 = (self.0 >> 1) ^ (0xEDB8_8320 & (self.0 & 1).wrapping_neg());
-            }
-        }
-    }
-
-    const fn finish(self) -> u32 {
-        !self.0
-    }
-
-    fn of(bytes: &[u8]) -> u32 {
-        let mut crc = Self::new();
-        crc.update(bytes);
-        crc.finish()
-    }
-}
 
 /// Which tracker wrote the bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -64,12 +34,8 @@ pub(super) enum Kind {
 pub(super) struct ConfigSum(Crc);
 
 impl ConfigSum {
-    pub(super) fn new(table: &crate::similarity::Table) -> Self {
-        let mut sum = Self(Crc::new());
-        for entry in table.entries() {
-            sum.add(*entry);
-        }
-        sum
+    pub(super) const fn new() -> Self {
+        Self(Crc::new())
     }
 
     pub(super) fn add(&mut self, number: u16) {
@@ -98,6 +64,7 @@ impl<'a> Writer<'a> {
         writer
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn put(&mut self, bytes: &[u8]) {
         let end = self.at + bytes.len();
         if let Some(place) = self.bytes.get_mut(self.at..end) {
@@ -115,7 +82,7 @@ impl<'a> Writer<'a> {
     }
 
     pub(super) fn i32(&mut self, number: i32) {
-        self.put(&number.to_le_bytes());
+        self.u32(number.cast_unsigned());
     }
 
     pub(super) fn i64(&mut self, number: i64) {
@@ -188,18 +155,21 @@ impl<'a> Reader<'a> {
         self.take().map(u8::from_le_bytes)
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn u16(&mut self) -> Option<u16> {
         self.take().map(u16::from_le_bytes)
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn u32(&mut self) -> Option<u32> {
         self.take().map(u32::from_le_bytes)
     }
 
     pub(super) fn i32(&mut self) -> Option<i32> {
-        self.take().map(i32::from_le_bytes)
+        self.u32().map(u32::cast_signed)
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn i64(&mut self) -> Option<i64> {
         self.take().map(i64::from_le_bytes)
     }
@@ -268,22 +238,3 @@ impl fmt::Display for RestoreError {
 }
 
 impl core::error::Error for RestoreError {}
-
-#[cfg(test)]
-mod tests {
-    use super::Crc;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn it_is_the_checksum_of_ethernet(bytes in prop::collection::vec(any::<u8>(), 0..300), cut in 0usize..300) {
-            let known = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&bytes);
-            prop_assert_eq!(Crc::of(&bytes), known);
-            let (first, rest) = bytes.split_at(cut.min(bytes.len()));
-            let mut parts = Crc::new();
-            parts.update(first);
-            parts.update(rest);
-            prop_assert_eq!(parts.finish(), known);
-        }
-    }
-}

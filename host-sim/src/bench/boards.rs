@@ -73,7 +73,7 @@ impl Board {
         let target = sequence.start()?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
         let Sequence { name, frames, .. } = sequence;
-        let recording = Recording::write(&name, (self.method, 0), frames, target, usize::MAX, folder.path())?;
+        let recording = Recording::write(&name, (self.method, 0), frames, target, folder.path())?;
         let report = match self.run(&recording, folder.path()) {
             Err(error) if error.is::<TooBig>() => {
                 self.figures.skipped.push(format!("{name}: {error}"));

@@ -245,7 +245,7 @@ mod tests {
     /// bounds that this recording does not meet.
     #[test]
     fn other_numbers_are_noticed() {
-        let others: [Change<Numbers>; 32] = [
+        let others: [Change<Numbers>; 36] = [
             ("pixels", |numbers| numbers.pixels = 1599),
             ("cell", |numbers| numbers.cell = 5),
             ("cover", |numbers| numbers.cover = (3.0, 2.0)),
@@ -265,7 +265,6 @@ mod tests {
             ("expected", |numbers| numbers.expected = 0.25),
             ("last move", |numbers| numbers.last_move = 0.25),
             ("size step", |numbers| numbers.size_step = 1.03),
-            ("size part", |numbers| numbers.size_part = 128.0),
             ("size reach", |numbers| numbers.size_reach = 0),
             ("early rate", |numbers| numbers.early_rate = 1.0 / 64.0),
             ("scale", |numbers| numbers.scale = 250.0),
@@ -274,12 +273,47 @@ mod tests {
             ("gain of light", |numbers| numbers.most_gain = 1.0),
             ("parts", |numbers| numbers.parts_across = 3),
             ("ratio that counts", |numbers| numbers.ratio_that_counts = 5),
+            ("certain", |numbers| numbers.certain_from = 65_535.0),
+            ("most move", |numbers| numbers.most_move = 0.125),
+            ("most growth", |numbers| numbers.most_growth = 64.0),
+            ("more", |numbers| numbers.more = 32.0),
+            ("most sum", |numbers| numbers.most_sum = 2048.0),
             ("trust's rate", |numbers| numbers.trust_rate = 76.0),
             ("velocity", |numbers| numbers.parts.velocity = false),
             ("near", |numbers| numbers.parts.near = false),
             ("size", |numbers| numbers.parts.size = false),
         ];
         noticed(&others, |numbers| checked(CHECKED[0], Config::robust(), numbers, 40));
+    }
+
+    /// The numbers that a target needs which jumps by so much that the filter errs by pixels, and grows while half of it looks otherwise.
+    #[test]
+    fn other_numbers_of_places_and_sizes_are_noticed() {
+        let others: [Change<Numbers>; 2] =
+            [("far", |numbers| numbers.far = 1), ("size part", |numbers| numbers.size_part = 128.0)];
+        assert_eq!(jumping(Numbers::robust()).violation, None);
+        noticed(&others, jumping);
+    }
+
+    /// A target of tiles that jumps on a ground of larger tiles, and then is larger in each frame, with its right half turned over.
+    fn jumping(numbers: Numbers) -> Report {
+        let frame = |(left, top): (usize, usize), side: usize| {
+            let target = tiles(32, 32, |x, y| (x, y));
+            let pixel =
+                |x: usize, y: usize| match (x.saturating_sub(left) * 32 / side, y.saturating_sub(top) * 32 / side) {
+                    (column, row) if x >= left && y >= top && column < 32 && row < 32 => {
+                        let pixel = target[row * 32 + column];
+                        if side > 32 && column >= 16 { 255 - pixel } else { pixel }
+                    }
+                    _ => u8::try_from(100 + (x / 24 * 7 + y / 24 * 5) % 4 * 20).unwrap(),
+                };
+            let pixels = (0..160 * 120).map(|at| pixel(at % 160, at / 160)).collect();
+            GrayFrame { width: 160, height: 120, pixels }
+        };
+        let jumps = [(43, 45), (41, 50), (48, 47), (45, 41), (52, 44), (47, 49), (53, 43), (50, 50), (44, 46)];
+        let grows = (33..43).map(|side| frame((44, 46), side));
+        let check = lock("jumping", numbers, Config::robust(), &frame((40, 40), 32), Rect::new(40, 40, 32, 32));
+        through(check, jumps.map(|at| frame(at, 32)).into_iter().chain(grows))
     }
 
     /// The bounds that only small, long and large targets meet.
@@ -305,10 +339,11 @@ mod tests {
     /// The numbers of trust and of the sweep, on a target that is hidden and comes back elsewhere.
     #[test]
     fn other_numbers_of_trust_are_noticed() {
-        let others: [Change<Numbers>; 8] = [
+        let others: [Change<Numbers>; 9] = [
+            ("margin", |numbers| numbers.margin = 5),
             ("lost", |numbers| numbers.lost_below = 10_000.0),
             ("uncertain", |numbers| numbers.uncertain_below = 20_000.0),
-            ("learned", |numbers| numbers.learned_from = 90_000.0),
+            ("learned", |numbers| numbers.learned_from = 98_304.0),
             ("found", |numbers| numbers.found_from = 98_304.0),
             ("better", |numbers| numbers.better_by = 98_304.0),
             ("verification", |numbers| numbers.parts.verification = false),

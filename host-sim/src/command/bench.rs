@@ -14,6 +14,7 @@ use crate::emulator::qemu::Machine;
 use crate::evaluate::{self, CoreKind, MethodKind, Variant};
 use crate::output::Output;
 use crate::report::{diagram, speeds};
+use crate::sequence::FrameRange;
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -53,6 +54,9 @@ pub struct Bench {
     /// Time a search in every N-th frame [default: so that there are about 60 in all]
     #[arg(long, value_name = "N")]
     every: Option<NonZeroUsize>,
+    /// Only these frames of each recording, for example 20..80, 20.. or ..80; the first is 1
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
     /// Each search is timed up to so many times; the shortest counts
     #[arg(long, value_name = "N", default_value = "7")]
     repeat: NonZeroU32,
@@ -102,18 +106,22 @@ impl Bench {
         Ok(if report.differences.is_empty() { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
+    fn recording(&self) -> RecordingOptions {
+        self.recording.of_frames(self.frames)
+    }
+
     /// All that is timed on this machine.
     fn time(&self, paths: &[PathBuf]) -> Result<Run> {
         let every = self.every.map_or_else(|| self.usual_distance(paths), |every| Ok(every.get()))?;
         let mut expected = 0;
         for path in paths {
-            expected += case::count(&self.recording.open(path)?, every)?;
+            expected += case::count(&self.recording().open(path)?, every)?;
         }
         ensure!(expected > 0, "no frame to time: there must be ground truth, and two frames after it");
         let mut run = Run::new(self.settings(every), expected);
         let bar = progress_bar("frames", expected);
         for path in paths {
-            run.add(self.recording.open(path)?, || bar.inc(1))?;
+            run.add(self.recording().open(path)?, || bar.inc(1))?;
         }
         bar.finish_and_clear();
         Ok(run)
@@ -122,7 +130,7 @@ impl Bench {
     fn usual_distance(&self, paths: &[PathBuf]) -> Result<usize> {
         let mut frames = 0;
         for path in paths {
-            frames += case::count(&self.recording.open(path)?, 1)?;
+            frames += case::count(&self.recording().open(path)?, 1)?;
         }
         Ok((frames / SEARCHES).max(1))
     }
@@ -155,7 +163,7 @@ impl Bench {
         {
             let mut board = Board::new(self.emulator.setup(machine), method)?;
             for path in paths {
-                board.add(self.recording.open(path)?)?;
+                board.add(self.recording().open(path)?)?;
                 bar.inc(1);
             }
             figures.push(board.figures());
@@ -169,7 +177,7 @@ impl Bench {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
         let one = |path: &PathBuf| {
             let variant = Variant::new(MethodKind::Smr, &Config::paper().into());
-            evaluate::evaluate(self.recording.open(path)?, &[variant], &[], || ()).map(|_| ())
+            evaluate::evaluate(self.recording().open(path)?, &[variant], &[], || ()).map(|_| ())
         };
         pool.install(|| paths.par_iter().map(one).collect())
     }

@@ -2,17 +2,15 @@
 
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, say};
+use super::{Outcome, progress, say};
 use crate::Paper;
 use crate::check::{self, Checked, Violation, paper, robust};
 use crate::evaluate::{CoreKind, Origin};
-use crate::sequence;
+use crate::sequence::{self, FrameRange};
 use anyhow::{Context, Result, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use smr_core::Robust;
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -23,9 +21,10 @@ pub struct Check {
     /// Which tracker
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
-    /// Compare only the first N frames after the one that is locked on
-    #[arg(long, value_name = "N")]
-    frames: Option<NonZeroUsize>,
+    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
+    /// the ground truth in the first of them
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
     /// Print a JSON array, one object a recording
     #[arg(long)]
     json: bool,
@@ -95,14 +94,13 @@ impl Check {
         step: u32,
         counts: fn(T::Counts) -> Counts,
     ) -> Result<check::Report<Counts>> {
-        let sequence = self.recording.open(path)?;
+        let sequence = self.recording.of_frames(self.frames).open(path)?;
         let target = sequence.start()?;
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
-        let most = self.frames.map_or(usize::MAX, NonZeroUsize::get);
-        let progress = progress(&name, sequence.length.map(|length| length.saturating_sub(1).min(most)));
+        let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
         let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;
-        for frame in frames.take(most) {
+        for frame in frames {
             if !run.holds() {
                 break;
             }
@@ -115,16 +113,6 @@ impl Check {
         ensure!(compared, "{name}: only one frame, which is locked on: there is nothing to compare");
         Ok(check::Report { sequence, frames, violation, counts: counts(counted) })
     }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn progress(name: &str, length: Option<usize>) -> ProgressBar {
-    let bar = length.map_or_else(ProgressBar::new_spinner, |length| ProgressBar::new(length as u64));
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} frames {eta}");
-    if let Ok(style) = style {
-        bar.set_style(style);
-    }
-    bar.with_message(name.to_owned())
 }
 
 fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<()> {

@@ -7,6 +7,7 @@ mod check;
 mod completions;
 mod convert;
 mod eval;
+mod figures;
 mod film;
 mod frame;
 mod man;
@@ -17,11 +18,13 @@ mod progress;
 mod qemu_options;
 mod recording_options;
 mod recordings;
+mod replay;
 mod report;
 mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
 pub mod settings;
+mod soak;
 mod synth;
 #[cfg(feature = "emulator")]
 mod target;
@@ -72,8 +75,9 @@ enum Command {
   host-sim check sequences/car --config camera")]
     Check(check::Check),
     /// Measure against ground truth, by the protocol of the recordings
-    #[command(after_help = "Example:
-  host-sim eval sequences --method smr,robust")]
+    #[command(after_help = "Examples:
+  host-sim eval sequences --method smr,robust
+  host-sim eval sequences --fault all --config camera")]
     Eval(eval::Eval),
     /// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
     #[command(after_help = "Example:
@@ -95,13 +99,30 @@ enum Command {
     #[command(after_help = "Example:
   host-sim report sequences/car --method smr,robust --out report.html")]
     Report(report::Report),
+    /// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
+    #[command(after_help = "Examples:
+  host-sim figures synthetic -o figures
+  host-sim figures sequences/car -o figures --figure 1,2 --frame 180 --form png
+  host-sim figures sequences/car -o figures --figure occlusion --hidden 45..60")]
+    Figures(figures::Figures),
+    /// Run both ways of calling a tracker over as many frames as there is time for, and compare every answer
+    #[command(after_help = "Example:
+  host-sim soak --method robust --frames 1000000")]
+    Soak(soak::Soak),
     /// Write the synthetic recording out as files
     #[command(after_help = "Example:
   host-sim synth frames --format y4m")]
     Synth(synth::Synth),
+    /// Run a flight record of firmware again, and name the first answer that differs
+    #[command(after_help = "Examples:
+  host-sim replay flight.smr
+  host-sim run record.elf | host-sim replay -
+
+Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record cannot be read.")]
+    Replay(replay::Replay),
     #[cfg(feature = "emulator")]
     /// Run the firmware in QEMU on a recording, and compare every answer with the host's
-    #[command(after_help = "Example:\n  host-sim target synthetic --frames 20")]
+    #[command(after_help = "Example:\n  host-sim target synthetic --frames ..20")]
     Target(target::Target),
     #[cfg(not(feature = "emulator"))]
     /// Run the firmware in QEMU on a recording (not built in: --features emulator)
@@ -173,7 +194,10 @@ impl HostSim {
             #[cfg(not(feature = "bench"))]
             Command::Bench(bench) => bench.run("bench", "bench"),
             Command::Convert(convert) => convert.run(),
+            Command::Replay(replay) => replay.run(),
             Command::Report(report) => report.run(),
+            Command::Figures(figures) => figures.run(),
+            Command::Soak(soak) => soak.run(),
             Command::Synth(synth) => synth.run(),
             #[cfg(feature = "emulator")]
             Command::Target(target) => target.run(),

@@ -11,3 +11,11 @@ pub fn bar(name: &str, frames: Option<usize>) -> ProgressBar {
     let style = ProgressStyle::with_template(template);
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(name.to_owned())
 }
+
+/// Entries of a record, of which nobody knows the number.
+pub fn entries(name: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {spinner} {pos} entries, {per_sec}");
+    ProgressBar::new_spinner()
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        .with_message(name.to_owned())
+}

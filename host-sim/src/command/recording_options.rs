@@ -2,7 +2,7 @@
 
 use super::tracker_options::Pair;
 use crate::sequence::{self, BoundingBox, Damage, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence};
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use clap::Args;
 use std::num::NonZeroU16;
 use std::path::Path;
@@ -57,6 +57,13 @@ impl RecordingOptions {
         };
         let mut sequence = sequence::open(path, &options)?;
         if let Some(part) = self.part {
+            if let Some(length) = sequence.length.filter(|&length| part.first() > length) {
+                bail!(
+                    "{}: there is no frame {} (--frames {part}): expected 1 to {length}",
+                    sequence.name,
+                    part.first()
+                );
+            }
             sequence = sequence.part(part);
             sequence.init = self.init.or(sequence.init);
         }

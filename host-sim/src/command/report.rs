@@ -1,15 +1,14 @@
 //! `host-sim report`: recordings as people look at them, a page or a picture.
 
-use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
 use super::tracker_options::TrackerOptions;
+use super::{Outcome, progress};
 use crate::evaluate::{Evaluation, MethodKind, Results, Variant, result_files};
 use crate::output::{Output, print};
 use crate::report::{self, About, Choice, Film};
-use crate::sequence::{BUILT_IN, Sequence};
+use crate::sequence::{BUILT_IN, FrameRange, Sequence};
 use anyhow::{Context, Result, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::fs;
 use std::io::Write;
@@ -41,7 +40,11 @@ pub struct Report {
     png: Option<PathBuf>,
     /// Frames of the film strip; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
-    frames: Vec<NonZeroUsize>,
+    strip: Vec<NonZeroUsize>,
+    /// Only these frames of each recording, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to
+    /// start from is that of the ground truth in the first of them
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -65,7 +68,8 @@ impl Report {
         let found = found?.concat();
         self.recording.check_for(found.len())?;
         ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
-        let mut sequences = found.iter().map(|path| self.recording.open(path)).collect::<Result<Vec<_>>>()?;
+        let recording = self.recording.of_frames(self.frames);
+        let mut sequences = found.iter().map(|path| recording.open(path)).collect::<Result<Vec<_>>>()?;
         name_apart(&mut sequences);
         let title = if let [one] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = self.out.as_ref().map(|out| File::create(page_file(out, &title)?)).transpose()?;
@@ -86,12 +90,14 @@ impl Report {
 
     fn watch(&self, paths: &[PathBuf], sequences: Vec<Sequence>, methods: &[Variant]) -> Result<Vec<Film>> {
         let length = sequences.iter().map(|sequence| sequence.length).sum();
-        let progress = progress(length);
+        let name =
+            if let [one] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
+        let progress = progress::bar(&name, length);
         let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
         let watch = |(path, sequence): (&PathBuf, Sequence)| {
             let mut film = report::watch(sequence, methods, self.choice(), budget, || progress.inc(1))?;
             if !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
-                film.compare(&result_files(path)?)?;
+                film.compare(&result_files(path)?, self.frames)?;
             }
             Ok(film)
         };
@@ -116,10 +122,10 @@ impl Report {
     }
 
     fn choice(&self) -> Choice {
-        if self.frames.is_empty() {
+        if self.strip.is_empty() {
             return Choice::Spread;
         }
-        Choice::Listed(self.frames.iter().map(|number| number.get() - 1).collect())
+        Choice::Listed(self.strip.iter().map(|number| number.get() - 1).collect())
     }
 }
 
@@ -198,15 +204,6 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
-/// A bar on a terminal, nothing elsewhere.
-fn progress(length: Option<usize>) -> ProgressBar {
-    let bar = length.map_or_else(ProgressBar::new_spinner, |length| ProgressBar::new(length as u64));
-    match ProgressStyle::with_template("{wide_bar} {pos}/{len} frames {eta}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,12 +220,12 @@ mod tests {
     }
 
     /// The README shows it; this is how it is made anew:
-    /// `host-sim report synthetic --frames 41,106,171,190,200,232 --png host-sim/assets/synthetic.png`
+    /// `host-sim report synthetic --strip 41,106,171,190,200,232 --png host-sim/assets/synthetic.png`
     #[test]
     fn the_picture_of_the_readme_is_what_the_command_makes() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("synthetic.png");
-        run(&["--frames", "41,106,171,190,200,232", "--png", file.to_str().unwrap()]).unwrap();
+        run(&["--strip", "41,106,171,190,200,232", "--png", file.to_str().unwrap()]).unwrap();
         let (made, kept) = (fs::read(file).unwrap(), include_bytes!("../../assets/synthetic.png"));
         assert!(made == kept, "assets/synthetic.png is another picture: make it anew, see above");
         assert!(kept.len() < 200_000, "{} bytes", kept.len());
@@ -238,18 +235,18 @@ mod tests {
     fn a_folder_gets_a_page_of_the_recordings_name() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("new").join("folder");
-        run(&["--frames", "1,2", "--out", out.to_str().unwrap()]).unwrap();
+        run(&["--strip", "1,2", "--out", out.to_str().unwrap()]).unwrap();
         let page = fs::read_to_string(out.join("synthetic.html")).unwrap();
         assert!(page.len() < 10_000_000, "{} bytes", page.len());
         let file = out.join("again.html");
-        run(&["--frames", "2,1,2", "--out", file.to_str().unwrap()]).unwrap();
+        run(&["--strip", "2,1,2", "--out", file.to_str().unwrap()]).unwrap();
         assert!(page == fs::read_to_string(file).unwrap(), "the same page every time");
     }
 
     #[test]
     fn what_cannot_be_is_refused() {
         assert!(run(&[]).unwrap_err().to_string().contains("--out"));
-        assert!(run(&["--out", "x.html", "--frames", "0"]).unwrap_err().to_string().contains("--frames"));
+        assert!(run(&["--out", "x.html", "--strip", "0"]).unwrap_err().to_string().contains("--strip"));
         let folder = tempfile::tempdir().unwrap();
         let error = format!("{:#}", File::create(folder.path().to_owned()).err().unwrap());
         assert!(error.starts_with(&format!("cannot write {}", folder.path().display())), "{error}");

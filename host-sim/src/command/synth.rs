@@ -5,6 +5,7 @@ use crate::export::{Format, Writer};
 use crate::output::print;
 use crate::sequence::synthetic;
 use anyhow::Result;
+use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,9 @@ pub struct Synth {
     /// Pictures (00001.png ...) or one file (synthetic.y4m, synthetic.raw, synthetic.h)
     #[arg(long, value_enum, default_value = "png")]
     format: Format,
+    /// Print a JSON object instead of a line
+    #[arg(long)]
+    json: bool,
 }
 
 impl Synth {
@@ -24,6 +28,14 @@ impl Synth {
         let (width, height, length) = (synthetic::WIDTH, synthetic::HEIGHT, synthetic::LENGTH);
         let hint =
             if self.format == Format::Raw { format!(", read with --size {width}x{height}") } else { String::new() };
+        if self.json {
+            let report = json!({
+                "version": env!("CARGO_PKG_VERSION"), "sequence": synthetic::NAME, "out": self.out, "format": self.format.name(),
+                "frames": length, "width": width, "height": height, "boxes": ["init.txt", "gt.txt"],
+            });
+            print(|to| writeln!(to, "{report:#}"))?;
+            return Ok(Outcome::Holds);
+        }
         let out = self.out.display();
         print(|to| writeln!(to, "{out}: {length} frames of {width}x{height}{hint}; init.txt, gt.txt"))?;
         Ok(Outcome::Holds)

@@ -7,10 +7,11 @@ use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
 use crate::emulator::{Recording, Report};
 use crate::evaluate::CoreKind;
+use crate::sequence::FrameRange;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::io::{self, Write};
-use std::num::{NonZeroU32, NonZeroUsize};
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::process::Stdio;
 
@@ -25,9 +26,10 @@ pub struct Target {
     /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
     #[arg(long, value_name = "WORK")]
     step: Option<NonZeroU32>,
-    /// Compare only the first N frames after the one that is locked on
-    #[arg(long, value_name = "N")]
-    frames: Option<NonZeroUsize>,
+    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
+    /// the ground truth in the first of them
+    #[arg(long, value_name = "A..B")]
+    frames: Option<FrameRange>,
     /// The firmware, built from core/examples/replay [default: built now, with .ci/target-cargo]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
@@ -55,7 +57,7 @@ struct Measured<'a> {
 impl Target {
     pub fn run(self) -> Result<Outcome> {
         let step = self.step.map_or(0, NonZeroU32::get);
-        let sequence = self.recording.open(&self.sequence)?;
+        let sequence = self.recording.of_frames(self.frames).open(&self.sequence)?;
         let target = sequence.start()?;
         let elf = match &self.elf {
             Some(elf) => elf.clone(),
@@ -63,9 +65,8 @@ impl Target {
         };
         let sizes = Sizes::of(&elf)?;
         let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
-        let most = self.frames.map_or(usize::MAX, |frames| frames.get().saturating_add(1));
         let method = (self.method, step);
-        let recording = Recording::write(&sequence.name, method, sequence.frames, target, most, folder.path())?;
+        let recording = Recording::write(&sequence.name, method, sequence.frames, target, folder.path())?;
         let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
         let report = recording.compare(&mut qemu, folder.path())?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));

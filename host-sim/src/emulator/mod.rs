@@ -70,7 +70,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Writes up to `most` of `frames` into `folder`, to be followed by `method` in steps of so much work; 0 is all at once.
+    /// Writes `frames` into `folder`, to be followed by `method` in steps of so much work; 0 is all at once.
     ///
     /// # Errors
     /// The frames', fewer than two of them, or the disk's.
@@ -79,14 +79,13 @@ impl Recording {
         (method, step): (CoreKind, u32),
         frames: impl Iterator<Item = Result<GrayFrame>>,
         target: Rect,
-        most: usize,
         folder: &Path,
     ) -> Result<Self> {
         let cannot_write = || format!("cannot write {} for QEMU", protocol::FRAMES);
         let mut file = BufWriter::new(File::create(folder.join(protocol::FRAMES)).with_context(cannot_write)?);
         let mut header = Header { method, step, width: 0, height: 0, frames: 0, target };
         file.write_all(&header.bytes()).with_context(cannot_write)?;
-        for frame in frames.take(most) {
+        for frame in frames {
             let frame = frame?;
             (header.width, header.height) = (frame.width, frame.height);
             header.frames += 1;

@@ -3,6 +3,7 @@
 mod baseline;
 mod configs;
 mod core_kind;
+pub mod faults;
 mod layout;
 mod means;
 mod method;
@@ -18,7 +19,7 @@ pub use configs::{Configs, Origin, Variant};
 pub use core_kind::CoreKind;
 pub use layout::Layout;
 pub use method::{Evidence, Method, MethodKind, Report, Run, lock, name_of};
-pub use otb::Otb;
+pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use results::Results;
 pub(crate) use table::aligned;

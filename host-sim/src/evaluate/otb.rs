@@ -4,7 +4,8 @@
 //!
 //! - success at a threshold: the fraction of frames with IoU > threshold; the AUC is the mean of the success at
 //!   0, 0.05, ... 1
-//! - precision: the fraction of frames in which the centres of answer and truth are at most 20 pixels apart
+//! - precision at a distance: the fraction of frames in which the centres of answer and truth are at most so far apart; it
+//!   is quoted at 20 pixels
 //!
 //! A frame without an answer is in neither. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the
 //! benchmark's own code.
@@ -14,10 +15,13 @@ use crate::sequence::BoundingBox;
 use serde::Serialize;
 
 /// Steps between the thresholds of the success curve, which has one point more.
-const STEPS: u32 = 20;
+pub const STEPS: usize = 20;
 
-/// The largest centre error that counts, in pixels.
-const NEAR: f64 = 20.0;
+/// The distance in pixels that precision is quoted at.
+pub const NEAR: usize = 20;
+
+/// The largest distance of the precision curve, in pixels.
+pub const FARTHEST: usize = 50;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Otb {
@@ -30,22 +34,94 @@ pub struct Otb {
 impl Otb {
     /// Of trajectories of the same length.
     pub(super) fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
-        let (mut visible, mut passed, mut near) = (0_u32, 0_u32, 0_u32);
-        for (answer, truth) in answers.iter().zip(truth) {
-            let Some(truth) = truth else { continue };
-            visible += 1;
-            let Some(answer) = answer else { continue };
-            passed += thresholds_passed(answer.iou(truth));
-            near += u32::from(centre_error(answer, truth) <= NEAR);
+        let counts = Counts::new(answers, truth);
+        let passed: u32 = counts.above.iter().sum();
+        Self {
+            otb_auc: counts.per_frame(passed) / counts.above.len() as f64,
+            otb_precision: counts.per_frame(counts.within[NEAR]),
         }
-        let per_frame = |sum: f64| if visible == 0 { 0.0 } else { sum / f64::from(visible) };
-        Self { otb_auc: per_frame(f64::from(passed)) / f64::from(STEPS + 1), otb_precision: per_frame(near.into()) }
     }
 }
 
-/// Of the thresholds 0, 0.05, ... 1 those that `iou` is above.
-fn thresholds_passed(iou: f64) -> u32 {
-    (0..=STEPS).map(|step| u32::from(iou > f64::from(step) / f64::from(STEPS))).sum()
+/// The two curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// At 0, 1/20, ... 1.
+    pub success: Vec<f64>,
+    /// At 0, 1, ... 50 pixels.
+    pub precision: Vec<f64>,
+}
+
+impl Curves {
+    /// Of trajectories of the same length.
+    #[must_use]
+    pub fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
+        let counts = Counts::new(answers, truth);
+        let curve = |of: &[u32]| of.iter().map(|&count| counts.per_frame(count)).collect();
+        Self { success: curve(&counts.above), precision: curve(&counts.within) }
+    }
+
+    /// The mean over recordings, each counting the same; `None` of none.
+    #[must_use]
+    pub fn mean(of: &[&Self]) -> Option<Self> {
+        let mean = |curve: fn(&Self) -> &Vec<f64>| {
+            let at = |point: usize| of.iter().map(|one| curve(one)[point]).sum::<f64>() / of.len() as f64;
+            (0..of.first().map_or(0, |first| curve(first).len())).map(at).collect()
+        };
+        (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })
+    }
+
+    /// The area under the success curve.
+    #[must_use]
+    pub fn auc(&self) -> f64 {
+        area(&self.success)
+    }
+
+    /// The area under the precision curve, up to 50 pixels.
+    #[must_use]
+    pub fn precision_area(&self) -> f64 {
+        area(&self.precision)
+    }
+}
+
+fn area(curve: &[f64]) -> f64 {
+    curve.iter().sum::<f64>() / curve.len() as f64
+}
+
+/// The distance of the centres of answer and truth in each frame, in pixels; `None` where one of them is missing.
+#[must_use]
+pub fn centre_errors(answers: &Trajectory, truth: &Trajectory) -> Vec<Option<f64>> {
+    answers.iter().zip(truth).map(|(answer, truth)| Some(centre_error(answer.as_ref()?, truth.as_ref()?))).collect()
+}
+
+/// Frames by threshold.
+struct Counts {
+    visible: u32,
+    above: [u32; STEPS + 1],
+    within: [u32; FARTHEST + 1],
+}
+
+impl Counts {
+    fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
+        let mut counts = Self { visible: 0, above: [0; STEPS + 1], within: [0; FARTHEST + 1] };
+        for (answer, truth) in answers.iter().zip(truth) {
+            let Some(truth) = truth else { continue };
+            counts.visible += 1;
+            let Some(answer) = answer else { continue };
+            let (iou, error) = (answer.iou(truth), centre_error(answer, truth));
+            for (step, count) in counts.above.iter_mut().enumerate() {
+                *count += u32::from(iou > step as f64 / STEPS as f64);
+            }
+            for (pixels, count) in counts.within.iter_mut().enumerate() {
+                *count += u32::from(error <= pixels as f64);
+            }
+        }
+        counts
+    }
+
+    fn per_frame(&self, count: u32) -> f64 {
+        if self.visible == 0 { 0.0 } else { f64::from(count) / f64::from(self.visible) }
+    }
 }
 
 /// The distance of the two centres, in pixels.
@@ -92,10 +168,27 @@ mod tests {
         // 5 to the right: 50 of 150, above 0, 0.05, ... 0.30.
         assert_eq!(Otb::new(&[at(5.0, 0.0)], &[at(0.0, 0.0)]), Otb { otb_auc: 7.0 / 21.0, otb_precision: 1.0 });
         // 6 to the right: 40 of 160. 0.25 is not above 0.25.
-        assert_eq!(thresholds_passed(0.25), 5);
         assert_eq!(Otb::new(&[at(6.0, 0.0)], &[at(0.0, 0.0)]).otb_auc, 5.0 / 21.0);
         // Centres 20 pixels apart are near, and further ones are not; nothing is shared, so no threshold is passed.
         assert_eq!(Otb::new(&[at(12.0, 16.0)], &[at(0.0, 0.0)]), Otb { otb_auc: 0.0, otb_precision: 1.0 });
         assert_eq!(Otb::new(&[at(12.0, 16.1)], &[at(0.0, 0.0)]), Otb::default());
+    }
+
+    #[test]
+    fn curves_by_hand() {
+        let truth = [at(0.0, 0.0), at(0.0, 0.0), at(0.0, 0.0), None];
+        let answers = [at(0.0, 0.0), at(3.0, 4.0), None, at(1.0, 1.0)];
+        assert_eq!(centre_errors(&answers, &truth), [Some(0.0), Some(5.0), None, None]);
+        let curves = Curves::new(&answers, &truth);
+        // The IoU of the second is 42 of 158.
+        assert_eq!([0, 5, 6, 19, 20].map(|step| curves.success[step] * 3.0), [2.0, 2.0, 1.0, 1.0, 0.0]);
+        assert_eq!([0, 4, 5, 50].map(|pixels| curves.precision[pixels] * 3.0), [1.0, 1.0, 2.0, 2.0]);
+        assert!((curves.precision_area() - (5.0 + 46.0 * 2.0) / 3.0 / 51.0).abs() < 1e-12);
+        let otb = Otb::new(&answers, &truth);
+        assert!((curves.auc() - otb.otb_auc).abs() < 1e-12 && curves.precision[NEAR] == otb.otb_precision);
+        let none = Curves::new(&[None; 4], &truth);
+        let mean = Curves::mean(&[&curves, &none]).unwrap();
+        assert!((mean.auc() - curves.auc() / 2.0).abs() < 1e-12);
+        assert_eq!(Curves::mean(&[]), None);
     }
 }

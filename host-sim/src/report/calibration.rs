@@ -1,6 +1,6 @@
 //! The chance that a frame is correct by the ratio that was reported in it, as a diagram.
 
-use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, TOP};
+use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, Stroke, TOP};
 use super::{SAD, SMR};
 use crate::evaluate::robustness::Bin;
 
@@ -11,8 +11,8 @@ pub fn marks(bins: &[Bin]) -> Vec<Mark> {
     let chances = bins.iter().map(|bin| bin.chance().map(|chance| (bin.middle(), chance)));
     let shares = bins.iter().map(|bin| Some((bin.middle(), bin.frames as f64 / all)));
     let mut marks = grid();
-    marks.extend(lines(shares).map(|points| Mark::Line { points, color: SAD, dashed: true }));
-    marks.extend(lines(chances).map(|points| Mark::Line { points, color: SMR, dashed: false }));
+    marks.extend(lines(shares).map(|points| Mark::Line { points, color: SAD, stroke: Stroke::Dotted }));
+    marks.extend(lines(chances).map(|points| Mark::Line { points, color: SMR, stroke: Stroke::Solid }));
     marks
 }
 
@@ -34,7 +34,11 @@ fn grid() -> Vec<Mark> {
     for percent in (0..=100).step_by(20) {
         let value = f64::from(percent) / 100.0;
         let (across, up) = ([(LEFT, y(value)), (RIGHT, y(value))], [(x(value), TOP), (x(value), BOTTOM)]);
-        marks.extend([across, up].map(|ends| Mark::Line { points: ends.to_vec(), color: GRID, dashed: true }));
+        marks.extend([across, up].map(|ends| Mark::Line {
+            points: ends.to_vec(),
+            color: GRID,
+            stroke: Stroke::Dotted,
+        }));
         marks.push(words(LEFT - 8.0, y(value), 1.0, percent.to_string(), None));
         marks.push(words(x(value), BOTTOM + 18.0, 0.5, percent.to_string(), None));
     }

@@ -1,13 +1,12 @@
 //! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
 
 use super::Color;
-use super::accuracy::centre_errors;
 use super::difference::{BAR, BARS};
 use super::encode::base64;
 use super::entrants::{Entrant, entrants};
 use super::film::Film;
 use super::pictures::{Comparison, Picture, Pictures};
-use crate::evaluate::{Evidence, name_of, overlaps};
+use crate::evaluate::{Evidence, centre_errors, name_of, overlaps};
 use crate::sequence::BoundingBox;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};

@@ -5,7 +5,7 @@ use super::look::{self, Shown, Sight};
 use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
 use crate::evaluate::{Contestant, Evaluation, Report, Score, Variant};
-use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
+use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use std::path::PathBuf;
@@ -141,13 +141,16 @@ impl Film {
     }
 
     /// Puts the result files of other trackers beside the methods. One that ends early has no answer from there on, and what it
-    /// says of frames that do not exist is not looked at.
+    /// says of frames that do not exist is not looked at. The files are of the whole recording, the film maybe of a part.
     ///
     /// # Errors
     /// A file cannot be read.
-    pub fn compare(&mut self, files: &[PathBuf]) -> Result<()> {
+    pub fn compare(&mut self, files: &[PathBuf], part: Option<FrameRange>) -> Result<()> {
         for path in files {
             let mut answers = boxes::read_tld(path)?;
+            if let Some(part) = part {
+                answers = part.of(answers);
+            }
             answers.resize(self.moments.len(), None);
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             self.files.push(ResultFile { name, answers });
@@ -254,7 +257,7 @@ mod tests {
             assert_eq!(evidence.alpha, search.alpha);
             assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
             let bbox = film.moments[still.index].reports[0].bbox;
-            assert!(bbox.is_none_or(|bbox| !bbox.intersection(search.window.unwrap()).is_empty()));
+            assert!(bbox.is_none_or(|bbox| search.window.unwrap().contains(bbox)), "frame {}", still.index);
             searched += 1;
         }
         assert!(searched > 10);

@@ -1,7 +1,6 @@
-//! What people look at: methods side by side on recordings, as one page or as one picture; how fast they are and what
+//! What people look at: methods side by side on recordings, as one page, as one picture or as figures; how fast they are and what
 //! their confidence is worth, as diagrams.
 
-mod accuracy;
 pub mod calibration;
 mod coordinates;
 mod data;
@@ -9,6 +8,7 @@ pub mod diagram;
 mod difference;
 mod encode;
 mod entrants;
+pub mod figures;
 mod film;
 pub(crate) mod font;
 mod look;
@@ -20,6 +20,7 @@ mod reel;
 #[cfg(feature = "bench")]
 pub mod speeds;
 mod tile;
+mod turns;
 
 pub use coordinates::coordinates;
 pub use film::{Film, watch};

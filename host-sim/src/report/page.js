@@ -39,18 +39,16 @@
       const href = "data:image/jpeg;base64," + pictures.frames[Math.floor(frame / pictures.every)];
       nodes.push(svgNode("image", { href, width, height, preserveAspectRatio: "none" }));
     }
-    const box = (of, name, style) => {
-      if (of) nodes.push(svgNode("rect", { class: "box " + name, x: of[0], y: of[1], width: of[2], height: of[3], style }));
-    };
-    // What is drawn first is wider, so that of equal boxes all are seen.
+    const box = (of, name, style) =>
+      nodes.push(svgNode("rect", { class: "box " + name, x: of[0], y: of[1], width: of[2], height: of[3], style }));
     const list = shown();
-    list.forEach((_, at) => {
-      const entrant = list[list.length - 1 - at];
-      const style = `--c:${entrant.color};stroke-width:${2 + 1.5 * (list.length - 1 - at)}`;
-      box(entrant.boxes[frame], "method", style);
-      if (entrant.lasts) box(entrant.lasts[frame], "method last", style);
-    });
-    if (recording.truth && !off.has(TRUTH)) box(recording.truth[frame], "truth", "");
+    for (const entrant of list) if (entrant.lasts && entrant.lasts[frame]) box(entrant.lasts[frame], "method last", `--c:${entrant.color}`);
+    const boxes = list.filter((entrant) => entrant.boxes[frame]).map((entrant) => [entrant.boxes[frame], "method", entrant.color]);
+    if (recording.truth && recording.truth[frame] && !off.has(TRUTH)) boxes.push([recording.truth[frame], "truth", "var(--truth)"]);
+    const scale = Math.min(stage.clientWidth / whole[2], stage.clientHeight / whole[3]) || 1;
+    for (const together of coinciding(boxes, scale)) {
+      together.forEach(([of, name, color], place) => box(of, name, `--c:${color};${dashes(place, together.length)}`));
+    }
     const letters = whole[2] / 22;
     const first = recording.entrants.find((entrant) => entrant.states);
     const words = svgNode("text", { x: whole[0] + letters / 2, y: whole[1] + letters * 1.2, "font-size": letters });
@@ -64,6 +62,22 @@
     byId("scrub").value = frame + 1;
     byId("scrub").setAttribute("aria-valuetext", said);
   }
+
+  /** Boxes in groups: those of one group lie on one another as far as the eye can tell. */
+  function coinciding(boxes, scale) {
+    const edges = ([x, y, width, height]) => [x, y, x + width, y + height];
+    const near = (a, b) => edges(a).every((edge, at) => Math.abs(edge - edges(b)[at]) * scale < 2.5);
+    const groups = [];
+    for (const one of boxes) {
+      const group = groups.find((group) => near(group[0][0], one[0]));
+      if (group) group.push(one);
+      else groups.push([one]);
+    }
+    return groups;
+  }
+
+  /** Boxes that coincide share one line, in turn a dash of each: all are seen. */
+  const dashes = (place, of) => of > 1 ? `stroke-dasharray:10 ${10 * (of - 1)};stroke-dashoffset:${-10 * place}` : "";
 
   function drawSwitches() {
     const legend = byId("switches").firstElementChild;
@@ -114,7 +128,7 @@
     { title: "Size, pixels (root of the box's area)", key: "size", digits: 1, truth: true },
     { title: "Cost, comparisons or products", key: "work", digits: 0 },
   ];
-  const LEFT = 46, RIGHT = 8, TOP = 6, BOTTOM = 6, HEIGHT = 104;
+  const LEFT = 56, RIGHT = 8, TOP = 6, BOTTOM = 6, HEIGHT = 104;
 
   function niceAbove(value) {
     const unit = 10 ** Math.floor(Math.log10(Math.max(value, 1)));
@@ -253,8 +267,10 @@
     const list = shown().filter((entrant) => entrant.method !== null && all[entrant.method]);
     const which = kept === frame ? `Frame ${frame + 1}` : `Frame ${kept + 1}, the nearest before with its picture`;
     byId("compared").textContent = list.length
-      ? `${which}: the template, |F - G| of each pixel of the winner to it, and how many pixels differ by how many gray levels. Green: below alpha, these pixels count.`
-      : `${which}: nothing was compared; the methods that are switched on were locked here, or none is.`;
+      ? `${which}. Left: the template. Right: how much each pixel of the box differs from it; green pixels differ by less than alpha and count. Below: how many pixels differ by how many gray levels.`
+      : kept === 0
+        ? `${which}: nothing is compared here, the trackers are locked on the target. Go to a later frame.`
+        : `${which}: no method is switched on.`;
     const cards = list.map((entrant) => {
       const { template, map, counting } = all[entrant.method];
       const picture = (bytes, alt) => htmlNode("img", { src: "data:image/png;base64," + bytes, alt });

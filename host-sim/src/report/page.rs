@@ -1,13 +1,12 @@
 //! The whole report as one HTML page that needs nothing else: style, script, pictures and figures are in it.
 
-use super::accuracy::Accuracy;
 use super::data::{css, data};
 use super::entrants::{Entrant, entrants};
 use super::film::{Film, Still};
 use super::plot::{self, Line};
 use super::{TRUTH, color_of, pictures, tile};
-use crate::evaluate::{Evaluation, Evidence, Score, name_of};
-use anyhow::{Context, Result, ensure};
+use crate::evaluate::{Curves, Evaluation, Evidence, Otb, Score, name_of};
+use anyhow::{Result, ensure};
 use smr_core::State;
 
 /// What the foot of the page says.
@@ -93,24 +92,23 @@ fn summary(films: &[Film], about: &About) -> String {
     text
 }
 
-/// A recording's scores with everyone's accuracy, in the order of its entrants.
+/// A recording's scores with everyone's curves, in the order of its entrants.
 struct Scored {
     evaluation: Evaluation,
-    accuracies: Vec<Accuracy>,
+    curves: Vec<Curves>,
 }
 
 impl Scored {
     /// `None` without ground truth.
     fn of(film: &Film) -> Result<Option<Self>> {
         let (Some(evaluation), Some(truth)) = (film.evaluation()?, &film.truth) else { return Ok(None) };
-        let accuracy = |entrant: &Entrant| Accuracy::new(&entrant.answers, truth).with_context(|| film.name.clone());
-        let accuracies = entrants(film).iter().map(accuracy).collect::<Result<_>>()?;
-        Ok(Some(Self { evaluation, accuracies }))
+        let curves = entrants(film).iter().map(|entrant| Curves::new(&entrant.answers, truth)).collect();
+        Ok(Some(Self { evaluation, curves }))
     }
 
-    /// How accurate the one called `name` is.
-    fn accuracy_of(&self, name: &str) -> Option<&Accuracy> {
-        self.place_of(name).map(|place| &self.accuracies[place])
+    /// Those of the one called `name`.
+    fn curves_of(&self, name: &str) -> Option<&Curves> {
+        self.place_of(name).map(|place| &self.curves[place])
     }
 
     fn score_of(&self, name: &str) -> Option<&Score> {
@@ -130,7 +128,7 @@ fn scores(films: &[Film], scored: &[Option<Scored>]) -> Result<String> {
     }
     let everyone = everyone(&measured);
     let protocol = "A frame is correct if the intersection over union (IoU) with the ground truth is above 0.25 (TLD \
-                    protocol). Success is the area under the success plot, precision the part of the visible frames with \
+                    protocol). OTB AUC is the area under the success plot, OTB P20 the part of the visible frames with \
                     a centre error of at most 20 pixels. The best is bold.";
     let mut section = format!("<h2>Scores</h2>\n<p class=\"note\">{protocol}</p>\n");
     if measured.len() > 1 {
@@ -141,14 +139,10 @@ fn scores(films: &[Film], scored: &[Option<Scored>]) -> Result<String> {
     let lines: Vec<Line> = everyone
         .iter()
         .filter_map(|entrant| {
-            let of: Vec<Accuracy> =
-                measured.iter().filter_map(|(_, scored)| scored.accuracy_of(&entrant.name).cloned()).collect();
+            let of: Vec<&Curves> = measured.iter().filter_map(|(_, scored)| scored.curves_of(&entrant.name)).collect();
             let (title, color) = (entrant.title.clone(), entrant.color);
-            (of.len() == measured.len()).then(|| Accuracy::mean(&of)).flatten().map(|accuracy| Line {
-                title,
-                color,
-                accuracy,
-            })
+            let mean = (of.len() == measured.len()).then(|| Curves::mean(&of)).flatten();
+            mean.map(|curves| Line { title, color, curves })
         })
         .collect();
     section += &plot::plots(&lines);
@@ -232,29 +226,29 @@ fn across(measured: &[(&Film, &Scored)], everyone: &[Entrant]) -> String {
     let mut header: Vec<String> =
         measured.iter().map(|(film, scored)| format!("{} (of {})", film.name, visible(scored))).collect();
     let all: usize = measured.iter().map(|(_, scored)| visible(scored)).sum();
-    header.extend([format!("all (of {all})"), "success".to_owned(), "precision".to_owned()]);
+    header.extend([format!("all (of {all})"), "OTB AUC".to_owned(), "OTB P20".to_owned()]);
     let line = |entrant: &Entrant| {
         let scores: Vec<Option<&Score>> = measured.iter().map(|(_, scored)| scored.score_of(&entrant.name)).collect();
         let none = || Cell::plain("-".to_owned());
         let mut cells: Vec<Cell> =
             scores.iter().map(|score| score.map_or_else(none, |score| Cell::count(score.correct))).collect();
-        let of: Vec<Accuracy> =
-            measured.iter().filter_map(|(_, scored)| scored.accuracy_of(&entrant.name).cloned()).collect();
-        match Accuracy::mean(&of) {
-            Some(mean) if of.len() == measured.len() => {
+        let of: Option<Vec<Otb>> = scores.iter().map(|score| score.and_then(|score| score.otb)).collect();
+        match of {
+            Some(of) => {
                 let correct = scores.iter().flatten().map(|score| score.correct).sum();
+                let mean = |figure: fn(&Otb) -> f64| of.iter().map(figure).sum::<f64>() / of.len() as f64;
                 cells.extend([
                     Cell::count(correct),
-                    Cell::part(mean.success_area()),
-                    Cell::part(mean.precision_at_20()),
+                    Cell::part(mean(|otb| otb.otb_auc)),
+                    Cell::part(mean(|otb| otb.otb_precision)),
                 ]);
             }
-            _ => cells.extend([none(), none(), none()]),
+            None => cells.extend([none(), none(), none()]),
         }
         cells
     };
     let lines: Vec<(&Entrant, Vec<Cell>)> = everyone.iter().map(|entrant| (entrant, line(entrant))).collect();
-    table("Correct frames of each recording; success and precision are means over the recordings", &header, &lines)
+    table("Correct frames of each recording; OTB AUC and OTB P20 are means over the recordings", &header, &lines)
 }
 
 fn table_of(film: &Film, scored: &Scored) -> String {
@@ -266,20 +260,19 @@ fn table_of(film: &Film, scored: &Scored) -> String {
         "correct / visible",
         "F",
         "mean IoU",
-        "success",
-        "precision",
+        "OTB AUC",
+        "OTB P20",
         "first failure",
     ];
     let entrants = entrants(film);
     let mut lines = Vec::new();
-    for (entrant, ((_, score), accuracy)) in
-        entrants.iter().zip(scored.evaluation.scores.iter().zip(&scored.accuracies))
-    {
+    for (entrant, (_, score)) in entrants.iter().zip(&scored.evaluation.scores) {
+        let otb = score.otb.unwrap_or_default();
         let first_failure = score.first_failure.map_or("-".to_owned(), |frame| frame.to_string());
         let mut cells = vec![Cell::plain(score.answered.to_string())];
         cells.extend([score.correct, score.correct_50].map(Cell::count));
         cells.extend([score.precision, score.recall, score.f, score.mean_iou].map(Cell::part));
-        cells.extend([accuracy.success_area(), accuracy.precision_at_20()].map(Cell::part));
+        cells.extend([otb.otb_auc, otb.otb_precision].map(Cell::part));
         cells.push(Cell::plain(first_failure));
         lines.push((entrant, cells));
     }
@@ -312,8 +305,9 @@ fn strip(film: &Film, several: bool) -> Result<String> {
     };
     let name = escaped(&film.name);
     let strip = format!(
-        "<p class=\"note\">{keys}{truth}<span class=\"key window\"></span>search window; dashed: the last \
-         box, while lost; black around the frame: padding. A click shows the frame in the player.</p>\n{left_out}\
+        "<p class=\"note\">{keys}{truth}<span class=\"key window\"></span>search window. Boxes \
+         that coincide share one dashed line; short dashes show the last box while the target is lost; black around the frame is \
+         the padding. Click a frame to see it in the player.</p>\n{left_out}\
          <div class=\"strip\" data-recording=\"{name}\">\n{}</div>\n",
         figures?
     );
@@ -332,7 +326,7 @@ fn figure(film: &Film, still: &Still) -> Result<String> {
         let alpha = alpha.map_or(String::new(), |alpha| format!(", alpha {alpha}"));
         Some(format!("{}: confidence {confidence:.3}, ratio {ratio:.3}{runner_up}{alpha}", method.name.to_uppercase()))
     });
-    let evidence = if still.index == 0 { "locked here".to_owned() } else { known.collect::<Vec<_>>().join("<br>") };
+    let evidence = if still.index == 0 { "locked on here".to_owned() } else { known.collect::<Vec<_>>().join("<br>") };
     let (number, tile) = (still.index + 1, tile::tile(film, still)?);
     Ok(format!(
         "<figure><a class=\"still\" href=\"#player\" data-frame=\"{number}\">{tile}</a><figcaption>{evidence}</figcaption>\
@@ -345,48 +339,42 @@ fn words() -> String {
     let terms = [
         (
             "SMR",
-            "The Similarity Matching Ratio of a place in the frame: each pixel that differs from the template by less than \
-             alpha adds exp(-difference / 255), all others add nothing, and the sum is divided by the number of pixels. \
-             The place with the largest ratio wins, and how badly a pixel differs does not matter.",
+            "The Similarity Matching Ratio compares the template with a place in the frame: each pixel that differs by less \
+             than alpha adds exp(-difference / 255), other pixels add nothing, and the sum is divided by the number of pixels. \
+             The place with the largest ratio wins; how much the other pixels differ does not matter.",
         ),
         (
             "alpha",
-            "The threshold in gray levels below which a pixel counts. It is a quarter of the largest difference between the \
-             last two templates, so that it follows how fast the target changes.",
+            "The threshold, in gray levels, below which a pixel counts. It is a fraction (a quarter, unless --k says otherwise) \
+             of the largest difference between the last two templates, so it grows when the target changes quickly.",
         ),
         (
             "runner-up",
-            "The best ratio of all places away from the winner. Where it comes close to the winner, the answer could as well \
-             be another place.",
+            "The best ratio at any place away from the winner. If it is close to the winner's, the answer is ambiguous.",
         ),
         (
             "confidence",
-            "How much an answer can be relied on, from 0 to 1, as the tracker itself says. It is made to be compared within one \
-             tracker; <code>eval --calibration</code> shows how often answers of a confidence are correct.",
+            "How sure the tracker is of its answer, from 0 to 1. Compare values of one tracker only; <code>host-sim eval \
+             --calibration</code> shows how often answers with a given confidence are correct.",
         ),
         (
             "tracking",
-            "The target was found and its box is inside the frame. The template is updated where the method allows it.",
+            "The target was found, and its box is inside the frame. The template is updated where the method allows it.",
         ),
         (
             "leaving",
-            "The target was found, but its box reaches over the border of the frame. The template stays as it is.",
+            "The target was found, but its box reaches over the border of the frame. The template is not updated.",
         ),
         (
             "uncertain",
-            "The robust tracker follows something that may not be the target. Its box is an answer still, to be used with \
-             care.",
+            "The robust tracker follows something that may not be the target. It still reports a box; use it with care.",
         ),
         (
             "lost",
-            "Nothing in the search window is clear enough to be the target, so there is no answer. The tracker goes on \
-             looking; the dashed box is the last one, or the one that it follows meanwhile.",
+            "Nothing in the search window is clear enough to be the target, so there is no answer. The tracker keeps looking; \
+             the box of short dashes is its last answer, or what it follows meanwhile.",
         ),
-        (
-            "cost",
-            "The work of a frame: the comparisons or products that the answer took, at most. It does not depend on the \
-             machine.",
-        ),
+        ("cost", "The comparisons or products that an answer took, at most. The number is the same on every machine."),
     ];
     let terms: String = terms.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n")).collect();
     format!("<h2>What the words mean</h2>\n<dl>\n{terms}</dl>\n")

@@ -1,7 +1,8 @@
 //! The film strip as one picture: what a README shows.
 
 use super::film::{Film, Still};
-use super::{Color, SAD, SMR, TRUTH, color_of, color_of_method, encode, font};
+use super::turns::turns;
+use super::{Color, SAD, SMR, TRUTH, color_of, color_of_method, encode, font, pictures};
 use crate::evaluate::{MethodKind, name_of};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
@@ -66,12 +67,24 @@ pub(super) fn palette() -> Vec<Color> {
     (0..GRAYS).map(gray).chain(INKS).collect()
 }
 
-/// Where `color` is in the palette.
+/// That of pictures with differences: what counts in them is green.
+pub(super) fn full_palette() -> Vec<Color> {
+    palette().into_iter().chain(MORE_INKS).chain(greens()).collect()
+}
+
+/// Neighbours are hardly told apart: every second is enough.
+fn greens() -> impl Iterator<Item = Color> {
+    (0..64).step_by(2).map(pictures::counting_color)
+}
+
+/// Where `color` is in the full palette, of which the others are the beginning; a green may be its neighbour.
 pub(super) fn ink(color: Color) -> u8 {
-    (GRAYS..)
-        .zip(INKS.into_iter().chain(MORE_INKS))
-        .find(|(_, known)| *known == color)
-        .map_or(WHITE, |(index, _)| index)
+    let inks = (GRAYS..).zip(INKS.into_iter().chain(MORE_INKS).chain(greens()));
+    let distance = |known: Color| known.iter().zip(color).map(|(a, b)| u32::from(a.abs_diff(b))).sum::<u32>();
+    let nearest = inks.map(|(index, known)| (distance(known), index)).min();
+    let [r, g, b] = color;
+    let gray = (r == g && g == b).then_some(r / 2);
+    gray.or(nearest.map(|(_, index)| index)).unwrap_or(WHITE)
 }
 
 /// The size of a frame in the picture.
@@ -139,17 +152,19 @@ struct Tile {
 
 /// How an outline is drawn.
 struct Pen {
-    /// Pixels to each side of the box's edge. What is drawn first is wider, so that of equal boxes all are seen.
+    /// Pixels to each side of the box's edge.
     half: i64,
     ink: u8,
-    /// In the gaps between dashes; the ink itself where there are none.
-    gaps: Option<u8>,
+    dashes: Dashes,
 }
 
-impl Pen {
-    const fn solid(half: i64, ink: u8) -> Self {
-        Self { half, ink, gaps: Some(ink) }
-    }
+enum Dashes {
+    /// With gaps between.
+    Gaps,
+    /// With another ink between.
+    Ink(u8),
+    /// Its place among so many that take turns.
+    Turn(i64, i64),
 }
 
 impl Tile {
@@ -164,16 +179,22 @@ impl Tile {
         if let Some(window) = still.window() {
             // Black and white: to be seen on anything. Only what is in the frame is in the tile.
             let seen = window.intersection(smr_core::Rect::new(0, 0, still.frame.width, still.frame.height));
-            self.outline(canvas, &seen.into(), &Pen { half: 0, ink: WHITE, gaps: Some(BLACK) });
+            self.outline(canvas, &seen.into(), &Pen { half: 0, ink: WHITE, dashes: Dashes::Ink(BLACK) });
         }
-        let drawn = (1..).zip(&film.methods).zip(moment.reports.iter().zip(&still.sights));
-        for ((half, method), (report, sight)) in drawn.collect::<Vec<_>>().into_iter().rev() {
+        let mut found = Vec::new();
+        for (method, (report, sight)) in film.methods.iter().zip(moment.reports.iter().zip(&still.sights)) {
             let ink = ink(color_of_method(method.kind));
-            let gaps = report.target.is_some().then_some(ink);
-            self.outline(canvas, &sight.bbox, &Pen { half, ink, gaps });
+            if report.target.is_some() {
+                found.push((ink, sight.bbox));
+            } else {
+                self.outline(canvas, &sight.bbox, &Pen { half: 1, ink, dashes: Dashes::Gaps });
+            }
         }
-        if let Some(truth) = film.truth_at(still.index) {
-            self.outline(canvas, &truth, &Pen::solid(0, ink(TRUTH)));
+        found.extend(film.truth_at(still.index).map(|truth| (ink(TRUTH), truth)));
+        let turns = turns(&found.iter().map(|(_, bbox)| *bbox).collect::<Vec<_>>());
+        for ((ink, bbox), (place, all)) in found.into_iter().zip(turns) {
+            let turn = |number: usize| i64::try_from(number).unwrap_or(i64::MAX);
+            self.outline(canvas, &bbox, &Pen { half: 1, ink, dashes: Dashes::Turn(turn(place), turn(all)) });
         }
     }
 
@@ -210,7 +231,12 @@ impl Tile {
     /// What is outside of the tile is not drawn. `along` is the place on the line.
     fn dot(&self, canvas: &mut Canvas, (x, y): (i64, i64), along: i64, pen: &Pen) {
         let dash = along.rem_euclid(10) < 5;
-        let Some(ink) = (if dash { Some(pen.ink) } else { pen.gaps }) else { return };
+        let ink = match pen.dashes {
+            Dashes::Turn(place, all) => (along.div_euclid(8).rem_euclid(all) == place).then_some(pen.ink),
+            Dashes::Gaps => dash.then_some(pen.ink),
+            Dashes::Ink(other) => Some(if dash { pen.ink } else { other }),
+        };
+        let Some(ink) = ink else { return };
         let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return };
         if x < self.width && y < self.height {
             canvas.set(self.left + x, self.top + y, ink);
@@ -231,6 +257,7 @@ mod tests {
     use crate::sequence::Damage;
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
     use smr_core::paper::Config;
+    use std::collections::BTreeSet;
     use std::path::Path;
 
     fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
@@ -259,10 +286,15 @@ mod tests {
         assert_eq!(picture.width(), 1000);
         // Frame 1 is twice as large at (10, 10); the target's box begins at (36, 24).
         let at = |x: u32, y: u32| picture.get_pixel(10 + 2 * 36 + x - 4, 10 + 2 * 24 + y - 4).0;
-        // Each with its edge in the middle of its line, where the target begins.
-        let inwards = [SAD, SMR, TRUTH, SMR, SAD];
-        assert_eq!([2, 3, 4, 5, 6].map(|x| at(x, 12)), inwards);
-        assert_eq!([2, 3, 4, 5, 6].map(|y| at(12, y)), inwards);
+        // The edge is the middle of a line of three pixels, on which they take turns.
+        let colors = BTreeSet::from([SMR, SAD, TRUTH]);
+        for line in [3, 4, 5] {
+            assert_eq!((8..48).map(|y| at(line, y)).collect::<BTreeSet<_>>(), colors, "{line}");
+            assert_eq!((8..48).map(|x| at(x, line)).collect::<BTreeSet<_>>(), colors, "{line}");
+        }
+        for line in [2, 6] {
+            assert!((8..48).all(|along| !colors.contains(&at(line, along)) && !colors.contains(&at(along, line))));
+        }
     }
 
     #[test]

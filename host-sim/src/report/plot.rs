@@ -1,9 +1,9 @@
 //! Success and precision plots over thresholds, as SVG that needs no script.
 
 use super::Color;
-use super::accuracy::{Accuracy, FARTHEST, PRECISION_AT, STEPS};
 use super::data::css;
 use super::page::escaped;
+use crate::evaluate::{Curves, FARTHEST, NEAR, STEPS};
 use std::fmt::Write as _;
 
 const LEFT: f64 = 44.0;
@@ -11,11 +11,11 @@ const TOP: f64 = 26.0;
 const WIDTH: f64 = 430.0;
 const HEIGHT: f64 = 250.0;
 
-/// One line: who, in which color, and how accurate.
+/// One line: who, in which color, and how good.
 pub(super) struct Line {
     pub title: String,
     pub color: Color,
-    pub accuracy: Accuracy,
+    pub curves: Curves,
 }
 
 /// Both plots, side by side where there is room, each with its lines named by area, the largest first.
@@ -25,8 +25,8 @@ pub(super) fn plots(lines: &[Line]) -> String {
         axis: "IoU",
         most: 1.0,
         step: 0.2,
-        values: |accuracy| &accuracy.success,
-        area: Accuracy::success_area,
+        values: |curves| &curves.success,
+        area: Curves::auc,
         mark: None,
     };
     let precision = Plot {
@@ -34,9 +34,9 @@ pub(super) fn plots(lines: &[Line]) -> String {
         axis: "centre error in pixels",
         most: FARTHEST as f64,
         step: 10.0,
-        values: |accuracy| &accuracy.precision,
-        area: Accuracy::precision_area,
-        mark: Some(PRECISION_AT as f64),
+        values: |curves| &curves.precision,
+        area: Curves::precision_area,
+        mark: Some(NEAR as f64),
     };
     format!("<div class=\"plots\">{}{}</div>\n", success.draw(lines), precision.draw(lines))
 }
@@ -46,8 +46,8 @@ struct Plot {
     axis: &'static str,
     most: f64,
     step: f64,
-    values: fn(&Accuracy) -> &Vec<f64>,
-    area: fn(&Accuracy) -> f64,
+    values: fn(&Curves) -> &Vec<f64>,
+    area: fn(&Curves) -> f64,
     mark: Option<f64>,
 }
 
@@ -76,9 +76,9 @@ impl Plot {
             svg += &format!("<path class=\"threshold\" d=\"M{:.1} {TOP}V{bottom}\"/>", x(mark));
         }
         let mut ordered: Vec<&Line> = lines.iter().collect();
-        ordered.sort_by(|a, b| (self.area)(&b.accuracy).total_cmp(&(self.area)(&a.accuracy)));
+        ordered.sort_by(|a, b| (self.area)(&b.curves).total_cmp(&(self.area)(&a.curves)));
         for line in ordered.iter().rev() {
-            let values = (self.values)(&line.accuracy);
+            let values = (self.values)(&line.curves);
             let last = values.len().saturating_sub(1).max(1) as f64;
             let mut path = String::new();
             for (at, &part) in values.iter().enumerate() {
@@ -92,7 +92,7 @@ impl Plot {
         let legend: String = ordered
             .iter()
             .map(|line| {
-                let (color, title, area) = (css(line.color), escaped(&line.title), (self.area)(&line.accuracy));
+                let (color, title, area) = (css(line.color), escaped(&line.title), (self.area)(&line.curves));
                 format!("<li><span class=\"dash\" style=\"--c:{color}\"></span>{title} <b>{area:.3}</b></li>")
             })
             .collect();
@@ -121,7 +121,7 @@ mod tests {
         let line = |title: &str, part: f64| Line {
             title: title.to_owned(),
             color: [1, 2, 3],
-            accuracy: Accuracy { success: vec![part; STEPS + 1], precision: vec![part; FARTHEST + 1] },
+            curves: Curves { success: vec![part; STEPS + 1], precision: vec![part; FARTHEST + 1] },
         };
         let svg = plots(&[line("<low>", 0.25), line("high", 0.75)]);
         let first = svg.find("high <b>0.750</b>").unwrap();

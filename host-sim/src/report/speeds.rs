@@ -1,6 +1,6 @@
 //! Frames per second by size of window and template, as a diagram with two logarithmic axes.
 
-use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, TOP};
+use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, Stroke, TOP};
 use super::{Color, SAD, SMR, TRUTH, color_of, font};
 use crate::bench::speeds::{Speed, TEMPLATES, WINDOWS};
 use smr_core::State;
@@ -45,8 +45,8 @@ impl Diagram {
         let mut marks = self.grid();
         for (side, color) in TEMPLATES.into_iter().zip(COLORS) {
             let of_side = || speeds.iter().filter(move |speed| speed.template == side);
-            marks.extend(self.line(of_side().map(|speed| (speed, speed.exhaustive)), color, true));
-            marks.extend(self.line(of_side().map(|speed| (speed, speed.pruned)), color, false));
+            marks.extend(self.line(of_side().map(|speed| (speed, speed.exhaustive)), color, Stroke::Dotted));
+            marks.extend(self.line(of_side().map(|speed| (speed, speed.pruned)), color, Stroke::Solid));
             let last = of_side().filter_map(|speed| speed.pruned).next_back();
             if let Some(last) = last {
                 let words = format!("{side}x{side}");
@@ -63,7 +63,7 @@ impl Diagram {
         let mut marks = vec![white(LEFT, TOP / 2.0, 0.0, "frames per second   line pruned   dashed exhaustive".into())];
         for decade in self.decades.0..=self.decades.1 {
             let y = self.y(f64::from(decade));
-            marks.push(Mark::Line { points: vec![(LEFT, y), (RIGHT, y)], color: GRID, dashed: true });
+            marks.push(Mark::Line { points: vec![(LEFT, y), (RIGHT, y)], color: GRID, stroke: Stroke::Dotted });
             marks.push(white(LEFT - 8.0, y, 1.0, power_of_ten(decade)));
         }
         for radius in WINDOWS {
@@ -79,13 +79,13 @@ impl Diagram {
         &self,
         values: impl Iterator<Item = (&'a Speed, Option<f64>)>,
         color: Color,
-        dashed: bool,
+        stroke: Stroke,
     ) -> Option<Mark> {
         let point = |(speed, value): (&Speed, Option<f64>)| {
             Some((self.x(offsets(speed.window.x, speed.window.y)), self.y(value?.log10())))
         };
         let points: Vec<_> = values.filter_map(point).collect();
-        (points.len() > 1).then_some(Mark::Line { points, color, dashed })
+        (points.len() > 1).then_some(Mark::Line { points, color, stroke })
     }
 }
 

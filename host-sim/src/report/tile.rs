@@ -2,7 +2,8 @@
 
 use super::data::css;
 use super::film::{Film, Still};
-use super::{color_of_method, encode};
+use super::turns::turns;
+use super::{Color, TRUTH, color_of_method, encode};
 use crate::evaluate::name_of;
 use crate::sequence::BoundingBox;
 use anyhow::Result;
@@ -18,18 +19,17 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
 
     let window = still.window().map(|window| {
         let window = window.into();
-        outline("window-under", &window) + &outline("window", &window)
+        outline("window-under", &window, "") + &outline("window", &window, "")
     });
-    // Each where it is; the ones below are drawn wider, so that of equal boxes all are seen.
-    let boxes = film.methods.iter().zip(moment.reports.iter().zip(&still.sights)).rev();
-    let boxes = boxes.zip((1..=film.methods.len()).rev()).map(|((method, (report, sight)), place)| {
-        let last = if report.target.is_some() { "" } else { " last" };
-        let (color, width) = (css(color_of_method(method.kind)), 3 * place);
-        let outline = outline(&format!("method{last}"), &sight.bbox);
-        outline.replacen("<rect ", &format!("<rect style=\"--c:{color};stroke-width:{width}\" "), 1)
+    let sights = film.methods.iter().zip(moment.reports.iter().zip(&still.sights));
+    let (found, lasts): (Vec<_>, Vec<_>) = sights.partition(|(_, (report, _))| report.target.is_some());
+    let lasts = lasts.iter().map(|(method, (_, sight))| {
+        outline("method last", &sight.bbox, &format!("--c:{}", css(color_of_method(method.kind))))
     });
-    let truth = film.truth_at(still.index).map(|truth| outline("truth", &truth));
-    let boxes = window.into_iter().chain(boxes).chain(truth).collect::<String>();
+    let mut boxes: Vec<_> =
+        found.iter().map(|(method, (_, sight))| ("method", color_of_method(method.kind), sight.bbox)).collect();
+    boxes.extend(film.truth_at(still.index).map(|truth| ("truth", TRUTH, truth)));
+    let boxes = window.into_iter().chain(lasts).chain(together(&boxes)).collect::<String>();
 
     let (number, state) = (still.index + 1, name_of(moment.first().state));
     let letters = f64::from(whole) / 17.0;
@@ -44,12 +44,44 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<String> {
     ))
 }
 
+/// Boxes that coincide share one line.
+fn together(boxes: &[(&str, Color, BoundingBox)]) -> Vec<String> {
+    const DASH: usize = 8;
+    let turns = turns(&boxes.iter().map(|(_, _, bbox)| *bbox).collect::<Vec<_>>());
+    let outlined = |((class, color, bbox), (place, all)): (&(&str, Color, BoundingBox), (usize, usize))| {
+        let dashes = match all {
+            1 => String::new(),
+            _ => format!(";stroke-dasharray:{DASH} {};stroke-dashoffset:-{}", DASH * (all - 1), DASH * place),
+        };
+        outline(class, bbox, &format!("--c:{}{dashes}", css(*color)))
+    };
+    boxes.iter().zip(turns).map(outlined).collect()
+}
+
 /// The box itself: its edges are the middle of the line.
-fn outline(class: &str, &BoundingBox { x, y, width, height }: &BoundingBox) -> String {
-    format!("<rect class=\"box {class}\" x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/>")
+fn outline(class: &str, &BoundingBox { x, y, width, height }: &BoundingBox, style: &str) -> String {
+    let style = if style.is_empty() { String::new() } else { format!(" style=\"{style}\"") };
+    format!(
+        "<rect class=\"box {class}\" x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"{style}/>"
+    )
 }
 
 /// A box in words.
 pub(super) fn words(Rect { x, y, width, height }: Rect) -> String {
     format!("{width}x{height} at ({x}, {y})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_that_coincide_take_turns() {
+        let at = |x: f64| BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 };
+        let boxes = [("method", [1, 2, 3], at(0.0)), ("method", [4, 5, 6], at(0.5)), ("truth", [7, 8, 9], at(20.0))];
+        let drawn = together(&boxes);
+        assert!(drawn[0].contains("stroke-dasharray:8 8;stroke-dashoffset:-0"), "{}", drawn[0]);
+        assert!(drawn[1].contains("stroke-dasharray:8 8;stroke-dashoffset:-8"), "{}", drawn[1]);
+        assert!(!drawn[2].contains("dash"), "{}", drawn[2]);
+    }
 }

@@ -134,3 +134,22 @@ impl<S: Iterator<Item = Result<GrayFrame>>> Checked<S> {
         Ok(frame)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Whatever a source gives, as long as its frames have the pixels that they say.
+        #[test]
+        fn frames_of_any_sizes(sizes in proptest::collection::vec((0..3_u16, 0..3_u16), 0..4)) {
+            let frame = |(width, height): (u16, u16)| {
+                Ok(GrayFrame { width, height, pixels: vec![0; usize::from(width) * usize::from(height)] })
+            };
+            for frame in frames(sizes.into_iter().map(frame), "any".to_owned(), Reading::default()).flatten() {
+                prop_assert!(frame.frame().bounds().area() > 0);
+            }
+        }
+    }
+}

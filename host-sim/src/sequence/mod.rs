@@ -6,6 +6,7 @@
 mod border;
 pub mod boxes;
 mod damage;
+pub mod fault;
 mod images;
 mod noise;
 mod part;
@@ -75,7 +76,7 @@ impl Sequence {
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
-            format!("{name}: no box to start from: give --init X,Y,W,H or init.txt beside the recording")
+            format!("{name}: no box to start from: give --init X,Y,W,H (`host-sim frame` shows coordinates), or init.txt beside the recording")
         })?;
         init.pixels().map_err(|what| anyhow!("{name}: the box to start from {what}"))
     }
@@ -312,7 +313,5 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
     extension.is_some_and(|extension| extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
 }
 
-#[cfg(test)]
-mod fuzz;
 #[cfg(test)]
 mod tests;

@@ -20,8 +20,21 @@ impl FrameRange {
         self.first == 1
     }
 
+    /// The first is 1.
+    #[must_use]
+    pub const fn first(&self) -> usize {
+        self.first
+    }
+
+    /// `None`: to the end.
+    #[must_use]
+    pub const fn last(&self) -> Option<usize> {
+        self.last
+    }
+
     /// What of a list with an entry a frame belongs to these frames.
-    fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
+    #[must_use]
+    pub fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
         entries.truncate(self.last.unwrap_or(usize::MAX));
         entries.drain(..entries.len().min(self.first - 1));
         entries

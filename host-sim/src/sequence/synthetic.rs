@@ -203,10 +203,22 @@ static TEXTURES: LazyLock<Textures> = LazyLock::new(|| Textures {
 });
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
-pub(super) struct Random(pub(super) u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub(super) fn next(&mut self) -> u64 {
+    /// A number from 0 to one below `end`; 0 if there is none.
+    pub(crate) fn below(&mut self, end: i64) -> i64 {
+        let product = u128::from(self.next()) * u128::from(end.max(0).cast_unsigned());
+        i64::try_from(product >> 64).unwrap_or(0)
+    }
+
+    /// A place in a list of so many entries.
+    pub(crate) fn place(&mut self, entries: usize) -> usize {
+        let product = u128::from(self.next()) * entries as u128;
+        usize::try_from(product >> 64).unwrap_or(0)
+    }
+
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

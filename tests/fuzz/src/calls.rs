@@ -2,12 +2,12 @@
 //! the plainest way.
 
 use crate::Fuzzed;
+use crate::extent::Extent;
+use crate::paper;
 use crate::scene::{Part, Scene, frame};
+use crate::tally::{Reached, count};
 use arbitrary::{Result, Unstructured};
-use smr_core::{Answer, LockError, Rect, Tracker, UpdateError};
-
-/// The most calls of one input.
-const CALLS: u32 = 40;
+use smr_core::{Answer, LockError, Rect, State, Tracker, UpdateError};
 
 struct Pair<T: Fuzzed> {
     /// Any backend, any cut, any part of the frame.
@@ -16,31 +16,79 @@ struct Pair<T: Fuzzed> {
     plain: Option<Box<Tracker<T>>>,
     scene: Scene,
     updates: u32,
+    extent: &'static Extent,
 }
 
-pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
+pub(crate) fn run<T: Fuzzed>(bytes: &[u8], extent: &'static Extent) -> Result<()> {
     let u = &mut Unstructured::new(bytes);
-    let config = T::configuration(u)?;
-    let Ok(any) = Tracker::<T>::new(config) else {
-        assert!(Tracker::<T>::new(T::plain(config)).is_err());
+    let Some(mut pair) = (if extent.from_saved && !T::starts().is_empty() && u.ratio(31, 32)? {
+        Some(Pair::<T>::restored(u, extent)?)
+    } else {
+        Pair::<T>::locked(u, extent)?
+    }) else {
         return Ok(());
     };
-    let plain = T::beside(u)?.then(|| Box::new(Tracker::new(T::plain(config)).expect("the same numbers")));
-    let mut pair = Pair { any: Box::new(any), plain, scene: Scene::new(u)?, updates: 0 };
-    pair.lock(u)?;
-    for _ in 0..CALLS {
-        if u.is_empty() || pair.updates == T::UPDATES {
-            break;
-        }
-        pair.call(u)?;
-    }
-    Ok(())
+    let ran = pair.calls(u);
+    // Also where the bytes ended in the middle of a call.
+    pair.same_to_the_last_bit();
+    ran
 }
 
 impl<T: Fuzzed> Pair<T> {
+    /// With a configuration of its own.
+    fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
+        let config = T::configuration(u, extent)?;
+        let Ok(any) = Tracker::<T>::new(config) else {
+            count(Reached::NewRefused);
+            assert!(Tracker::<T>::new(T::plain(config)).is_err());
+            return Ok(None);
+        };
+        let mut pair = Self::new(any, T::beside(u)?, Scene::new(u, extent)?, extent);
+        pair.lock(u)?;
+        Ok(Some(pair))
+    }
+
+    /// With a target that was locked on before.
+    fn restored(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Self> {
+        let start = u.choose(T::starts())?;
+        let any = Tracker::<T>::new(T::by(start.config, paper::backend(u)?)).expect("it was one");
+        let mut pair = Self::new(any, T::beside(u)?, start.scene.clone(), extent);
+        for tracker in pair.plain.iter_mut().chain([&mut pair.any]) {
+            assert_eq!(tracker.restore(&start.saved), Ok(()));
+        }
+        count(Reached::RestoreToStartWith);
+        Ok(pair)
+    }
+
+    fn new(any: Tracker<T>, beside: bool, scene: Scene, extent: &'static Extent) -> Self {
+        let plain = beside.then(|| {
+            count(Reached::PlainLoopsBesideIt);
+            Box::new(Tracker::new(T::plain(*any.config())).expect("the same numbers"))
+        });
+        Self { any: Box::new(any), plain, scene, updates: 0, extent }
+    }
+
+    fn calls(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
+        for _ in 0..self.extent.calls {
+            if u.is_empty() || self.updates == self.extent.updates[T::PACE] {
+                break;
+            }
+            self.call(u)?;
+        }
+        Ok(())
+    }
+
+    /// What `lock` is slow for, is not locked often.
+    fn lock_or_not(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
+        if self.is_slow_to_lock() && u.ratio(63, 64)? {
+            return self.update(u);
+        }
+        self.lock(u)
+    }
+
     fn call(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         match u.int_in_range(0..=15_u8)? {
-            0 => self.lock(u),
+            0 => self.lock_or_not(u),
             1 | 2 => self.turn(u),
             3 | 4 => self.save_and_restore(u),
             5 => self.other_size(u),
@@ -53,20 +101,47 @@ impl<T: Fuzzed> Pair<T> {
         }
     }
 
-    /// Any box, mostly one of a size that has room.
-    fn lock(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
-        let Rect { width, height, .. } = self.scene.bounds();
-        let target = if u.ratio(1, 16)? {
-            Rect::new(u.arbitrary()?, u.arbitrary()?, u.arbitrary()?, u.arbitrary()?)
-        } else {
-            let (w, h) = (u.int_in_range(1..=width.min(20))?, u.int_in_range(1..=height.min(20))?);
-            Rect::new(u.int_in_range(0..=width - w)?.into(), u.int_in_range(0..=height - h)?.into(), w, h)
+    /// Any box, mostly one of a size that has room; if `lock` is slow, mostly one that is refused.
+    fn target(&self, u: &mut Unstructured<'_>) -> Result<Rect> {
+        let (Rect { width, height, .. }, most) = (self.scene.bounds(), self.extent.side);
+        let any = |u: &mut Unstructured<'_>| -> Result<Rect> {
+            Ok(Rect::new(u.arbitrary()?, u.arbitrary()?, u.arbitrary()?, u.arbitrary()?))
         };
+        if self.is_slow_to_lock() {
+            match u.int_in_range(0..=7_u8)? {
+                0..=2 => return any(u),
+                3 | 4 => return Ok(Rect::new(u.int_in_range(0..=9)?, 0, 0, u.int_in_range(0..=9)?)),
+                5 => return Ok(self.scene.bounds()),
+                _ => {}
+            }
+        } else if u.ratio(1, 16)? {
+            return any(u);
+        }
+        let (w, h) = (u.int_in_range(1..=width.min(most))?, u.int_in_range(1..=height.min(most))?);
+        Ok(Rect::new(u.int_in_range(0..=width - w)?.into(), u.int_in_range(0..=height - h)?.into(), w, h))
+    }
+
+    fn is_slow_to_lock(&self) -> bool {
+        self.extent.from_saved && !T::starts().is_empty()
+    }
+
+    fn lock(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
+        let target = self.target(u)?;
+        self.same_to_the_last_bit();
         let window = self.any.lock_window(self.scene.bounds(), target);
         assert!(window.is_empty() || self.scene.bounds().contains(window), "lock window {window:?}");
         let Some(part) = self.scene.part(window, gap(u)?).or_else(|| self.corner()) else { return Ok(()) };
         let (before, frame) = (saved(&self.any), frame(&self.scene, &part, None));
         let locked = self.any.lock(&frame, target);
+        count(match locked {
+            Ok(()) => Reached::LockDone,
+            Err(LockError::BoxEmpty) => Reached::LockBoxEmpty,
+            Err(LockError::BoxOutsideFrame) => Reached::LockBoxOutsideFrame,
+            Err(LockError::BoxTooLarge) => Reached::LockBoxTooLarge,
+            Err(LockError::WindowTooLarge) => Reached::LockWindowTooLarge,
+            Err(LockError::LockWindowNotInMemory) => Reached::LockLockWindowNotInMemory,
+            Err(_) => Reached::LockAnotherError,
+        });
         match locked {
             Ok(()) => assert_eq!(self.any.bbox(), Some(target.into())),
             // What was asked for was given, or was too large to be.
@@ -106,17 +181,32 @@ impl<T: Fuzzed> Pair<T> {
         let whole = self.scene.part(self.scene.bounds(), gap(u)?);
         let least = frame(&self.scene, &first, second.as_ref());
         let shown = match &whole {
-            Some(whole) if u.arbitrary()? => frame(&self.scene, whole, None),
+            Some(whole) if u.arbitrary()? => {
+                count(Reached::FrameTheWholeOfIt);
+                frame(&self.scene, whole, None)
+            }
             _ => least,
         };
+        if first.stride > usize::from(first.rect.width) {
+            count(Reached::FrameRowsFarApart);
+        }
+        if (first.rect.x, first.rect.y) != (0, 0) {
+            count(Reached::FrameNotFromTheCorner);
+        }
+        count(if second.is_some() { Reached::FrameTwoParts } else { Reached::FrameOnePart });
         let answer = match u.int_in_range(0..=2_u8)? {
-            0 => self.any.update(&shown),
+            0 => {
+                count(Reached::UpdateWhole);
+                self.any.update(&shown)
+            }
             1 => {
+                count(Reached::UpdateInSteps);
                 let mut update = self.any.begin(&shown).expect("what it asked for is in memory");
                 while !update.step(work(u)?) && !u.is_empty() {}
                 Ok(update.finish())
             }
             _ => {
+                count(Reached::UpdateTakenUpAgainAfterEachStep);
                 let _ = self.any.begin(&shown).expect("what it asked for is in memory");
                 while !self.any.resume(&shown).expect("it was begun").step(work(u)?) && !u.is_empty() {}
                 self.any.resume(&shown).map(smr_core::Update::finish)
@@ -137,6 +227,12 @@ impl<T: Fuzzed> Pair<T> {
         assert_eq!(self.any.bbox(), Some(answer.fine));
         assert_eq!(self.any.state(), Some(answer.state));
         assert_eq!(answer.fine.whole(), answer.bbox);
+        count(match answer.state {
+            State::Tracking => Reached::AnswerTracking,
+            State::Leaving => Reached::AnswerLeaving,
+            State::Uncertain => Reached::AnswerUncertain,
+            State::Lost => Reached::AnswerLost,
+        });
     }
 
     /// The camera turns.
@@ -146,6 +242,7 @@ impl<T: Fuzzed> Pair<T> {
         } else {
             (u.int_in_range(-9999..=9999)?, u.int_in_range(-9999..=9999)?)
         };
+        count(Reached::Moved);
         self.any.moved(right, down);
         if let Some(plain) = &mut self.plain {
             plain.moved(right, down);
@@ -162,12 +259,14 @@ impl<T: Fuzzed> Pair<T> {
         let mut next = Tracker::<T>::new(*self.any.config()).expect("it was one");
         assert_eq!(next.restore(&bytes), Ok(()));
         assert_eq!((next.window(), next.bbox(), next.state()), (self.any.window(), self.any.bbox(), self.any.state()));
+        count(Reached::RestoreWhatWasJustSaved);
         *self.any = next;
         self.same();
         // No single bit may change unnoticed.
         let at = u.choose_index(bytes.len())?;
         bytes[at] ^= 1 << u.int_in_range(0..=7_u8)?;
         assert!(self.any.restore(&bytes).is_err());
+        count(Reached::RestoreRefusedForOneBit);
         self.same();
         Ok(())
     }
@@ -181,6 +280,13 @@ impl<T: Fuzzed> Pair<T> {
             let frame = frame(&self.scene, &part, None);
             let refused = self.any.update(&frame);
             let changed = self.scene.width != width;
+            count(match refused {
+                Ok(_) => Reached::OtherSizeTaken,
+                Err(UpdateError::NotLocked) => Reached::OtherSizeNotLocked,
+                Err(UpdateError::FrameSizeChanged) => Reached::OtherSizeFrameSizeChanged,
+                Err(UpdateError::WindowNotInMemory) => Reached::OtherSizeWindowNotInMemory,
+                Err(_) => Reached::OtherSizeAnotherError,
+            });
             if before.is_none() {
                 assert_eq!(refused, Err(UpdateError::NotLocked));
             } else if changed {
@@ -198,6 +304,7 @@ impl<T: Fuzzed> Pair<T> {
     }
 
     fn without_memory(&mut self) -> Result<()> {
+        count(Reached::UpdateWithoutWhatItAskedFor);
         let Some(part) = self.corner() else { return Ok(()) };
         assert!(self.any.update(&frame(&self.scene, &part, None)).is_err());
         Ok(())
@@ -209,6 +316,7 @@ impl<T: Fuzzed> Pair<T> {
         let shown = frame(&self.scene, &first, second.as_ref());
         self.any.begin(&shown).expect("what it asked for is in memory").step(work(u)?);
         let before = saved(&self.any);
+        count(Reached::UpdateGivenUp);
         if u.arbitrary()? {
             self.turn(u)?;
             over(self.any.resume(&shown).err());
@@ -218,11 +326,21 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Both remember the same, to the last bit.
+    /// Both ask for the same, and remember the same if that is compared after each call.
     fn same(&self) {
         if let Some(plain) = &self.plain {
             assert_eq!(self.any.window(), plain.window());
             assert_eq!(self.any.sweep_window(), plain.sweep_window());
+            assert_eq!((self.any.bbox(), self.any.state()), (plain.bbox(), plain.state()));
+        }
+        if self.extent.each_call {
+            self.same_to_the_last_bit();
+        }
+    }
+
+    /// Both remember the same.
+    fn same_to_the_last_bit(&self) {
+        if let Some(plain) = &self.plain {
             assert!(saved(&self.any) == saved(plain), "different templates or tracks");
         }
     }

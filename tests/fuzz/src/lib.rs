@@ -3,24 +3,32 @@
 //! - `calls`: sequences of calls of a tracker, beside a plain one that must answer the same.
 //! - `saved`: changed bytes of a saved target.
 //! - `readers`: the files, lines and words that host-sim reads.
-//! - `scene`: the frames that both see.
+//! - `scene`: the frames that both see. `extent`: how large and how long inputs are.
+//! - `tally`: what was reached.
 
 mod calls;
+mod extent;
 mod paper;
 mod readers;
 mod robust;
 mod saved;
 mod scene;
+mod tally;
+
+pub use tally::reached;
 
 use arbitrary::Unstructured;
+use smr_core::similarity::Backend;
 
 /// What a target is: it takes any bytes, and panics at a finding.
 pub type Run = fn(&[u8]);
 
 /// All targets, by name: also that of the folder in `corpus`.
 pub const TARGETS: &[(&str, Run)] = &[
-    ("paper", |bytes| ran(calls::run::<paper::Small>(bytes))),
-    ("robust", |bytes| ran(calls::run::<smr_core::Robust>(bytes))),
+    ("paper", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::WIDE))),
+    ("robust", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::WIDE))),
+    ("paper-short", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::SHORT))),
+    ("robust-short", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::SHORT))),
     ("saved-paper", |bytes| ran(saved::run::<paper::Small>(bytes))),
     ("saved-robust", |bytes| ran(saved::run::<smr_core::Robust>(bytes))),
     ("picture", readers::picture),
@@ -46,14 +54,17 @@ pub fn target(name: &str) -> Option<Run> {
 fn ran(_: arbitrary::Result<()>) {}
 
 /// A tracker that is fuzzed.
-trait Fuzzed: smr_core::Target {
-    /// The most updates of one input: what is slow is called less often.
-    const UPDATES: u32;
+trait Fuzzed: smr_core::Target<Config: 'static> {
+    /// Which of the numbers of [`extent::Extent::updates`] is meant: what is slow is called less often.
+    const PACE: usize;
     /// Where the frame's width and height stand in a saved target.
     const SIZE_AT: usize;
 
     /// A configuration, valid or not.
-    fn configuration(u: &mut Unstructured<'_>) -> arbitrary::Result<Self::Config>;
+    fn configuration(u: &mut Unstructured<'_>, extent: &extent::Extent) -> arbitrary::Result<Self::Config>;
+
+    /// The same numbers, computed in another way.
+    fn by(config: Self::Config, backend: Option<Backend>) -> Self::Config;
 
     /// One that a tracker takes.
     fn usual() -> Self::Config;
@@ -61,11 +72,21 @@ trait Fuzzed: smr_core::Target {
     /// The same, computed by the plain loops.
     fn plain(config: Self::Config) -> Self::Config;
 
-    /// Targets to be saved, made once.
+    /// Targets to be saved, made once, with the usual configuration.
     fn locked() -> &'static [(scene::Scene, Vec<u8>)];
+
+    /// Targets to go on with, if `lock` is slow; made once.
+    fn starts() -> &'static [Start<Self::Config>];
 
     /// Whether the plain loops run beside it for this input.
     fn beside(u: &mut Unstructured<'_>) -> arbitrary::Result<bool>;
+}
+
+/// A target to go on with.
+struct Start<C> {
+    config: C,
+    scene: scene::Scene,
+    saved: Vec<u8>,
 }
 
 /// Mostly a number in the range, sometimes any.

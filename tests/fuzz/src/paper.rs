@@ -1,7 +1,9 @@
 //! The paper's tracker, small, with configurations of every kind.
 
+use crate::extent::Extent;
 use crate::scene::Scene;
-use crate::{Fuzzed, mostly};
+use crate::tally::{Reached, count};
+use crate::{Fuzzed, Start, mostly};
 use arbitrary::{Result, Unstructured};
 use smr_core::paper::{Config, Fraction, Margins, Radius, RunnerUp};
 use smr_core::similarity::{Backend, Table};
@@ -20,8 +22,14 @@ pub(crate) fn table(u: &mut Unstructured<'_>) -> Result<&'static Table> {
 
 /// The best way, or one that the machine has.
 pub(crate) fn backend(u: &mut Unstructured<'_>) -> Result<Option<Backend>> {
-    let all: Vec<Backend> = Backend::available().collect();
-    Ok(all.get(usize::from(u.int_in_range(0..=7_u8)?)).copied())
+    static ALL: LazyLock<Vec<Backend>> = LazyLock::new(|| Backend::available().collect());
+    let chosen = ALL.get(usize::from(u.int_in_range(0..=7_u8)?)).copied();
+    count(match chosen {
+        None => Reached::BackendTheFastest,
+        Some(Backend::Scalar) => Reached::BackendPlainLoop,
+        Some(_) => Reached::BackendOfThisMachine,
+    });
+    Ok(chosen)
 }
 
 fn fraction(u: &mut Unstructured<'_>) -> Result<Fraction> {
@@ -35,17 +43,17 @@ fn radius(u: &mut Unstructured<'_>, range: std::ops::RangeInclusive<u16>) -> Res
 
 impl Fuzzed for Small {
     const SIZE_AT: usize = 26;
-    const UPDATES: u32 = 12;
+    const PACE: usize = 0;
 
-    fn configuration(u: &mut Unstructured<'_>) -> Result<Config> {
+    fn configuration(u: &mut Unstructured<'_>, extent: &Extent) -> Result<Config> {
         let mut config = if u.arbitrary()? { Config::paper() } else { Config::camera() };
-        config.window = radius(u, 0..=12)?;
+        config.window = radius(u, 0..=extent.window)?;
         config.window_limit = config.window;
         config.backend = backend(u)?;
         let what: u8 = u.arbitrary()?;
         let asked = |bit: u8| what & (1 << bit) != 0;
         if asked(0) {
-            let grown = radius(u, 0..=20)?;
+            let grown = radius(u, 0..=extent.grown)?;
             config.window_limit = Radius { x: config.window.x.max(grown.x), y: config.window.y.max(grown.y) };
             config.growth = mostly(u, 0..=4)?;
         }
@@ -80,6 +88,11 @@ impl Fuzzed for Small {
         Ok(config)
     }
 
+    fn by(mut config: Config, backend: Option<Backend>) -> Config {
+        config.backend = backend;
+        config
+    }
+
     fn usual() -> Config {
         let mut config = Config::camera();
         config.window = Radius { x: 4, y: 5 };
@@ -96,6 +109,10 @@ impl Fuzzed for Small {
     fn locked() -> &'static [(Scene, Vec<u8>)] {
         static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(crate::saved::locked::<Small>);
         &LOCKED
+    }
+
+    fn starts() -> &'static [Start<Config>] {
+        &[]
     }
 
     fn beside(_: &mut Unstructured<'_>) -> Result<bool> {

@@ -161,6 +161,10 @@ pub(crate) fn vectors(bytes: &[u8]) {
     let _ = smr_tests::follow::<smr_tests::SmallPaper>(&mut paper, text, &mut buffer, |tracker, frame| {
         tracker.update(frame).ok()
     });
+    // It is slow to lock: only texts of every eighth length.
+    if !text.len().is_multiple_of(8) {
+        return;
+    }
     let mut robust = Box::new(Tracker::new(smr_core::robust::Config::robust()).expect("a configuration"));
     let _ = smr_tests::follow::<smr_core::Robust>(&mut robust, text, &mut buffer, |tracker, frame| {
         tracker.update(frame).ok()

@@ -1,7 +1,8 @@
 //! The robust tracker with configurations of every kind.
 
+use crate::extent::Extent;
 use crate::scene::Scene;
-use crate::{Fuzzed, mostly, paper};
+use crate::{Fuzzed, Start, mostly, paper, saved};
 use arbitrary::{Result, Unstructured};
 use smr_core::Robust;
 use smr_core::robust::Config;
@@ -10,9 +11,9 @@ use std::sync::LazyLock;
 
 impl Fuzzed for Robust {
     const SIZE_AT: usize = 14;
-    const UPDATES: u32 = 6;
+    const PACE: usize = 1;
 
-    fn configuration(u: &mut Unstructured<'_>) -> Result<Config> {
+    fn configuration(u: &mut Unstructured<'_>, _: &Extent) -> Result<Config> {
         let mut config = Config::robust();
         config.reach = if u.ratio(1, 8)? { u.arbitrary()? } else { u.int_in_range(4..=5)? };
         config.backend = paper::backend(u)?;
@@ -34,6 +35,11 @@ impl Fuzzed for Robust {
         Ok(config)
     }
 
+    fn by(mut config: Config, backend: Option<Backend>) -> Config {
+        config.backend = backend;
+        config
+    }
+
     fn usual() -> Config {
         let mut config = Config::robust();
         config.reach = 4;
@@ -47,8 +53,24 @@ impl Fuzzed for Robust {
     }
 
     fn locked() -> &'static [(Scene, Vec<u8>)] {
-        static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(crate::saved::locked::<Robust>);
+        static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(saved::locked::<Robust>);
         &LOCKED
+    }
+
+    fn starts() -> &'static [Start<Config>] {
+        static STARTS: LazyLock<Vec<Start<Config>>> = LazyLock::new(|| {
+            // As it is; always lost, so that it sweeps; without size; one that learns all at once.
+            let mut configs = [Robust::usual(); 4];
+            (configs[1].lost_below, configs[1].uncertain_below) = (u16::MAX, u16::MAX);
+            configs[2].size = false;
+            (configs[3].learning_rate, configs[3].early_rate) = (256, 1024);
+            let made = configs.into_iter().flat_map(|config| {
+                let all = saved::locked_by::<Robust>(config).into_iter();
+                all.map(move |(scene, saved)| Start { config, scene, saved })
+            });
+            made.collect()
+        });
+        &STARTS
     }
 
     fn beside(u: &mut Unstructured<'_>) -> Result<bool> {

@@ -1,5 +1,6 @@
 //! Bytes of a saved target, changed, with a checksum that is right again: refused, or followed without a panic.
 
+use crate::extent::WIDE;
 use crate::scene::{KINDS, Part, Scene, frame};
 use crate::{Fuzzed, calls};
 use arbitrary::{Result, Unstructured};
@@ -41,7 +42,12 @@ fn number(saved: &[u8], at: usize) -> u16 {
 
 /// Targets that are locked on in scenes of every kind.
 pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
-    let mut tracker = Box::new(Tracker::<T>::new(T::usual()).expect("one that a tracker takes"));
+    locked_by::<T>(T::usual())
+}
+
+/// The same with another configuration.
+pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
+    let mut tracker = Box::new(Tracker::<T>::new(config).expect("one that a tracker takes"));
     let saved = (0..KINDS).map(|kind| {
         let (scene, target) = (Scene::of(kind), Rect::new((2 * kind).into(), 5, 9 + u16::from(kind), 12));
         let part = scene.part(tracker.lock_window(scene.bounds(), target), 0).expect("it is small");
@@ -82,7 +88,7 @@ fn seal(saved: &mut [u8]) {
 
 /// Frames with the parts that are asked for in memory.
 fn follow<T: Fuzzed>(tracker: &mut Tracker<T>, scene: &mut Scene, u: &mut Unstructured<'_>) -> Result<()> {
-    for _ in 0..u.int_in_range(1..=4 * T::UPDATES)? {
+    for _ in 0..u.int_in_range(1..=4 * WIDE.updates[T::PACE])? {
         let part = |rect: Option<Rect>| rect.and_then(|rect| scene.part(rect, 1));
         let first: Option<Part> = part(tracker.window()).or_else(|| scene.part(Rect::new(0, 0, 1, 1), 0));
         let Some(first) = first else { return Ok(()) };

@@ -1,5 +1,6 @@
 //! Pictures without a memory: every pixel follows from a few numbers, so a frame can be of any size.
 
+use crate::extent::Extent;
 use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect};
 
@@ -24,16 +25,19 @@ pub(crate) struct Scene {
 /// A rectangle of it in memory, its rows `stride` apart, not a byte longer than it must be.
 pub(crate) struct Part {
     pixels: Vec<u8>,
-    stride: usize,
+    pub(crate) stride: usize,
     pub(crate) rect: Rect,
 }
 
 impl Scene {
-    pub(crate) fn new(u: &mut Unstructured<'_>) -> Result<Self> {
+    pub(crate) fn new(u: &mut Unstructured<'_>, extent: &Extent) -> Result<Self> {
         let (width, height) = match u.int_in_range(0..=9_u8)? {
             0 => (u.int_in_range(1..=u16::MAX)?, u.int_in_range(1..=u16::MAX)?),
             1 => (u.int_in_range(1..=8)?, u.int_in_range(1..=8)?),
-            _ => (u.int_in_range(16..=80)?, u.int_in_range(12..=64)?),
+            _ => {
+                let (Extent { width, height, .. }, u) = (extent, &mut *u);
+                (u.int_in_range(width.0..=width.1)?, u.int_in_range(height.0..=height.1)?)
+            }
         };
         Ok(Self { width, height, kind: u.arbitrary()?, seed: u.arbitrary()?, right: 0, down: 0, gain: 64 })
     }

@@ -33,6 +33,13 @@ impl Said {
         }
     }
 
+    /// Bad usage: exit code 2, and what was expected.
+    #[track_caller]
+    pub fn refuses_usage(&self, expected: &str) {
+        assert_eq!(self.code, Some(2), "{}", self.err);
+        assert!(self.err.contains(expected), "`{expected}` is not in: {}", self.err);
+    }
+
     #[track_caller]
     pub fn json(&self) -> Value {
         assert_eq!(self.code, Some(0), "{}", self.err);

@@ -13,7 +13,9 @@
 //! Words of four bytes by ordinary arithmetic do not pay where there is nothing better: on Armv6-M and RV32IMAC words cannot
 //! be loaded from any address, and put together from bytes a distance takes 19 instead of 10 instructions a pixel on Armv6-M.
 //!
-//! `products/` has sums of products, by the same backends: what the robust tracker's filter is made of.
+//! `products/` has sums of products, by the same backends: what the robust tracker's filter is made of. `columns.rs`, `sectors.rs` (DSP)
+//! and `arm/cells.rs` (Helium) are loops of its grid and features, by what the program is compiled for; answers on emulated parts and
+//! the feature `verify` hold them against the plain loops.
 //!
 //! `generic.rs` has the loops that x86-64 and AArch64 share: there the file of an instruction set says only what a vector is and
 //! how it looks a table up. The loops of `arm/` are by hand: they are `asm!`.
@@ -36,18 +38,21 @@ mod aarch64 {
 }
 #[cfg(any(smr_dsp, smr_helium))]
 mod arm {
+    #[cfg(smr_helium)]
+    pub(crate) mod cells;
     #[cfg(smr_dsp)]
     pub(super) mod dsp;
     mod filter;
     #[cfg(smr_helium)]
     pub(super) mod helium;
 }
+mod columns;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon")))]
 mod generic;
 mod products;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
-#[cfg(any(smr_dsp, smr_helium))]
+#[cfg(smr_dsp)]
 mod sectors;
 #[cfg(target_arch = "x86_64")]
 mod x86 {
@@ -64,9 +69,12 @@ mod guard;
 #[cfg(test)]
 mod tests;
 
+#[cfg(smr_helium)]
+pub(crate) use arm::cells;
+pub(crate) use columns::{Columns, Mixed};
 pub(crate) use products::Products;
-#[cfg(any(smr_dsp, smr_helium))]
-pub(crate) use sectors::{pair, sectors};
+#[cfg(smr_dsp)]
+pub(crate) use sectors::{Directions, sectors};
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use aarch64::neon;
@@ -154,6 +162,12 @@ impl Backend {
 
 /// What a backend computes; the function of the same name in `scalar.rs` says what.
 trait Kernels {
+    /// Apart from `score_at_least`, so that a program which asks for no floor links no bound.
+    #[inline(always)]
+    fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
+        self.score_at_least(patch, template, 0).unwrap_or(0)
+    }
+
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
     /// This one need not be as exact: what it gives may be more, never less.
@@ -286,7 +300,11 @@ impl<'a> Scorer<'a> {
     #[must_use]
     #[inline(always)] // where there is only the plain loop, nothing is to be left of this but the call
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
-        self.score_at_least(patch, template, 0)
+        checked(patch, template)?;
+        let score = dispatch!(self, kernels => kernels.score(patch, template));
+        #[cfg(feature = "verify")]
+        verify::score(Some(score), (patch, template), self.plain.table, 0);
+        Some(score)
     }
 
     /// The same score if it is at least `floor`; `None` also, as soon as that is certain, if it is less.

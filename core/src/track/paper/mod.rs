@@ -20,5 +20,6 @@ mod workspace;
 
 pub use crate::search::Radius;
 pub use config::{Config, Fraction, Gate, Margins, RunnerUp};
+pub(super) use saved::numbers;
 pub use target::Paper;
 pub use workspace::Workspace;

@@ -92,20 +92,26 @@ const fn state_of(number: u8) -> Option<State> {
     }
 }
 
-/// The checksum of what answers depend on: neither the backend nor pruning, which change nothing but the time.
+/// The checksum of what answers depend on.
 fn sum(config: &Config) -> u32 {
-    let mut sum = ConfigSum::new(config.table);
+    let mut sum = ConfigSum::new();
+    numbers(config, |number| sum.add(number));
+    sum.finish()
+}
+
+/// What answers depend on: neither the backend nor pruning, which change nothing but the time.
+pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
+    config.table.entries().iter().for_each(|&entry| add(entry));
     let gate = &config.gate;
     for Fraction { numerator, denominator } in [config.k, gate.tracking, gate.leaving, gate.returning, gate.lost] {
-        sum.add(numerator);
-        sum.add(denominator);
+        add(numerator);
+        add(denominator);
     }
     let (window, limit, zone) = (config.window, config.window_limit, config.update_zone);
     let always = u16::from(config.runner_up == super::RunnerUp::Always);
     let rest = [gate.lead, gate.least_ratio, config.first_threshold.into(), config.least_threshold.into()];
     let reach = [config.padding, window.x, window.y, config.growth, limit.x, limit.y, config.neighbourhood, always];
     for number in rest.into_iter().chain(reach).chain([zone.left, zone.top, zone.right, zone.bottom]) {
-        sum.add(number);
+        add(number);
     }
-    sum.finish()
 }

@@ -6,9 +6,10 @@
 
 use super::MOST_PIXELS;
 use super::early::Early;
+use super::exact::MARGIN;
 use super::light::{self, Contrast};
 use crate::image::{Image, Rect};
-use crate::similarity::{Backend, CutTable, Scorer, Table};
+use crate::similarity::{CutTable, Scorer, Table};
 use heapless::Vec;
 
 /// Parts along a side.
@@ -16,35 +17,48 @@ const ACROSS: u16 = 4;
 /// The place of the ratio that counts, from the least.
 const RANK: usize = 4;
 
-/// Places that are compared: the middle of the view and one pixel around it.
-pub(super) const PLACES: u16 = 9;
-
 /// What is compared with what.
 pub(super) struct Compared<'a> {
     pub(super) view: Image<'a>,
     pub(super) early: &'a Early,
     /// The early template's own brightness and contrast.
     pub(super) was: Contrast,
-    /// The template's shape; the view has one pixel more on each side.
+    /// The template's shape; the view has `MARGIN` pixels more on each side.
     pub(super) columns: u16,
     pub(super) rows: u16,
 }
 
 impl Compared<'_> {
-    /// The agreement at one of the places, in its own light, in units of 1/65535. alpha is the mean absolute deviation of what is
-    /// seen, and the `measure` what scores by it. `lit` and `table` are scratch.
+    /// What is seen at a place, which is told from the view's middle and at most `MARGIN` away on each axis.
+    pub(super) fn seen(&self, (x, y): (i16, i16)) -> Option<Image<'_>> {
+        let from = |by: i16| i32::from(MARGIN) + i32::from(by);
+        self.view.crop(Rect::new(from(x), from(y), self.columns, self.rows))
+    }
+
+    /// Makes `lit`, the early template in the light of a place, and the table that it is compared by: alpha is the mean absolute deviation
+    /// of what is seen.
     #[inline(never)] // one copy in flash
-    pub(super) fn at(
+    pub(super) fn light(
         &self,
-        place: u16,
+        at: (i16, i16),
         lit: &mut Vec<u8, MOST_PIXELS>,
         table: &mut CutTable,
-        measure: (Backend, &Table),
-    ) -> u16 {
-        let Self { view, early, was, columns, rows } = *self;
-        let Some(seen) = view.crop(Rect::new((place % 3).into(), (place / 3).into(), columns, rows)) else { return 0 };
-        table.set(measure.1, light::of(early.pixels(), was, seen, lit).threshold());
-        Image::new(lit, columns, rows).map_or(0, |lit| fourth_least(seen, lit, &Scorer::new(measure.0, table)))
+        similarity: &Table,
+    ) {
+        let Some(seen) = self.seen(at) else { return };
+        table.set(similarity, light::of(self.early.pixels(), self.was, seen, lit).threshold());
+    }
+
+    /// The score of a place, in the light that `lit` is in.
+    pub(super) fn score(&self, at: (i16, i16), lit: &[u8], scorer: &Scorer<'_>) -> u32 {
+        let (Some(seen), Ok(lit)) = (self.seen(at), Image::new(lit, self.columns, self.rows)) else { return 0 };
+        scorer.score(seen, lit).unwrap_or(0)
+    }
+
+    /// The agreement at a place, in its own light, in units of 1/65535.
+    pub(super) fn agreement(&self, at: (i16, i16), lit: &[u8], scorer: &Scorer<'_>) -> u16 {
+        let (Some(seen), Ok(lit)) = (self.seen(at), Image::new(lit, self.columns, self.rows)) else { return 0 };
+        fourth_least(seen, lit, scorer)
     }
 }
 
@@ -71,21 +85,23 @@ fn fourth_least(seen: Image<'_>, lit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::similarity::Backend;
     use std::vec::Vec as Pixels;
 
-    /// How well a template of 16x16 pixels agrees with what is seen in its place, with pixels of one level around it.
-    fn agreement(template: &[u8], seen: &[u8], around: u8) -> u16 {
+    /// How well a template of 16x16 pixels agrees with what is seen.
+    fn agreement(template: &[u8], seen: &[u8]) -> u16 {
         let mut early = Early::new();
         early.start(template.iter().copied());
-        let mut view = std::vec![around; 18 * 18];
-        for (row, seen) in view.chunks_mut(18).skip(1).zip(seen.chunks(16)) {
-            row[1..17].copy_from_slice(seen);
+        const SIDE: usize = 16 + 2 * MARGIN as usize;
+        let mut view = std::vec![0; SIDE * SIDE];
+        for (row, seen) in view.chunks_mut(SIDE).skip(MARGIN.into()).zip(seen.chunks(16)) {
+            row[MARGIN.into()..][..16].copy_from_slice(seen);
         }
-        let view = Image::new(&view, 18, 18).unwrap();
+        let view = Image::new(&view, 16 + 2 * MARGIN, 16 + 2 * MARGIN).unwrap();
         let compared = Compared { view, early: &early, was: Contrast::of(early.pixels()), columns: 16, rows: 16 };
-        let mut table = CutTable::new(&Table::PAPER, 0);
-        let at = |place| compared.at(place, &mut Vec::new(), &mut table, (Backend::Scalar, &Table::PAPER));
-        (0..PLACES).map(at).max().unwrap()
+        let (mut lit, mut table) = (Vec::new(), CutTable::EMPTY);
+        compared.light((0, 0), &mut lit, &mut table, &Table::PAPER);
+        compared.agreement((0, 0), &lit, &Scorer::new(Backend::Scalar, &table))
     }
 
     fn pixel(at: usize) -> u8 {
@@ -97,7 +113,7 @@ mod tests {
         let template: Pixels<u8> = (0..256).map(pixel).collect();
         let part = |at: usize| at / 64 * 4 + at % 16 / 4;
         let seen: Pixels<u8> = (0..256).map(|at| if part(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
-        agreement(&template, &seen, 0)
+        agreement(&template, &seen)
     }
 
     #[test]
@@ -111,6 +127,6 @@ mod tests {
     fn a_plain_patch_does_not_agree() {
         let template: Pixels<u8> = (0..=255).map(|at: u8| if at.is_multiple_of(3) { 20 } else { 180 }).collect();
         // In its light the template's levels are 37 and 117, of which none is less than 8 from 90.
-        assert_eq!(agreement(&template, &[90; 256], 90), 0);
+        assert_eq!(agreement(&template, &[90; 256]), 0);
     }
 }

@@ -7,163 +7,34 @@
 //! so it takes no root, no angle and no division.
 
 use super::REACH;
+#[cfg(not(smr_helium))]
+use super::gradients::gradients;
 use super::grid::{COLUMNS, Lattice, MOST_SIDE, Scratch};
 use crate::image::{Frame, Rect};
+#[cfg(smr_helium)]
+use crate::similarity::cells;
 use crate::similarity::{ROOM, Room};
-#[cfg(any(smr_dsp, smr_helium))]
-use crate::similarity::{pair, sectors};
 use heapless::Vec;
 
 /// Pixels of the grid on a side of a cell.
 pub const CELL: u16 = 4;
 /// Bytes of a cell.
 pub const CHANNELS: usize = 10;
-const BINS: usize = 9;
 /// Cells in a row, at most.
-const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
-
-/// cos and sin of 0, 20, ... 100 degrees over sin 20 degrees, in units of 1/256. Those beyond mirror them.
-const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
+pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
 /// A gradient of 2 gray levels a pixel, all over a cell, in units of 1/8: cells with less are not lifted to full contrast.
 const FLOOR: u32 = 2 * 16 * 8;
 /// 0.4 of the gradient around is 127, the most that a byte holds: 2 * 127 / 0.4, because sums are in 1/4 and norms in 1/8.
 const GAIN: u32 = 635;
 
-/// Sums over the pixels of a cell: gradients by direction in units of 1/4 gray level (at most 16 * 361 * 1.02 * 4 = 23,600), and
-/// gray levels (at most 4,080).
-struct Sums([u16; CHANNELS]);
-
-/// The same, two in a number.
-type Pairs = [u32; CHANNELS / 2];
-/// Numbers of a row of cells.
-const ROW_PAIRS: usize = ROW * CHANNELS / 2;
-const _: () = assert!(2 * ROW_PAIRS <= ROOM);
-
-impl Sums {
-    /// The gradient that there is, squared, in gray levels: at most 5,900^2.
-    fn energy(&self) -> u32 {
-        self.0.iter().take(BINS).map(|&sum| u32::from(sum >> 2).pow(2)).sum()
-    }
-
-    fn pairs(&self) -> Pairs {
-        let [a, b, c, d, e, f, g, h, i, j] = self.0;
-        [(a, b), (c, d), (e, f), (g, h), (i, j)].map(|(low, high)| u32::from(low) | u32::from(high) << 16)
-    }
-
-    fn of(&[a, b, c, d, e]: &Pairs) -> Self {
-        let high = |pair: u32| low(pair >> 16);
-        Self([low(a), high(a), low(b), high(b), low(c), high(c), low(d), high(d), low(e), high(e)])
-    }
-}
-
-/// A half of [`Votes`]: the sectors up to 100 degrees, or those that mirror them; as many as make a power of two.
-const HALF: usize = 8;
-const SECTORS: usize = HALF + 6;
-
-/// Such sums in the making, by the sector between two directions: what the first one gets, and, 16 bits higher, what the second
-/// one does. No index can be out of bounds.
-struct Votes([u32; SECTORS]);
-
-impl Votes {
-    /// Adds a pixel, by its four neighbours. `similarity/arch/sectors.rs` does the same.
-    #[cfg(not(any(smr_dsp, smr_helium)))]
-    #[inline(always)]
-    fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
-        let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
-        // Light to dark and dark to light alike; the directions beyond 90 degrees mirror the others.
-        let mirrored = if x * y < 0 { HALF } else { 0 };
-        let (right, up) = (x.abs(), y.abs());
-        // How far it is beyond a direction, at most 361 * 256 / sin 20 degrees: what the next direction gets of it, if it is
-        // between the two. It is beyond that at 0 degrees and not beyond that at 100.
-        let beyond = |(cos, sin): (i32, i32)| cos * up - sin * right;
-        let [zero, one, two, three, four, five] = DIRECTIONS;
-        let (number, short, over);
-        let two = beyond(two);
-        if two < 0 {
-            let one = beyond(one);
-            (number, short, over) = if one < 0 { (0, one, beyond(zero)) } else { (1, two, one) };
-        } else {
-            let three = beyond(three);
-            if three < 0 {
-                (number, short, over) = (2, three, two);
-            } else {
-                let four = beyond(four);
-                (number, short, over) = if four < 0 { (3, four, three) } else { (4, beyond(five), four) };
-            }
-        }
-        // In units of 1/4; no sum of a cell reaches 2^16.
-        if let Some(sector) = self.0.get_mut(mirrored + number) {
-            *sector += (short.wrapping_neg().cast_unsigned() >> 6) + (over.cast_unsigned() >> 6 << 16);
-        }
-    }
-
-    fn sums(&self, gray: u16) -> Sums {
-        let [a0, a1, a2, a3, a4, _, _, _, b0, b1, b2, b3, b4, ..] = self.0;
-        let high = |pair: u32| low(pair >> 16);
-        Sums([
-            low(a0) + low(b0),
-            high(a0) + low(a1),
-            high(a1) + low(a2),
-            high(a2) + low(a3),
-            high(a3) + low(a4) + high(b4),
-            high(a4) + high(b3) + low(b4),
-            high(b2) + low(b3),
-            high(b1) + low(b2),
-            high(b0) + low(b1),
-            gray,
-        ])
-    }
-}
-
-/// The sums of a cell, of its pixels and their neighbours.
-#[inline(never)] // one copy in flash
-fn cell(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
-    let mut gray = 0;
-    for line in lines.iter().skip(1).take(CELL.into()) {
-        let pixels = line.get(at + 1..).and_then(|line| line.first_chunk());
-        let pixels = u32::from_le_bytes(pixels.copied().unwrap_or_default());
-        // Two at a time.
-        gray += (pixels & 0x00FF_00FF) + (pixels >> 8 & 0x00FF_00FF);
-    }
-    votes(lines, at).sums(low(gray) + low(gray >> 16))
-}
-
-#[cfg(any(smr_dsp, smr_helium))]
-fn votes(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
-    const PAIRS: [u32; DIRECTIONS.len()] = {
-        let [zero, one, two, three, four, five] = DIRECTIONS;
-        [pair(zero), pair(one), pair(two), pair(three), pair(four), pair(five)]
-    };
-    Votes(sectors(lines, at, &PAIRS).unwrap_or_default())
-}
-
-/// Of all pixels of a cell.
-#[cfg(not(any(smr_dsp, smr_helium)))]
-fn votes(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
-    let mut votes = Votes([0; SECTORS]);
-    let part = |line: &'_ [u8; COLUMNS]| line.get(at..).and_then(|line| line.first_chunk::<SIDE>()).copied();
-    for [above, middle, below] in lines.array_windows() {
-        let (Some(above), Some(middle), Some(below)) = (part(above), part(middle), part(below)) else { continue };
-        let [_, above_a, above_b, above_c, above_d, _] = above;
-        let [left, a, b, c, d, right] = middle;
-        let [_, below_a, below_b, below_c, below_d, _] = below;
-        votes.add([left, b], [above_a, below_a]);
-        votes.add([a, c], [above_b, below_b]);
-        votes.add([b, d], [above_c, below_c]);
-        votes.add([c, right], [above_d, below_d]);
-    }
-    votes
-}
-
-/// The lower 16 bits.
-#[allow(clippy::cast_possible_truncation)] // they are what is asked for
-fn low(number: u32) -> u16 {
-    number as u16
-}
+/// Sums over the pixels of each cell in a row, channel by channel: gradients by direction in units of 1/4 gray level (at most 16 * 361 *
+/// 1.02 * 4 = 23,600), and gray levels (at most 4,080).
+pub(super) type Row = [[u16; ROW]];
+const _: () = assert!(2 * ROW * CHANNELS <= ROOM);
 
 /// Pixels on a side of a cell with its neighbours.
-const SIDE: usize = CELL as usize + 2;
+pub(super) const SIDE: usize = CELL as usize + 2;
 
 /// Scratch: lines of the grid and rows of cells, as many as are needed at a time.
 pub(super) struct Strip {
@@ -196,12 +67,16 @@ impl Strip {
     /// Begins the features of `lattice`, cell by cell, row by row. Its columns and rows are whole cells and one pixel more on each
     /// side. False, and no cells, if there is no room for them.
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
-        out.clear();
         self.next = 0;
         self.energies = [[0; ROW]; 3];
         lattice.prepare(bounds, &mut self.scratch);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
-        out.resize_default(cells * CHANNELS).is_ok()
+        // What is there already need not be cleared: every byte is written.
+        let fits = out.resize_default(cells * CHANNELS).is_ok();
+        if !fits {
+            out.clear();
+        }
+        fits
     }
 
     /// Goes on with a row of cells; true when all are known. Also if pixels that are read are not in memory.
@@ -212,29 +87,34 @@ impl Strip {
         let (across, down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
         let row = *next;
         *next += 1;
-        let (even, odd) = room.split_at_mut(ROW_PAIRS);
+        let (even, odd) = room.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         let [above, at, below] = &mut *energies;
-        above.copy_from_slice(at);
-        at.copy_from_slice(below);
-        below.fill(0);
+        // Only as many as there are cells.
+        for (above, (at, below)) in above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across) {
+            (*above, *at, *below) = (*at, *below, 0);
+        }
         if row < down {
             let first = if row == 0 { 0 } else { 2 };
             for (number, line) in (CELL * row..).zip(&mut *lines).skip(first) {
                 sampler.row(number, line);
             }
-            gradients(lines, last.as_chunks_mut().0, below, across);
+            gradients(lines, last, below, across);
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             // Not by assignment, which goes by way of the stack.
-            first.copy_from_slice(fifth);
-            second.copy_from_slice(sixth);
+            for (to, from) in [(first, fifth), (second, sixth)] {
+                let columns = usize::from(lattice.columns).min(COLUMNS);
+                if let (Some(to), Some(from)) = (to.get_mut(..columns), from.get(..columns)) {
+                    to.copy_from_slice(from);
+                }
+            }
         }
         // A row of cells takes the one below it, too.
         let of_row = across * CHANNELS;
         // By its place: chunks of so many could be a panic where they are folded.
         let finished = row.checked_sub(1).map(|row| usize::from(row) * of_row);
         if let Some(out) = finished.and_then(|from| out.get_mut(from..from + of_row)) {
-            normalise(before.as_chunks().0, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
+            normalise(before, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
         }
         row >= down
     }
@@ -255,43 +135,72 @@ impl Strip {
     }
 }
 
-/// The sums of a row of cells, and their energies.
+/// The sums of a row of cells, and their energies: eight cells at a time. There is room for as many, also on the lines.
+#[cfg(smr_helium)]
 #[inline(never)] // one copy in flash
-fn gradients(lines: &[[u8; COLUMNS]; SIDE], sums: &mut [Pairs], energies: &mut [u32; ROW], across: usize) {
-    for (number, (sums, energy)) in sums.iter_mut().zip(energies).enumerate().take(across) {
-        let cell = cell(lines, number * usize::from(CELL));
-        *energy = cell.energy();
-        *sums = cell.pairs();
+fn gradients(lines: &[[u8; COLUMNS]; SIDE], sums: &mut Row, energies: &mut [u32; ROW], across: usize) {
+    let Some(sums) = sums.first_chunk_mut() else { return };
+    for block in 0..across.div_ceil(cells::LANES) {
+        cells::eight_cells(lines, block, sums, energies);
+    }
+    #[cfg(feature = "verify")]
+    {
+        let (mut wanted, mut energy) = ([[0; ROW]; CHANNELS], [0; ROW]);
+        super::gradients::gradients(lines, &mut wanted, &mut energy, across);
+        assert!(sums.iter().zip(&wanted).all(|(row, wanted)| row.get(..across) == wanted.get(..across)), "sums");
+        assert_eq!(energies.get(..across), energy.get(..across), "energies");
     }
 }
 
 /// A row of cells as bytes, by their energies and those in the rows above and below, of which so many are in the lattice; the others
 /// are 0.
 #[inline(never)] // one copy in flash
-fn normalise(sums: &[Pairs], [above, at, below]: &[[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
+fn normalise(sums: &Row, [above, at, below]: &[[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
     let across = out.len();
-    let mut columns = above.iter().zip(at).zip(below).take(across).map(|((above, at), below)| above + at + below);
-    let (mut left, mut middle) = (None, columns.next());
-    for (out, pairs) in out.iter_mut().zip(sums) {
-        let [sums @ .., gray] = Sums::of(pairs).0;
-        let right = columns.next();
-        // Nine energies are below 2^29.
-        let energy = left.unwrap_or(0) + middle.unwrap_or(0) + right.unwrap_or(0);
-        let cells = rows * (1 + u32::from(left.is_some()) + u32::from(right.is_some()));
-        // 64 times the mean energy is below 2^32.
-        let norm = (64 * (energy / cells.max(1))).isqrt() + FLOOR;
-        let inverse = (GAIN << 16) / norm;
+    // Of each column, between two that are not there.
+    let mut columns = [0; ROW + 2];
+    for (column, ((above, at), below)) in columns.iter_mut().skip(1).zip(above.iter().zip(at).zip(below)).take(across) {
+        *column = above + at + below;
+    }
+    let inverses = columns.array_windows().enumerate().take(across).map(|(number, [left, middle, right])| {
+        let cells = rows * (3 - u32::from(number == 0) - u32::from(number + 1 == across));
+        // Nine energies are below 2^29; 64 times their mean is below 2^32.
+        (GAIN << 16) / (root(64 * ((left + middle + right) / cells.max(1))) + FLOOR)
+    });
+    #[cfg(smr_helium)]
+    if let Some(sums) = sums.first_chunk() {
+        let mut of_row = [0; ROW];
+        of_row.iter_mut().zip(inverses).for_each(|(to, inverse)| *to = inverse);
+        cells::scale(sums, &of_row, out);
+    }
+    #[cfg(not(smr_helium))]
+    for ((number, out), inverse) in out.iter_mut().enumerate().take(ROW).zip(inverses) {
         let [parts @ .., level] = out;
-        for (part, sum) in parts.iter_mut().zip(sums) {
+        let mut of_cell = sums.iter().map(|row| row.get(number).copied().unwrap_or(0));
+        for (part, sum) in parts.iter_mut().zip(&mut of_cell) {
             // Below 23,600 * 162,560 < 2^32.
             let value = (u32::from(sum) * inverse) >> 16;
             *part = i8::try_from(value).unwrap_or(i8::MAX);
         }
         // 0..=255, so -128..=127.
-        *level = i8::try_from(i32::from(gray >> 4) - 128).unwrap_or(0);
-        (left, middle) = (middle, right);
+        let [gray, _] = (of_cell.next().unwrap_or(0) >> 4).to_le_bytes();
+        *level = (gray ^ 128).cast_signed();
     }
+}
+
+/// The square root, rounded down, of a number below 2^32 - 2^17. Two steps of Newton's, which take fewer instructions than `isqrt` where
+/// division is one.
+pub(super) fn root(number: u32) -> u32 {
+    let places = (number | 1).leading_zeros() & !1;
+    let scaled = (number | 1) << places;
+    // Of a number from 2^30 on, within 6 %; a step squares that and halves it, and is never too small.
+    let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
+    root = (root + scaled / root) / 2;
+    root = (root + scaled / root) / 2;
+    root >>= places / 2;
+    // 0 is taken for 1, and what is a little too large may be the next number.
+    root - u32::from(root * root > number)
 }
 
 #[cfg(test)]
@@ -329,6 +238,19 @@ mod tests {
         assert!(Strip::new().features(&frame, &lattice, &mut out));
         assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);
         out.to_vec()
+    }
+
+    #[test]
+    fn a_root_is_rounded_down() {
+        for root_of in 0..=46_341 {
+            let square: u32 = root_of * root_of;
+            for number in [square.saturating_sub(1), square, square + 1, square + root_of] {
+                assert_eq!(root(number), number.isqrt(), "{number}");
+            }
+        }
+        for number in (0..(u32::MAX - (1 << 17))).step_by(997) {
+            assert_eq!(root(number), number.isqrt(), "{number}");
+        }
     }
 
     #[test]

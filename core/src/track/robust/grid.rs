@@ -7,6 +7,7 @@
 use super::features::CELL;
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
 use crate::image::{Frame, Image, Rect};
+use crate::similarity::{Columns, Mixed};
 use heapless::Vec;
 
 /// One pixel, as positions have it.
@@ -38,6 +39,18 @@ pub struct Grid {
     pub step: u32,
 }
 
+/// The square root, rounded down, by Newton's steps from above: `isqrt` takes 0.6 KB of flash, and this is asked once a lock.
+fn root(number: u64) -> u64 {
+    let mut root = 1 << 32;
+    loop {
+        let next = (root + number / root.max(1)) / 2;
+        if next >= root {
+            return root;
+        }
+        root = next;
+    }
+}
+
 impl Grid {
     /// The grid for a box of this size.
     ///
@@ -46,7 +59,8 @@ impl Grid {
     #[must_use]
     pub fn new(target: Rect) -> Self {
         let area = u64::from(target.area()) << 24;
-        let step = (area / MOST_PIXELS as u64).isqrt().max(2048);
+        // The most, which it never has, tells the compiler that nothing below overflows.
+        let step = root(area / MOST_PIXELS as u64).clamp(2048, 1 << 32);
         // 1.4 times the side, in cells: 1.4 / 4 = 7 / 20.
         let cells =
             |size: u16| ((7 * (u64::from(size) << 12) + 10 * step) / (20 * step)).clamp(LEAST_SIDE, MOST_SIDE.into());
@@ -112,17 +126,22 @@ impl Axis {
         Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
     }
 
-    /// Block, the one that follows it, and the latter's part in units of 1/256.
-    #[inline(never)] // one copy in flash
-    fn at(&self, number: u16) -> (u16, u16, u32) {
+    /// Block, and the part of the one that follows it in units of 1/256.
+    #[inline(always)] // a few instructions, for each column
+    fn place(&self, number: u16) -> (u16, u8) {
         // Wrapping says that it cannot overflow; the cut is no clamp, which could be a panic where it is folded.
         let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
         let position = position.unsigned_abs();
-        let block = position >> PIXEL_BITS;
-        let next = (block + 1).min(self.end.unsigned_abs() >> PIXEL_BITS);
+        let [part, ..] = (position >> (PIXEL_BITS - 8)).to_le_bytes();
         // No block lies beyond the frame's 65535 pixels.
-        let small = |block: u32| u16::try_from(block).unwrap_or(u16::MAX);
-        (small(block), small(next), position >> (PIXEL_BITS - 8) & 255)
+        (low(position >> PIXEL_BITS), part)
+    }
+
+    /// The same, with the block that follows.
+    #[inline(never)] // one copy in flash
+    fn at(&self, number: u16) -> (u16, u16, u8) {
+        let (block, part) = self.place(number);
+        (block, block.saturating_add(1).min(low(self.end.unsigned_abs() >> PIXEL_BITS)), part)
     }
 }
 
@@ -143,16 +162,19 @@ impl Lattice {
     }
 
     /// The pixels that are read, in a frame with these bounds.
-    #[inline(never)] // one copy in flash
     pub(super) fn pixels(&self, bounds: Rect) -> Rect {
-        let (x, y) = self.axes(bounds);
+        self.pixels_on(&self.axes(bounds), bounds)
+    }
+
+    #[inline(never)] // one copy in flash
+    fn pixels_on(&self, (x, y): &(Axis, Axis), bounds: Rect) -> Rect {
         let side = 1 << self.halvings();
         let extent = |axis: &Axis, count: u16, size: u16| {
             let from = i32::from(axis.at(0).0) * side;
             (from, ((i32::from(axis.at(count.saturating_sub(1)).1) + 1) * side).min(i32::from(size)) - from)
         };
         let ((left, width), (top, height)) =
-            (extent(&x, self.columns, bounds.width), extent(&y, self.rows, bounds.height));
+            (extent(x, self.columns, bounds.width), extent(y, self.rows, bounds.height));
         Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
     }
 
@@ -160,12 +182,12 @@ impl Lattice {
     #[inline(never)] // one copy in flash
     pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
         let (across, _) = self.axes(bounds);
-        let (left, ..) = across.at(0);
+        let (left, _) = across.place(0);
         scratch.columns.clear();
+        // There is room: a lattice has at most COLUMNS columns.
         for column in 0..self.columns {
-            let (block, _, part) = across.at(column);
-            // Cannot fail: a lattice has at most COLUMNS columns.
-            let _ = scratch.columns.push(u32::from(block - left) << 8 | part);
+            let (block, part) = across.place(column);
+            scratch.columns.push(block.wrapping_sub(left), part);
         }
         scratch.made = [None; 2];
     }
@@ -174,9 +196,10 @@ impl Lattice {
     #[inline(never)] // one copy in flash
     pub(super) fn sampler<'a>(&self, frame: &Frame<'a>, scratch: &'a mut Scratch) -> Option<Sampler<'a>> {
         let bounds = frame.bounds();
-        let (_, down) = self.axes(bounds);
-        let pixels = frame.patch(self.pixels(bounds))?;
-        let (top, ..) = down.at(0);
+        let axes = self.axes(bounds);
+        let pixels = frame.patch(self.pixels_on(&axes, bounds))?;
+        let (_, down) = axes;
+        let (top, _) = down.place(0);
         Some(Sampler { pixels, down, top, halvings: self.halvings(), scratch })
     }
 
@@ -217,25 +240,28 @@ impl Lattice {
     }
 }
 
-/// Blocks that a column can begin on: a power of two, so that no index is out of bounds.
-const BLOCKS: usize = 512;
-const _: () = assert!(ROW < BLOCKS);
+const _: () = assert!(ROW < Columns::<COLUMNS>::PLACES);
 
 /// What it takes to sample, kept for the next time.
 pub(super) struct Scratch {
-    /// For each column of the grid the block that it begins on, and in the lowest 8 bits the part of the next one in 256ths.
-    columns: Vec<u32, COLUMNS>,
+    /// The columns of the grid.
+    columns: Columns<COLUMNS>,
     /// Two rows of block means, the ones that are being mixed, and which they are.
     means: [Vec<u8, ROW>; 2],
     made: [Option<u16>; 2],
-    /// Sums of blocks while a row of means is made; then a row that is mixed of two, in units of 1/256 gray level.
-    mixed: [u16; BLOCKS + 4],
+    /// Sums of blocks while a row of means is made; then a row that is mixed of two.
+    mixed: Mixed,
 }
 
 impl Scratch {
     #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
-        Self { columns: Vec::new(), means: [const { Vec::new() }; 2], made: [None; 2], mixed: [0; BLOCKS + 4] }
+        Self {
+            columns: Columns::new(),
+            means: [const { Vec::new() }; 2],
+            made: [None; 2],
+            mixed: [0; Columns::<COLUMNS>::PLACES + 4],
+        }
     }
 }
 
@@ -258,13 +284,8 @@ impl Sampler<'_> {
         self.make(lower);
         let Self { pixels, top, halvings, scratch: Scratch { columns, means, mixed, .. }, .. } = self;
         mix(row(*pixels, means, *halvings, *top, upper), row(*pixels, means, *halvings, *top, lower), part, mixed);
-        for (out, &column) in out.iter_mut().zip(columns.iter()) {
-            let (block, part) = ((column >> 8) as usize % BLOCKS, column & 255);
-            let at = |block: usize| u32::from(mixed.get(block).copied().unwrap_or(0));
-            // After the last block comes none, and the part of that is 0.
-            let value = (at(block) * (256 - part) + at(block + 1) * part + (1 << 15)) >> 16;
-            *out = u8::try_from(value).unwrap_or(u8::MAX);
-        }
+        // After the last block comes none, and the part of that is 0.
+        columns.mix(mixed, out);
     }
 
     /// Rows that follow each other are kept in turns.
@@ -280,10 +301,13 @@ impl Sampler<'_> {
     }
 }
 
-/// Between two rows, the lower having a part of so many 256ths: at most 255 * 256.
-fn mix(upper: &[u8], lower: &[u8], part: u32, mixed: &mut [u16]) {
-    // Two numbers of 16 bits are mixed at a time.
+/// Between two rows, the lower having a part of so many 256ths: at most 255 * 256, less 2^15.
+#[cfg(not(smr_helium))]
+fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
+    // Two numbers of 16 bits are mixed at a time. Less 2^15 is the highest bit inverted.
     const EVEN: u32 = 0x00FF_00FF;
+    const LESS: u32 = 0x8000_8000;
+    let part = u32::from(part);
     let rest = 256 - part;
     let (uppers, upper) = upper.as_chunks::<4>();
     let (lowers, lower) = lower.as_chunks::<4>();
@@ -291,12 +315,22 @@ fn mix(upper: &[u8], lower: &[u8], part: u32, mixed: &mut [u16]) {
     let (start, _) = start.as_chunks_mut::<4>();
     for ((mixed, &upper), &lower) in start.iter_mut().zip(uppers).zip(lowers) {
         let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(lower));
-        let even = (upper & EVEN) * rest + (lower & EVEN) * part;
-        let odd = (upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part;
+        let even = ((upper & EVEN) * rest + (lower & EVEN) * part) ^ LESS;
+        let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part) ^ LESS;
         *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
     }
     for ((mixed, &upper), &lower) in end.iter_mut().zip(upper).zip(lower) {
-        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part);
+        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ low(LESS);
+    }
+}
+
+/// The same, of which a compiler makes eight at a time.
+#[cfg(smr_helium)]
+#[inline(never)] // its loop is vectors only where nothing else is known
+fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
+    let part = u16::from(part);
+    for ((mixed, &upper), &lower) in mixed.iter_mut().zip(upper).zip(lower) {
+        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ 0x8000;
     }
 }
 
@@ -378,6 +412,16 @@ fn mean_of(pixels: Image<'_>, first: u16, column: usize, halvings: u32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn roots_are_rounded_down() {
+        // The largest area is 65535 * 65535 * 2^24 / 1600, below 2^46.
+        for number in (0..3000).chain((0..46).flat_map(|places| [1 << places, (1 << places) + 1, (2 << places) - 1])) {
+            assert_eq!(root(number), number.isqrt(), "{number}");
+        }
+        let squares = (1_u64..1 << 23).step_by(997).map(|side| side * side);
+        assert!(squares.clone().all(|square| root(square).pow(2) == square && root(square - 1) == square.isqrt() - 1));
+    }
 
     #[test]
     fn whole_blocks_have_the_mean_that_any_block_has() {

@@ -1,6 +1,7 @@
 //! Bells: the label, what the filter should answer at an offset, around the target's place; and how much cells learn, around the
 //! target's middle.
 
+use super::features::root;
 use super::grid::Grid;
 
 /// 1.0, as labels and responses have it.
@@ -24,7 +25,7 @@ impl Bell {
     /// The standard deviation is a tenth of the root of the target's area, in cells.
     pub(super) fn of(grid: &Grid) -> Self {
         // In 1/256 cell: 0.1 * sqrt(pixels / 16) * 256 = 6.4 * sqrt(pixels).
-        Self::of_width((u64::from(grid.pixels()) * 4096 / 100).isqrt().max(1))
+        Self::of_width(root(grid.pixels() * 4096 / 100).max(1).into())
     }
 
     /// One for each axis: the standard deviation is half of the target's side.

@@ -7,10 +7,11 @@
 //! | part | file | what it does |
 //! |---|---|---|
 //! | grid | `grid.rs` | target and surroundings are resampled, so that the target has about 1600 pixels |
-//! | features | `features.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
+//! | features | `features.rs`, `gradients.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
 //! | filter | `filter.rs`, `responses.rs`, `label.rs` | weights for the cells, a step of learning in each frame |
 //! | velocity, near | `track.rs`, `responses.rs` | a moving target is expected to go on, and far places must answer more clearly |
 //! | size | `update.rs` | the filter looks at two more scales |
+//! | place and size, exactly | `exact.rs` | where the early template agrees well, it says where by its pixels, and how large |
 //! | verification | `early.rs`, `light.rs`, `agreement.rs`, `trust.rs` | the early template tells whether it is still the target |
 //! | caution | `trust.rs` | what does not agree is not learned |
 //! | sweep | `sweep.rs` | a lost target is looked for all over the frame, one window in each frame |
@@ -20,8 +21,11 @@
 mod agreement;
 mod config;
 mod early;
+mod exact;
 mod features;
 mod filter;
+#[cfg(any(not(smr_helium), feature = "verify"))]
+mod gradients;
 mod grid;
 mod label;
 mod light;
@@ -41,6 +45,7 @@ pub use config::Config;
 pub use config::Part;
 pub use features::{CELL, CHANNELS};
 pub use grid::Grid;
+pub(super) use saved::numbers;
 pub use target::Robust;
 pub use workspace::Workspace;
 

@@ -31,12 +31,13 @@ impl Responses {
     }
 }
 
-/// The first of the largest of the responses at so many offsets on an axis, with the top of a parabola through its neighbours on each
-/// axis. If `near` is to be preferred, positive responses of a whole search far from the middle count less.
+/// The largest of the responses at so many offsets on an axis, with the top of a parabola through its neighbours on each axis. Of equals
+/// the middle one, or the first: where nothing is seen, as in a black frame, the place stays. If `near` is to be preferred, positive responses of a whole search far from the middle count less.
 #[inline(never)] // one copy in flash
 pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, near: bool) -> Peak {
     let counts = |x: usize, y: usize, response: i32| if near { nearer(x, y, span, response) } else { response };
-    let (mut response, mut x, mut y) = (i32::MIN, 0, 0);
+    let (mut x, mut y) = (span / 2, span / 2);
+    let mut response = rows.get(y).and_then(|row| row.get(x)).map_or(i32::MIN, |&middle| counts(x, y, middle));
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
             let candidate = counts(right, down, candidate);
@@ -112,6 +113,16 @@ mod tests {
         responses.span = 3;
         responses.rows[0][0] = 5;
         assert_eq!(responses.peak(false), Peak { x: -256, y: -256, response: 5, height: 5 });
+    }
+
+    #[test]
+    fn where_all_respond_alike_the_middle_is_the_peak() {
+        for response in [-5, 0] {
+            let responses = Responses { rows: [[response; SPAN]; SPAN], span: SPAN };
+            for near in [false, true] {
+                assert_eq!(responses.peak(near), Peak { x: 0, y: 0, response, height: response });
+            }
+        }
     }
 
     #[test]

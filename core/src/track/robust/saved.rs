@@ -83,14 +83,20 @@ fn track(from: &mut Reader<'_>) -> Option<Track> {
 
 /// The checksum of what answers depend on.
 fn sum(config: &Config) -> u32 {
-    let mut sum = ConfigSum::new(config.table);
+    let mut sum = ConfigSum::new();
+    numbers(config, |number| sum.add(number));
+    sum.finish()
+}
+
+/// What answers depend on.
+pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
+    config.table.entries().iter().for_each(|&entry| add(entry));
     let Parts { velocity, near, verification, caution } = config.parts;
     for part in [config.size, config.sweep, velocity, near, verification, caution] {
-        sum.add(part.into());
+        add(part.into());
     }
     let Config { reach, patience, lost_below, uncertain_below, learning_rate, early_rate, .. } = *config;
     for number in [reach.into(), patience.into(), lost_below, uncertain_below, learning_rate, early_rate] {
-        sum.add(number);
+        add(number);
     }
-    sum.finish()
 }

@@ -2,6 +2,7 @@
 
 use super::config::Config;
 use super::early::Early;
+use super::exact::{Nearest, RIM};
 use super::filter::{Filter, Sample, layout};
 use super::grid::Grid;
 use super::responses::SPAN;
@@ -109,11 +110,11 @@ impl Robust {
         Products::new(self.config.backend.unwrap_or_else(Backend::best))
     }
 
-    /// What may be read where the target is followed: the window, and what the size is looked for in wherever in it the target is.
+    /// What may be read where the target is followed: the window, the view wherever in it the target is, and what the size is looked for in there.
     fn near(&self, track: &Track) -> Rect {
         let centre = track.expected(self.config.parts.velocity);
         let reach = self.config.reach();
-        let mut near = centre.window(&track.grid, reach).pixels(track.bounds);
+        let mut near = centre.window(&track.grid, reach + RIM).pixels(track.bounds);
         if self.config.size {
             for scale in other_scales(centre.scale) {
                 let window = Place { scale, ..centre }.window(&track.grid, reach + 2 * SIZE_REACH);
@@ -128,7 +129,7 @@ impl Robust {
     fn elsewhere(&self, track: &Track) -> Option<Rect> {
         let reach = self.config.reach();
         let may_be_lost = self.config.sweeps() && track.trust.may_be_lost_next(&self.config);
-        may_be_lost.then(|| track.sweep(reach).window(&track.grid, reach).pixels(track.bounds))
+        may_be_lost.then(|| track.sweep(reach).window(&track.grid, reach + RIM).pixels(track.bounds))
     }
 }
 
@@ -166,6 +167,7 @@ impl Target for Robust {
         let track = Track::new(bounds, target, age);
         let grid = &track.grid;
         workspace.progress.begun = None;
+        workspace.progress.nearest = Nearest::new();
         track.place.view(grid).sample(frame, workspace.strip.scratch(), &mut workspace.view);
         self.early.start(workspace.patch(grid));
         self.filter.start(grid);

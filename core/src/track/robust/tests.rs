@@ -210,7 +210,7 @@ fn every_reach_follows() {
             let pixels = scene(Some(place), 100);
             let window = tracker.window().unwrap();
             let answer = tracker.update(&cut(&whole(&pixels, 320, 240), window)).unwrap();
-            assert!(answer.state != State::Lost && iou(answer.fine, place) > 0.5, "{reach}: {answer:?}");
+            assert!(answer.state == State::Tracking && iou(answer.fine, place) > 0.6, "{reach}: {answer:?}");
             after = after.max((tracker.work(), window.area()));
         }
         assert!(after > before && after.1 > before.1, "{reach}: {after:?} after {before:?}");
@@ -253,7 +253,6 @@ fn iou(fine: FineRect, (left, top): (usize, usize)) -> f64 {
 }
 
 #[test]
-#[ignore = "missed: scales 0.961 to 1.082, worst IoU 0.81"]
 fn a_target_that_moves_by_whole_pixels_keeps_its_size_and_its_box() {
     let mut both = Both::lock(320, 240, &scene(Some((20, 30)), 100), Rect::new(20, 30, 40, 40));
     let (mut scales, mut worst) = ((u32::MAX, 0), 1.0_f64);

@@ -1,5 +1,6 @@
 //! What is remembered of a target beside its filter and its templates: place, size, velocity, and what is believed of it.
 
+use super::exact::MARGIN;
 use super::features::CELL;
 use super::grid::{Grid, Lattice, PIXEL, SCALE};
 use super::sweep::Sweep;
@@ -21,6 +22,12 @@ impl Place {
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
     }
 
+    /// Moved by units of 1/64 pixel of the grid.
+    pub(super) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
+        let moved = |from: i64, by: i32| from + ((i64::from(by) * grid.step_at(self.scale)) >> 6);
+        Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
+    }
+
     /// Moved into a frame.
     #[inline(never)] // one copy in flash
     pub(super) fn inside(self, bounds: Rect) -> Self {
@@ -34,9 +41,9 @@ impl Place {
         self.lattice(grid, side(grid.across), side(grid.down))
     }
 
-    /// The template, and a pixel on each side.
+    /// The template, and `MARGIN` pixels on each side.
     pub(super) fn view(self, grid: &Grid) -> Lattice {
-        self.lattice(grid, grid.columns + 2, grid.rows + 2)
+        self.lattice(grid, grid.columns + 2 * MARGIN, grid.rows + 2 * MARGIN)
     }
 
     #[inline(never)] // one copy in flash

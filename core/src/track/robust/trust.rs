@@ -1,28 +1,36 @@
 //! Trust: what the evidence says, frame after frame.
 //!
 //! A track that learns from itself agrees with itself, whatever it follows: the filter's own response says little about whether
-//! it is right. The early template hardly learns, so it counts twice as much.
+//! it is right. The early template hardly learns, so it counts twice as much. A response of one half is as good as any that is larger:
+//! beyond, it says no more.
 
 use super::config::Config;
 use super::label::ONE;
 use crate::track::State;
 
-/// Evidence and its mean are in units of 1/65536: 1 for a template that agrees wholly, and 1/2 for a response of 1.
+/// Evidence and its mean are in units of 1/65536: 1 for a template that agrees wholly, and 1/2 for a response of 1/2 or more.
 const CLEAR: i32 = 3 << 15;
 /// A look with less evidence is not learned from.
-const LEARNED: i32 = 29_500;
+const LEARNED: i32 = 37_500;
+/// The early template agrees so well that place and size go by it.
+const CERTAIN: u16 = 55_000;
 /// A lost target is found where there is so much evidence, and so much more than where it was followed.
-const FOUND: i32 = 42_600;
-const BETTER: i32 = 13_000;
+const FOUND: i32 = 52_000;
+const BETTER: i32 = 16_000;
 
 /// What a look at a place says for the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Evidence(i32);
 
+/// True if the early template agrees so well that it says exactly where the target is.
+pub(super) const fn is_certain(agreement: u16) -> bool {
+    agreement >= CERTAIN
+}
+
 impl Evidence {
     /// By how well the early template agrees, in units of 1/65535, and by the filter's response.
     pub(super) fn of(agreement: u16, response: i32) -> Self {
-        Self(i32::from(agreement) + 2 * response.clamp(0, ONE))
+        Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
     }
 
     /// True if what was seen may be learned.
@@ -90,7 +98,7 @@ mod tests {
     #[test]
     fn evidence_is_between_nothing_and_clear() {
         assert_eq!(Evidence::of(0, -ONE), Evidence(0));
-        assert_eq!(Evidence::of(u16::MAX, 9 * ONE), Evidence(CLEAR - 1));
+        assert_eq!([ONE / 2, 9 * ONE].map(|response| Evidence::of(u16::MAX, response)), [Evidence(CLEAR - 1); 2]);
         let confidence = |trust: Trust| trust.confidence();
         assert_eq!([confidence(Trust::new()), confidence(Trust::found(Evidence(0)))], [u16::MAX, 0]);
     }
@@ -109,13 +117,13 @@ mod tests {
     fn states_begin_where_they_are_said_to() {
         let state = |mean: i32| Trust(mean).state(&Config::robust());
         // 2/3 of the mean is the confidence.
-        assert_eq!([state(23_599), state(23_600)], [State::Lost, State::Uncertain]);
-        assert_eq!([state(39_998), state(39_999)], [State::Uncertain, State::Tracking]);
+        assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
+        assert_eq!([state(47_849), state(47_850)], [State::Uncertain, State::Tracking]);
     }
 
     #[test]
     fn a_find_is_clear_and_clearer_than_what_is_followed() {
-        assert!(Evidence(63_000).finds(Evidence(50_000)) && !Evidence(62_999).finds(Evidence(50_000)));
+        assert!(Evidence(66_000).finds(Evidence(50_000)) && !Evidence(65_999).finds(Evidence(50_000)));
         assert!(Evidence(FOUND).finds(Evidence(FOUND - BETTER)));
         assert!(!Evidence(FOUND - 1).finds(Evidence(0)) && !Evidence(FOUND).finds(Evidence(FOUND - BETTER + 1)));
         assert!(Evidence(LEARNED).teaches() && !Evidence(LEARNED - 1).teaches());

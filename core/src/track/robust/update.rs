@@ -3,9 +3,10 @@
 //! It is cut into stages, so that an update can be made in steps. Until the last one only scratch memory changes.
 
 use super::Robust;
-use super::agreement::{Compared, PLACES};
+use super::agreement::Compared;
 use super::config::{Config, Parts};
 use super::early::Early;
+use super::exact::{Exact, MARGIN, Nearest, PLACES};
 use super::features::{CELL, CHANNELS};
 use super::filter::{Change, Filter, Sample, layout};
 use super::grid::{Grid, Lattice, SCALE};
@@ -15,7 +16,7 @@ use super::track::{Place, Track};
 use super::trust::{Evidence, Trust};
 use super::workspace::Workspace;
 use crate::image::{Frame, Image};
-use crate::similarity::{Backend, Layout, Products};
+use crate::similarity::{Backend, Layout, Products, Scorer};
 use crate::track::State;
 
 /// The scales beside the last one: 1.02 times and 1 / 1.02 times.
@@ -24,10 +25,13 @@ const SIZE_STEP: u64 = 66_847;
 const SIZE_PART: i64 = 252;
 /// How far they are searched, in cells.
 pub(super) const SIZE_REACH: u16 = 1;
-/// What counts how many products, about as on a Cortex-M4: a pixel of the grid of which features are made, and one that is compared;
-/// a weight while the way to change it is found, and while it is coded or changed.
+/// What counts how many products, about as on a Cortex-M4: a pixel of the grid of which features are made, one that is compared, one that
+/// is put into other light, and one by which a place is refined; a weight while the way to change it is found, and while it is coded or changed.
 const SEEN: u32 = 64;
-const COMPARED: u32 = 32;
+const VIEWED: u32 = 32;
+const COMPARED: u32 = 12;
+const LIT: u32 = 20;
+const REFINED: u32 = 40;
 const SLOPED: u32 = 64;
 const CODED: u32 = 16;
 /// The least and the most that a target may have grown.
@@ -43,8 +47,12 @@ enum Stage {
     Respond(Where, usize),
     /// A row of the view of the place that was found.
     View(Where, u16),
-    /// Agreement at one place of the view.
+    /// The score at one place of the view.
     Compare(Where, u16),
+    /// Agreement at the best of them.
+    Agree(Where),
+    /// Where exactly that is.
+    Refine,
     /// A row of cells at another scale.
     SeeSize(usize),
     /// The responses to them.
@@ -84,6 +92,10 @@ pub(super) struct Progress {
     shift: u32,
     /// The early template's brightness and contrast.
     was: Contrast,
+    /// The best place of the view so far.
+    pub(super) nearest: Nearest,
+    /// How much the target has grown, in units of 1/65536, if that is known exactly.
+    growth: Option<i32>,
     /// The highest peak of all scales so far, and that scale.
     highest: i64,
     scale: u32,
@@ -126,6 +138,8 @@ impl Progress {
             look,
             shift: 0,
             was: Contrast::NONE,
+            nearest: Nearest::new(),
+            growth: None,
             highest: i64::MIN,
             scale: SCALE,
             offset: (0, 0),
@@ -166,6 +180,8 @@ impl Target<'_> {
                 Stage::Respond(place, part) => self.respond(workspace, place, part),
                 Stage::View(place, row) => self.view(workspace, frame, place, row),
                 Stage::Compare(place, number) => self.compare(workspace, place, number),
+                Stage::Agree(place) => self.agree(workspace, place),
+                Stage::Refine => self.refine(workspace),
                 Stage::SeeSize(number) => self.see_size(workspace, frame, number),
                 Stage::Size(number) => self.size(workspace, number),
                 Stage::Errors => self.errors(workspace),
@@ -223,11 +239,10 @@ impl Target<'_> {
         let Workspace { responses, strip, view, progress, .. } = workspace;
         let (grid, centre) = (&self.track.grid, self.centre(place));
         let peak = responses.peak(self.config.parts.near);
-        let step = grid.step_at(centre.scale);
         // 1/256 cell is 1/64 pixel of the grid.
-        let moved = |from: i64, by: i32| from + ((i64::from(by) * step) >> 6);
-        let at = Place { x: moved(centre.x, peak.x), y: moved(centre.y, peak.y), ..centre }.inside(self.track.bounds);
+        let at = centre.moved(grid, (peak.x, peak.y)).inside(self.track.bounds);
         progress.looking = Look { place: at, peak, agreement: 0 };
+        progress.nearest = Nearest::new();
         at.view(grid).begin(self.track.bounds, strip.scratch(), view);
         Stage::View(place, 0)
     }
@@ -236,25 +251,62 @@ impl Target<'_> {
         let Workspace { strip, view, progress, .. } = workspace;
         let lattice = progress.looking.place.view(&self.track.grid);
         lattice.sample_row(frame, strip.scratch(), row, view);
-        progress.spend(lattice.work(1, COMPARED));
+        progress.spend(lattice.work(1, VIEWED));
         if row + 1 < lattice.rows { Stage::View(place, row + 1) } else { Stage::Compare(place, 0) }
     }
 
-    /// How well the early template agrees there.
+    /// The early template and the view that is compared with it.
+    fn compared<'a>(&'a self, view: &'a [u8], was: Contrast) -> Option<Compared<'a>> {
+        let Grid { columns, rows, .. } = self.track.grid;
+        let view = Image::new(view, columns + 2 * MARGIN, rows + 2 * MARGIN).ok()?;
+        Some(Compared { view, early: self.early, was, columns, rows })
+    }
+
+    /// The score of the early template at one place, in the light of the view's middle.
     fn compare(&self, workspace: &mut Workspace, place: Where, number: u16) -> Stage {
         let Workspace { view, lit, table, progress, .. } = workspace;
-        let Grid { columns, rows, .. } = self.track.grid;
-        if let Ok(view) = Image::new(view, columns + 2, rows + 2) {
-            let compared = Compared { view, early: self.early, was: progress.was, columns, rows };
-            let agreement = compared.at(number, lit, table, (self.backend(), self.config.table));
-            progress.looking.agreement = progress.looking.agreement.max(agreement);
+        if let Some(compared) = self.compared(view, progress.was) {
+            let at = progress.nearest.place(number);
+            if number == 0 {
+                compared.light(at, lit, table, self.config.table);
+                progress.spend(LIT * self.track.grid.pixels());
+            }
+            progress.nearest.add(number, compared.score(at, lit, &Scorer::new(self.backend(), table)));
         }
         progress.spend(COMPARED * self.track.grid.pixels());
+        if number + 1 < PLACES { Stage::Compare(place, number + 1) } else { Stage::Agree(place) }
+    }
+
+    /// How well the early template agrees at the best of these places.
+    fn agree(&self, workspace: &mut Workspace, place: Where) -> Stage {
+        let Workspace { view, lit, table, progress, .. } = workspace;
+        if let Some(compared) = self.compared(view, progress.was) {
+            let at = progress.nearest.at;
+            compared.light(at, lit, table, self.config.table);
+            progress.looking.agreement = compared.agreement(at, lit, &Scorer::new(self.backend(), table));
+        }
+        progress.spend((LIT + COMPARED) * self.track.grid.pixels());
         match place {
-            _ if number + 1 < PLACES => Stage::Compare(place, number + 1),
-            Where::Expected => self.looked(workspace),
+            Where::Expected => Stage::Refine,
             Where::Elsewhere => self.swept(workspace),
         }
+    }
+
+    /// Moves the place to where the early template lies, if it agrees well.
+    fn refine(&self, workspace: &mut Workspace) -> Stage {
+        let Workspace { view, lit, table, progress, .. } = workspace;
+        let grid = &self.track.grid;
+        let (look, at) = (&mut progress.looking, progress.nearest.at);
+        let exact = self.compared(view, progress.was).and_then(|compared| {
+            let lit = Image::new(lit, grid.columns, grid.rows).ok()?;
+            Exact::of(look.agreement, at, compared.seen(at)?, lit, table.threshold())
+        });
+        if let Some(Exact { x, y, growth }) = exact {
+            look.place = look.place.moved(grid, (x, y)).inside(self.track.bounds);
+            progress.growth = Some(growth);
+        }
+        progress.spend(REFINED * grid.pixels());
+        self.looked(workspace)
     }
 
     /// The look where the target was expected is done.
@@ -310,9 +362,12 @@ impl Target<'_> {
 
     /// The scale is known.
     fn sized(&self, workspace: &mut Workspace) -> Stage {
-        let Progress { next, look, scale, lost, .. } = &mut workspace.progress;
+        let Progress { next, look, scale, growth, lost, .. } = &mut workspace.progress;
         let Some(next) = next else { return Stage::Done };
-        look.place.scale = *scale;
+        look.place.scale = match growth {
+            Some(growth) if self.config.size => grown(look.place.scale, *growth),
+            _ => *scale,
+        };
         next.follow(look.place);
         *lost = next.trust.state(self.config) == State::Lost;
         if *lost {
@@ -425,10 +480,12 @@ impl Workspace {
         while !self.respond_part(layout, products, parts.next().unwrap_or(0)) {}
     }
 
-    /// The template in the middle of the view.
+    /// What is seen where the early template agrees best.
     pub(super) fn patch(&self, grid: &Grid) -> impl Iterator<Item = u8> + use<'_> {
         let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
-        self.view.chunks(columns + 2).skip(1).take(rows).flat_map(move |row| row.iter().skip(1).take(columns).copied())
+        let [left, top] = self.progress.nearest.in_view().map(usize::from);
+        let view = self.view.chunks(columns + 2 * usize::from(MARGIN)).skip(top).take(rows);
+        view.flat_map(move |row| row.iter().skip(left).take(columns).copied())
     }
 }
 
@@ -445,6 +502,12 @@ pub(super) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = u64::from(scale);
     [(scale << 16) / SIZE_STEP, (scale * SIZE_STEP) >> 16]
         .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
+}
+
+/// So many 65536ths larger.
+fn grown(scale: u32, growth: i32) -> u32 {
+    let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
+    u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
 }
 
 /// Where the target is in a window, from its middle, in units of 1/256 cell.

@@ -1,6 +1,7 @@
 //! Scratch memory of the robust tracker: one serves any number of targets.
 
-use super::features::{CHANNELS, Strip};
+use super::exact::MARGIN;
+use super::features::{CELL, CHANNELS, Strip};
 use super::filter::Desk;
 use super::grid::MOST_SIDE;
 use super::responses::{Responses, SPAN};
@@ -15,8 +16,9 @@ const WINDOW: usize =
 /// Bytes of the largest window that sizes are looked for in.
 const ASIDE: usize =
     (MOST_SIDE + 2 * SIZE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SIZE_REACH as usize) * CHANNELS;
-/// Pixels of the largest view, a template and a pixel on each side.
-const VIEW: usize = 2048;
+/// Pixels of the largest view, a template and `MARGIN` on each side: the longest template has the longest rim.
+const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
+    * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
 /// What an update needs beside the target.
 ///
@@ -25,20 +27,21 @@ const VIEW: usize = 2048;
 /// static WORKSPACE: smr_core::robust::Workspace = smr_core::robust::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 48 * 1024);
 /// ```
+#[repr(C)] // what may end in padding stands before a vector: before zeroes, both are made on the stack and copied
 pub struct Workspace {
-    pub(super) strip: Strip,
+    pub(super) progress: Progress,
     /// Cells of the window.
     pub(super) cells: Vec<i8, WINDOW>,
     pub(super) responses: Responses,
-    /// Cells of another scale, and the responses to them.
-    pub(super) aside: Vec<i8, ASIDE>,
     pub(super) beside: [[i32; SPAN]; 2 * SIZE_REACH as usize + 1],
-    pub(super) desk: Desk,
-    pub(super) view: Vec<u8, VIEW>,
-    pub(super) lit: Vec<u8, MOST_PIXELS>,
     /// What templates are compared by.
     pub(super) table: CutTable,
-    pub(super) progress: Progress,
+    pub(super) desk: Desk,
+    /// Cells of another scale, and the responses to them, which are `beside`.
+    pub(super) aside: Vec<i8, ASIDE>,
+    pub(super) strip: Strip,
+    pub(super) view: Vec<u8, VIEW>,
+    pub(super) lit: Vec<u8, MOST_PIXELS>,
     /// Updates that were begun here.
     pub(super) updates: u32,
 }
@@ -53,7 +56,7 @@ impl Workspace {
             cells: Vec::new(),
             responses: Responses { rows: [[0; SPAN]; SPAN], span: 0 },
             aside: Vec::new(),
-            beside: [[0; SPAN]; 2 * SIZE_REACH as usize + 1],
+            beside: const { [[0; SPAN]; 2 * SIZE_REACH as usize + 1] }, // as a constant, for the same reason
             desk: Desk::new(),
             view: Vec::new(),
             lit: Vec::new(),

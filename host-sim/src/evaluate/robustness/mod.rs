@@ -15,7 +15,7 @@
 mod calibration;
 mod figures;
 mod paired;
-mod recording;
+pub(super) mod recording;
 mod standard_error;
 mod starts;
 mod summary;

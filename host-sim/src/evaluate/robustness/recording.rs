@@ -6,10 +6,10 @@ use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 
 /// The most bytes of frames that one recording may have: 1 GiB, some 14000 frames of 320x240 pixels.
-pub(super) const MOST_BYTES: u64 = 1 << 30;
+pub(in crate::evaluate) const MOST_BYTES: u64 = 1 << 30;
 
 /// A recording, read.
-pub(super) struct Recording {
+pub(in crate::evaluate) struct Recording {
     pub name: String,
     /// As many as there are entries of the truth; at least one.
     pub frames: Vec<GrayFrame>,

@@ -18,16 +18,8 @@ impl Similarity {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
 
-    /// The best agreement in the middle of `view` and a pixel around it: 0 to 65535.
-    pub fn agreement(&self, numbers: &Numbers, view: &Patch, early: &Patch) -> f64 {
-        let margin = (view.columns - early.columns) / 2;
-        let offsets = (0..=2 * margin).flat_map(|y| (0..=2 * margin).map(move |x| (x, y)));
-        let seen = offsets.map(|(x, y)| view.cut(x, y, early.columns, early.rows).expect("it lies in the view"));
-        seen.map(|seen| self.of(numbers, &seen, early)).fold(0.0, f64::max)
-    }
-
-    /// Of the ratios of all parts the one that counts.
-    fn of(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
+    /// Of the ratios of all parts the one that counts: 0 to 65535.
+    pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
         let lit = in_light_of(numbers, early, seen);
         let (alpha, across) = (threshold(numbers, seen), numbers.parts_across);
         let mut ratios: Vec<f64> = (0..across * across)
@@ -43,7 +35,7 @@ impl Similarity {
         ratios[numbers.ratio_that_counts - 1].min(UNITS)
     }
 
-    fn score(&self, seen: &Patch, lit: &Patch, alpha: f64) -> f64 {
+    pub fn score(&self, seen: &Patch, lit: &Patch, alpha: f64) -> f64 {
         let differences = seen.pixels.iter().zip(&lit.pixels).map(|(f, g)| (f - g).abs());
         differences.filter(|&d| d < alpha).map(|d| self.0[index(whole(d))]).sum()
     }

@@ -25,7 +25,7 @@ pub fn nearer(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     (0..).zip(responses).map(less).collect()
 }
 
-/// Where the first of the largest responses is, in cells from the middle, refined on each axis by a parabola; how large; and how
+/// Where the largest response is (of equals the middle one, or the first), in cells from the middle, refined on each axis by a parabola; how large; and how
 /// high both parabolas' tops are.
 pub struct Peak {
     pub x: f64,
@@ -39,7 +39,9 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
     let response = responses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let first = responses.iter().position(|&other| other == response).expect("there are offsets");
     let first = i64::try_from(first).expect("places are far below 2^63");
-    let (x, y) = (first % span, first / span);
+    let middle = reach * span + reach;
+    let best = if responses[index(middle)] == response { middle } else { first };
+    let (x, y) = (best % span, best / span);
     let at = |x: i64, y: i64| {
         let inside = (0..span).contains(&x) && (0..span).contains(&y);
         inside.then(|| responses[index(y * span + x)])

@@ -5,6 +5,7 @@
 //! a recording side by side. All sums are of numbers that f64 has exactly.
 
 mod agreement;
+mod exact;
 mod features;
 mod filter;
 mod grid;
@@ -23,6 +24,7 @@ pub use numbers::{Numbers, Parts};
 pub use trust::Belief;
 
 use agreement::Similarity;
+use exact::Nearest;
 use features::features;
 use filter::{Coded, Filter, Sample};
 use look::{Peak, nearer, peak, responses};
@@ -58,7 +60,7 @@ struct Look {
     responses: Vec<f64>,
     place: Place,
     response: f64,
-    view: Patch,
+    nearest: Nearest,
     agreement: f64,
 }
 
@@ -112,7 +114,7 @@ impl Reference {
             place,
             velocity: (0.0, 0.0),
             filter,
-            early: middle_of(&place.view(&shape).sample(&frame)),
+            early: middle_of(&numbers, &place.view(&numbers, &shape).sample(&frame)),
             trust: CLEAR,
             believed: 1.0,
             next_window: 0,
@@ -141,7 +143,7 @@ impl Reference {
         let Numbers { parts, reach, size_reach, .. } = self.numbers;
         let around = |place: Place, reach| self.around(place, reach);
         let centre = self.expected();
-        let mut all = vec![around(centre, reach)];
+        let mut all = vec![around(centre, reach + self.rim())];
         if parts.size {
             let larger = |scale| around(Place { scale, ..centre }, reach + 2 * size_reach);
             all.extend(self.other_scales(centre.scale).map(larger));
@@ -154,7 +156,12 @@ impl Reference {
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { parts, reach, .. } = self.numbers;
         let lost_next = belief(&self.numbers, after(&self.numbers, self.trust, 0.0)) == Belief::Lost;
-        (parts.verification && parts.sweep && lost_next).then(|| self.around(self.sweep(), reach))
+        (parts.verification && parts.sweep && lost_next).then(|| self.around(self.sweep(), reach + self.rim()))
+    }
+
+    /// The cells that the margin of a view lies on.
+    fn rim(&self) -> i64 {
+        (self.numbers.margin + self.numbers.cell - 1) / self.numbers.cell
     }
 
     fn around(&self, place: Place, reach: i64) -> [i64; 4] {
@@ -167,6 +174,7 @@ impl Reference {
         let parts = self.numbers.parts;
         let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
         let mut look = self.look(&frame, &coded, centre);
+        let growth = self.refine(&mut look);
         let was_lost = belief(&self.numbers, self.trust) == Belief::Lost;
         if parts.verification {
             self.trust = after(&self.numbers, self.trust, look.evidence());
@@ -175,14 +183,17 @@ impl Reference {
         let seen = look.evidence() >= self.numbers.learned_from;
         let learned = !lost && (seen || !parts.caution || !parts.verification);
         if !lost {
-            towards(&mut self.early, &middle_of(&look.view), self.numbers.early_rate);
+            towards(&mut self.early, &look.nearest.seen, self.numbers.early_rate);
         }
         // In cells, on a grid of 1/256.
         let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
         let target = (moved(look.place.x, centre.x), moved(look.place.y, centre.y));
         if parts.size {
-            look.place.scale = self.size(&frame, &coded, &look);
+            look.place.scale = match growth {
+                Some(growth) => self.within(look.place.scale + down(look.place.scale * growth, SCALE)),
+                None => self.size(&frame, &coded, &look),
+            };
         }
         let followed = |to: f64, from: f64, velocity: f64| {
             down(velocity + (to - from - velocity) * self.numbers.last_move, POSITION)
@@ -249,16 +260,34 @@ impl Reference {
             if parts.near { peak(&nearer(&self.numbers, &responses), reach) } else { peak(&responses, reach) };
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
-        let view = place.view(&self.shape).sample(frame);
-        let agreement = self.similarity.agreement(&self.numbers, &view, &self.early());
-        Look { cells, responses, place, response, view, agreement }
+        let view = place.view(&self.numbers, &self.shape).sample(frame);
+        let nearest = exact::nearest(&self.numbers, &self.similarity, &view, &self.early());
+        let agreement = self.similarity.agreement(&self.numbers, &nearest.seen, &self.early());
+        Look { cells, responses, place, response, nearest, agreement }
+    }
+
+    /// Moves a place to where the early template lies, if it agrees well; then says how much the target has grown, too.
+    fn refine(&self, look: &mut Look) -> Option<f64> {
+        if look.agreement < self.numbers.certain_from {
+            return None;
+        }
+        let (nearest, pixel) = (&look.nearest, self.shape.step_at(look.place.scale));
+        let step = exact::step(&self.numbers, &self.early(), &nearest.seen);
+        let place = look.place.moved((real(nearest.x) + step.x) * pixel, (real(nearest.y) + step.y) * pixel);
+        look.place = place.inside(self.frame_size);
+        Some(step.growth)
     }
 
     /// The next smaller scale and the next larger one.
     fn other_scales(&self, scale: f64) -> [f64; 2] {
-        let Numbers { size_step, most_scale, .. } = self.numbers;
-        let within = |scale: f64| down(scale, SCALE).clamp(down(1.0 / most_scale, SCALE), most_scale);
-        [within(scale / size_step), within(scale * size_step)]
+        let Numbers { size_step, .. } = self.numbers;
+        [self.within(scale / size_step), self.within(scale * size_step)]
+    }
+
+    /// The next scale that is not larger, among those that a target can have.
+    fn within(&self, scale: f64) -> f64 {
+        let most = self.numbers.most_scale;
+        down(scale, SCALE).clamp(down(1.0 / most, SCALE), most)
     }
 
     /// The scale whose response is largest: the last one, the next smaller one, or the next larger one.
@@ -286,9 +315,11 @@ impl Reference {
     }
 }
 
-/// What a view has within a pixel on each side.
-fn middle_of(view: &Patch) -> Patch {
-    view.cut(1, 1, view.columns - 2, view.rows - 2).expect("a view has a pixel around")
+/// What a view has within its margin.
+fn middle_of(numbers: &Numbers, view: &Patch) -> Patch {
+    let margin = numbers.margin;
+    let middle = view.cut(margin, margin, view.columns - 2 * margin, view.rows - 2 * margin);
+    middle.expect("a view has a margin")
 }
 
 /// Moves a running mean one part in `rate` of the way to `patch`.

@@ -63,6 +63,16 @@ pub struct Numbers {
     pub alpha_bounds: (f64, f64),
     pub parts_across: i64,
     pub ratio_that_counts: usize,
+    /// How far the template is compared beyond the filter's place and from one place to the next at first, in pixels of the grid; the
+    /// agreement from which on place and size go by its differences; the most that these move, in pixels, and grow, in units of 1/65536.
+    pub margin: i64,
+    pub far: i64,
+    pub certain_from: f64,
+    pub most_move: f64,
+    pub most_growth: f64,
+    /// Sums of squared slopes grow by 1 over `more`, and are divided by a power of two until they are below the most.
+    pub more: f64,
+    pub most_sum: f64,
     /// Trust: how far the mean moves, in units of 1/256, and what is believed by the confidence, two thirds of it.
     pub trust_rate: f64,
     pub lost_below: f64,
@@ -111,12 +121,19 @@ impl Numbers {
             alpha_bounds: (8.0, 100.0),
             parts_across: 4,
             ratio_that_counts: 4,
+            margin: 3,
+            far: 2,
+            certain_from: 55_000.0,
+            most_move: 1.0,
+            most_growth: 1310.0,
+            more: 64.0,
+            most_sum: 4096.0,
             trust_rate: 77.0,
-            lost_below: 15_733.0,
-            uncertain_below: 26_666.0,
-            learned_from: 29_500.0,
-            found_from: 42_600.0,
-            better_by: 13_000.0,
+            lost_below: 19_200.0,
+            uncertain_below: 31_900.0,
+            learned_from: 37_500.0,
+            found_from: 52_000.0,
+            better_by: 16_000.0,
         }
     }
 }

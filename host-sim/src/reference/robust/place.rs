@@ -30,9 +30,9 @@ impl Place {
         self.lattice(shape, side(shape.across), side(shape.down))
     }
 
-    /// The template, and a pixel on each side.
-    pub fn view(self, shape: &Shape) -> Lattice {
-        self.lattice(shape, shape.columns + 2, shape.rows + 2)
+    /// The template, and a margin on each side.
+    pub fn view(self, numbers: &Numbers, shape: &Shape) -> Lattice {
+        self.lattice(shape, shape.columns + 2 * numbers.margin, shape.rows + 2 * numbers.margin)
     }
 
     fn lattice(self, shape: &Shape, columns: i64, rows: i64) -> Lattice {

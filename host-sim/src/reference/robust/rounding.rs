@@ -10,6 +10,9 @@ pub const SCALE: f64 = 65536.0;
 /// Fractions of what is mixed, means of gray levels, parts of a cell, and the box of an answer.
 pub const FINE: f64 = 256.0;
 
+/// Parts of a pixel of the grid.
+pub const SUB: f64 = 64.0;
+
 /// The next number on the grid that is not above.
 pub fn down(value: f64, parts: f64) -> f64 {
     (value * parts).floor() / parts

@@ -11,9 +11,9 @@ pub enum Belief {
     Lost,
 }
 
-/// The agreement counts 1, a response of 1 counts 1/2.
+/// The agreement counts 1, a response of 1/2 or more counts 1/2.
 pub fn evidence(agreement: f64, response: f64) -> f64 {
-    agreement + 32768.0 * (response / ONE).clamp(0.0, 1.0)
+    agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }
 
 /// All evidence that there can be: of a target that was pointed at.

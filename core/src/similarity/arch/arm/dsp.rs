@@ -46,6 +46,16 @@ impl<'a> Dsp<'a> {
 
 impl Kernels for Dsp<'_> {
     #[inline(never)]
+    fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
+        let pair = Rows::of(patch, template);
+        if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
+            return self.lookup.plain.score(patch, template);
+        }
+        // SAFETY: the pictures have at least four columns.
+        unsafe { reachable(&pair, self.lookup.entries(), 0) }
+    }
+
+    #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);
         if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {

@@ -40,7 +40,8 @@ pub(super) fn responses<const N: usize>(
     for number in 2 * parts.start..rows.min(2 * parts.end) {
         let from = cells.get(number * stride..).unwrap_or_default();
         let (pairs, _) = from.as_chunks::<2>();
-        for (wide, &[first, second]) in room.iter_mut().zip(pairs).take(used / 2) {
+        let (wide, _) = room.as_chunks_mut();
+        for (wide, &[first, second]) in wide.iter_mut().zip(pairs).take(used / 2) {
             *wide = pair(first.into(), second.into());
         }
         // The rows of weights that lie on this row of cells at some offset.
@@ -78,7 +79,7 @@ pub(super) fn gather<const N: usize>(
     let down = sums.len().checked_div(row).unwrap_or(0);
     let rows = layout.rows(sums.len());
     let needed = rows.saturating_sub(1) * stride + used;
-    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && used <= ROOM;
+    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && 2 * used <= ROOM;
     if !whole || !fits || down == 0 || cells.len() < needed {
         return super::plain_gather(whole_of(parts, span), cells, layout, errors, sums);
     }
@@ -86,7 +87,8 @@ pub(super) fn gather<const N: usize>(
         let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
         // What lies below the last row meets no error.
         let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
-        for ((both, &upper), &lower) in room.iter_mut().zip(upper).zip(lower) {
+        let (pairs, _) = room.as_chunks_mut();
+        for ((both, &upper), &lower) in pairs.iter_mut().zip(upper).zip(lower) {
             *both = pair(upper.into(), lower.into());
         }
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
@@ -96,7 +98,7 @@ pub(super) fn gather<const N: usize>(
             if first.is_none() && second.is_none() {
                 continue;
             }
-            let mut filter = [0u32; SPAN];
+            let mut filter = [[0; 2]; SPAN];
             let error =
                 |errors: Option<&[i16; N]>, x: usize| errors.and_then(|errors| errors.get(x)).copied().unwrap_or(0);
             for (x, filter) in filter.iter_mut().enumerate().take(span) {
@@ -108,7 +110,7 @@ pub(super) fn gather<const N: usize>(
                 while at < across {
                     let block = Block {
                         filter: filter.as_ptr().cast(),
-                        under: room.as_ptr().wrapping_add(at * STEP + channel).cast(),
+                        under: room.as_ptr().cast::<[u16; 2]>().wrapping_add(at * STEP + channel).cast(),
                         sums: sums.as_mut_ptr().wrapping_add(at * STEP + channel),
                         count: span,
                         filters: 1,
@@ -123,8 +125,8 @@ pub(super) fn gather<const N: usize>(
 }
 
 /// Two numbers as `smlad` has them.
-fn pair(low: i16, high: i16) -> u32 {
-    u32::from(low.cast_unsigned()) | u32::from(high.cast_unsigned()) << 16
+fn pair(low: i16, high: i16) -> [u16; 2] {
+    [low.cast_unsigned(), high.cast_unsigned()]
 }
 
 /// The rows of offsets that a loop of `products.rs` goes through in the place of these parts: all with the first one.
@@ -144,7 +146,7 @@ struct Block {
 }
 
 impl Block {
-    /// Five sums, or what is left of them where there are fewer than five; says how many.
+    /// Some of the sums that are left; says how many. A function for three would take 0.5 KB of flash, and is hardly ever wanted.
     ///
     /// # Safety
     /// As [`Block::slide5`] for as many.
@@ -155,9 +157,8 @@ impl Block {
             match left {
                 0 => 0,
                 1 => self.slide1::<F, U, S>(),
-                2 => self.slide2::<F, U, S>(),
-                3 => self.slide3::<F, U, S>(),
-                4 | 7 | 8 => self.slide4::<F, U, S>(),
+                2 | 3 => self.slide2::<F, U, S>(),
+                4 | 6 | 8 | 12 | 16 => self.slide4::<F, U, S>(),
                 _ => self.slide5::<F, U, S>(),
             }
         }
@@ -239,10 +240,6 @@ slide!(slide1, 1, [a "r0"], []:
 slide!(slide2, 2, [a "r0" b "r1"], [f "r5"]:
     ["r0" "r1"] ["r5" "r11"] "r11";
     ["r0" "r1"] ["r11" "r5"] "r5";);
-slide!(slide3, 3, [a "r0" b "r1" c "r2"], [f "r5" g "r8"]:
-    ["r0" "r1" "r2"] ["r5" "r8" "r11"] "r11";
-    ["r0" "r1" "r2"] ["r8" "r11" "r5"] "r5";
-    ["r0" "r1" "r2"] ["r11" "r5" "r8"] "r8";);
 slide!(slide4, 4, [a "r0" b "r1" c "r2" d "r3"], [f "r5" g "r8" h "r9"]:
     ["r0" "r1" "r2" "r3"] ["r5" "r8" "r9" "r11"] "r11";
     ["r0" "r1" "r2" "r3"] ["r8" "r9" "r11" "r5"] "r5";

@@ -1,11 +1,11 @@
-//! Sums of products by Helium: eight products an instruction for responses, four to gather.
+//! Sums of products by Helium: eight products an instruction.
 //!
 //! - Responses: `vmladava` adds the products of two registers to a number. Six offsets side by side share the weights that were loaded.
 //!   In a loop from `dlstp` to `letp` the last round has as many lanes as there are weights left: nothing else is read.
-//! - Gathering: `vmla` adds a register times an error to the sums of four weights. Those of two cells, or of one, stay in
-//!   registers for all errors; a cell's ten are the lanes from 0, 4 and 6 on, so that two are computed twice, alike.
+//! - Gathering: the bytes of a channel are put side by side; then what errors say of its weights are responses, too, to a filter of
+//!   errors at the offset of each weight.
 
-use crate::similarity::products::Layout;
+use crate::similarity::products::{Layout, Room};
 use core::arch::asm;
 use core::ops::Range;
 
@@ -50,7 +50,7 @@ pub(super) fn responses<const N: usize>(
             // The last block may begin before the one before it has ended: those are computed twice, alike.
             let x = x.min(span - BLOCK);
             // SAFETY: `fits` has seen that the filter lies on the cells at these offsets, the last of which is below `span`.
-            let sums = unsafe { rows.six(from.wrapping_add(x * step), weights.as_ptr(), down) };
+            let sums = unsafe { rows.six::<STEP>(from.wrapping_add(x * step), weights.as_ptr(), down) };
             out.iter_mut().skip(x).zip(sums).for_each(|(out, sum)| *out = sum);
         }
     }
@@ -66,12 +66,12 @@ struct Rows {
 }
 
 impl Rows {
-    /// The sums at six offsets side by side.
+    /// The sums at six offsets side by side, so many bytes apart.
     ///
     /// # Safety
     /// `down` rows of `width` weights, at least one of each, can be read, and the cells under them at the six offsets.
     #[inline(never)]
-    unsafe fn six(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; BLOCK] {
+    unsafe fn six<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; BLOCK] {
         let (a, b, c, d, e, f);
         // SAFETY: the caller has seen to what is read; nothing is written.
         unsafe {
@@ -81,15 +81,15 @@ impl Rows {
                 "dlstp.16 lr, r9",
                 "3:",
                 "vldrh.u16 q0, [r3], #16",
-                "vldrb.s16 q1, [r1, #10]",
+                "vldrb.s16 q1, [r1, #1 * {apart}]",
                 "vmladava.s16 r2, q0, q1",
-                "vldrb.s16 q1, [r1, #20]",
+                "vldrb.s16 q1, [r1, #2 * {apart}]",
                 "vmladava.s16 r4, q0, q1",
-                "vldrb.s16 q1, [r1, #30]",
+                "vldrb.s16 q1, [r1, #3 * {apart}]",
                 "vmladava.s16 r8, q0, q1",
-                "vldrb.s16 q1, [r1, #40]",
+                "vldrb.s16 q1, [r1, #4 * {apart}]",
                 "vmladava.s16 r10, q0, q1",
-                "vldrb.s16 q1, [r1, #50]",
+                "vldrb.s16 q1, [r1, #5 * {apart}]",
                 "vmladava.s16 r12, q0, q1",
                 "vldrb.s16 q1, [r1], #8",
                 "vmladava.s16 r0, q0, q1",
@@ -114,6 +114,7 @@ impl Rows {
                 out("lr") _,
                 out("q0") _,
                 out("q1") _,
+                apart = const APART,
                 options(readonly, nostack),
             );
         }
@@ -158,107 +159,87 @@ impl Rows {
     }
 }
 
-/// See [`products::gather`]. A part is a row of sums.
+/// Parts that sums are gathered in: channels.
+pub(super) const GATHER_PARTS: usize = STEP;
+/// Bytes to a channel of cells side by side.
+static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
+
+/// See [`products::gather`]. A part is a channel.
 pub(super) fn gather<const N: usize>(
     parts: Range<usize>,
+    room: &mut Room,
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    let Layout { row, stride, step, span } = layout;
-    let room = |_: &usize| span <= N && errors.len() >= span;
-    let Some(_) = fits(cells, layout, sums.len()).filter(room) else {
+    let Layout { row, stride, span, .. } = layout;
+    let width = stride / STEP;
+    let count = |down: usize| (down + span - 2) * width + row / STEP + span - 1;
+    let room_for = |&down: &usize| {
+        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) <= size_of_val(room)
+    };
+    let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
         // There a part is a row of errors.
         let parts = if parts.start == 0 { 0..span } else { 0..0 };
         return super::plain_gather(parts, cells, layout, errors, sums);
     };
-    let under = Under {
-        errors: errors.as_ptr().cast(),
-        span,
-        cells_on: stride.wrapping_sub(span * step),
-        errors_on: 2 * (N - span),
-    };
-    for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate().take(parts.end).skip(parts.start) {
-        let from = cells.as_ptr().wrapping_add(y * stride);
-        let (pairs, rest) = sums.as_chunks_mut::<{ 2 * STEP }>();
-        for (x, sums) in pairs.iter_mut().enumerate() {
-            // SAFETY: `fits` has seen that these cells are there at all offsets, and there is an error for each.
-            unsafe { under.two_cells(from.wrapping_add(x * 2 * STEP), sums) };
-        }
-        if let Some(sums) = rest.first_chunk_mut() {
-            // SAFETY: as above.
-            unsafe { under.one_cell(from.wrapping_add(pairs.len() * 2 * STEP), sums) };
+    let read = span.next_multiple_of(8);
+    let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
+    for channel in parts.start..parts.end.min(STEP) {
+        let plane = room.as_mut_ptr().cast::<i8>();
+        // SAFETY: of each cell that the filter lies on, all of which are there, a byte is read; as many are written, for which there is room.
+        unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
+        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
+            let (of_cells, _) = sums.as_chunks_mut::<STEP>();
+            let across = of_cells.len();
+            let from = plane.cast_const().wrapping_add(y * width);
+            let mut x = 0;
+            while x < across {
+                let known = if across - x > 2 && across >= BLOCK {
+                    let block = x.min(across - BLOCK);
+                    // SAFETY: the errors lie on the bytes at these offsets, the last of which is that of the last cell.
+                    let sums = unsafe { rows.six::<1>(from.wrapping_add(block), errors.as_ptr().cast(), span) };
+                    // The last block may begin before the one before it has ended.
+                    (sums, x - block)
+                } else {
+                    // SAFETY: as above, at this offset.
+                    ([unsafe { rows.one(from.wrapping_add(x), errors.as_ptr().cast(), span) }; BLOCK], BLOCK - 1)
+                };
+                for sum in known.0.iter().skip(known.1) {
+                    if let Some(of_channel) = of_cells.get_mut(x).and_then(|cell| cell.get_mut(channel)) {
+                        *of_channel += sum;
+                    }
+                    x += 1;
+                }
+            }
         }
     }
 }
 
-/// What lies under a weight at all offsets.
-struct Under {
-    errors: *const i16,
-    span: usize,
-    /// Bytes from where a row of offsets has ended to the next one.
-    cells_on: usize,
-    errors_on: usize,
-}
-
-/// Adds to the sums of a cell or two the products of all errors with the bytes that lie there. Each register has the sums, and bytes, from
-/// so many on.
-macro_rules! add_products {
-    ($under:ident, $cells:ident, $sums:ident: $($register:tt $from:literal $from_bytes:literal,)*) => {
+/// Puts a byte of each of so many cells side by side.
+///
+/// # Safety
+/// The first byte of each cell can be read, and `to` can be written to. The count is not 0.
+unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
+    // SAFETY: the caller has seen to it; the last round has as many lanes as are left.
+    unsafe {
         asm!(
-            $(concat!("vldrw.u32 ", $register, ", [r2, #", $from_bytes, "]"),)*
+            "vldrh.u16 q0, [{places}]",
+            "dlstp.16 lr, {count}",
             "2:",
-            "dls lr, {span}",
-            "3:",
-            "ldrsh r3, [{errors}], #2",
-            $(
-                concat!("vldrb.s32 q7, [r1, #", $from, "]"),
-                concat!("vmla.i32 ", $register, ", q7, r3"),
-            )*
-            "adds r1, #10",
-            "le lr, 3b",
-            "add r1, r1, {cells_on}",
-            "add {errors}, {errors}, {errors_on}",
-            "subs {rows}, {rows}, #1",
-            "bne 2b",
-            $(concat!("vstrw.32 ", $register, ", [r2, #", $from_bytes, "]"),)*
-            inout("r1") $cells => _,
-            in("r2") $sums.as_mut_ptr(),
-            out("r3") _,
-            errors = inout(reg) $under.errors => _,
-            span = in(reg) $under.span,
-            rows = inout(reg) $under.span => _,
-            cells_on = in(reg) $under.cells_on,
-            errors_on = in(reg) $under.errors_on,
+            "vldrb.u16 q1, [{cells}, q0]",
+            "vstrb.16 q1, [{to}], #8",
+            "add {cells}, {cells}, #80",
+            "letp lr, 2b",
+            places = in(reg) &raw const CELLS,
+            count = in(reg) count,
+            cells = inout(reg) cells => _,
+            to = inout(reg) to => _,
             out("lr") _,
-            $(out($register) _,)*
-            out("q7") _,
+            out("q0") _,
+            out("q1") _,
             options(nostack),
-        )
-    };
-}
-
-impl Under {
-    /// To the sums of two cells side by side.
-    ///
-    /// # Safety
-    /// There are `span` rows of `span` errors, and of cells at these offsets; neither is 0.
-    #[inline(never)]
-    unsafe fn two_cells(&self, cells: *const i8, sums: &mut [i32; 2 * STEP]) {
-        // SAFETY: the caller has seen to what is read; what is written are the sums.
-        unsafe {
-            add_products!(self, cells, sums: "q0" 0 0, "q1" 4 16, "q2" 8 32, "q3" 12 48, "q4" 16 64,);
-        }
-    }
-
-    /// To those of one cell.
-    ///
-    /// # Safety
-    /// As for [`Under::two_cells`].
-    #[inline(never)]
-    unsafe fn one_cell(&self, cells: *const i8, sums: &mut [i32; STEP]) {
-        // SAFETY: as above.
-        unsafe { add_products!(self, cells, sums: "q0" 0 0, "q1" 4 16, "q2" 6 24,) };
+        );
     }
 }

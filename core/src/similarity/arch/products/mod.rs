@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `avx2.rs` | AVX2 and AVX-512: the plain loops, compiled for AVX2 |
 //! | `dsp.rs` | the DSP extension: two products an instruction |
-//! | `helium.rs` | Helium: four or eight |
+//! | `helium.rs` | Helium: eight |
 //! | (`similarity/products.rs`) | all others: compilers make SSE2 and NEON of the plain loops |
 
 #[cfg(target_arch = "x86_64")]
@@ -31,7 +31,7 @@ impl Products {
     }
 
     /// In how many parts the sums of so many weights are made. What is in a part is up to the backend; no part has more than 34
-    /// products for each weight, or, where all offsets are gathered for a row of weights, 289 for each of those.
+    /// products for each weight.
     pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
         let _ = weights;
         match self.0 {
@@ -55,7 +55,7 @@ impl Products {
     pub(crate) fn gather_work(self, part: usize, layout: Layout, weights: usize) -> usize {
         match self.0 {
             #[cfg(smr_helium)]
-            Backend::Helium => layout.span * layout.span * layout.row,
+            Backend::Helium => layout.span * layout.span * weights / helium::GATHER_PARTS,
             _ => self.work(part, layout, weights),
         }
     }
@@ -64,7 +64,7 @@ impl Products {
     pub(crate) fn gather_parts(self, layout: Layout, weights: usize) -> usize {
         match self.0 {
             #[cfg(smr_helium)]
-            Backend::Helium => weights.checked_div(layout.row).unwrap_or(0),
+            Backend::Helium => helium::GATHER_PARTS,
             _ => self.parts(layout, weights),
         }
     }
@@ -108,7 +108,7 @@ impl Products {
     pub(crate) fn gather<const N: usize>(
         self,
         parts: Range<usize>,
-        #[cfg_attr(not(smr_dsp), allow(unused))] room: &mut Room,
+        #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))] room: &mut Room,
         cells: &[i8],
         layout: Layout,
         errors: &[[i16; N]],
@@ -126,7 +126,7 @@ impl Products {
             #[cfg(smr_dsp)]
             Backend::Dsp => dsp::gather(parts, room, cells, layout, errors, sums),
             #[cfg(smr_helium)]
-            Backend::Helium => helium::gather(parts, cells, layout, errors, sums),
+            Backend::Helium => helium::gather(parts, room, cells, layout, errors, sums),
             _ => plain_gather(parts, cells, layout, errors, sums),
         }
         #[cfg(feature = "verify")]

@@ -1,0 +1,371 @@
+//! A flight record: all that a tracker saw and answered, as bytes, so that a desktop can run it again.
+//!
+//! Firmware hands each step to a [`Recorder`], which writes bytes to whatever takes them: a file, flash, a serial line, a log.
+//! `host-sim replay FILE` runs the record through this very code and names the first difference. A record that ends anywhere,
+//! because the power failed, is good up to its last whole entry.
+//!
+//! ```
+//! use smr_core::{Frame, Image, Paper, Rect, Tracker, paper, record::Recorder};
+//! # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+//! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+//! # let mut file = Vec::new();
+//! let target = Rect::new(20, 10, 16, 16);
+//! let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+//! let mut recorder = Recorder::begin(tracker.target(), |bytes| std::io::Write::write_all(&mut file, bytes))?;
+//! tracker.lock(&frame, target)?;
+//! recorder.lock(tracker.target(), &frame, target)?;
+//! // In every further frame:
+//! recorder.window(tracker.target(), &frame)?; // before the update: an update that never ends is in the record, too
+//! let answer = tracker.update(&frame)?;
+//! recorder.answer(&answer)?;
+//! assert_eq!(&file[..4], b"SMRB");
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! # Cost
+//!
+//! A lock takes 36 bytes and the pixels of [`Target::lock_window`]. A frame takes 82 bytes and the pixels of [`Target::window`] (and of
+//! [`Target::sweep_window`], where there is one): the pixels must be in the record, because they are what the tracker saw. With
+//! [`Paper`] that is (box + 2 x radius) in width and height: 9298 bytes for a box of 64x64 with a window of +-16. [`Robust`]
+//! looks at about 16 times the area of its target. The beginning takes 584 bytes ([`Paper`]) or 556.
+//!
+//! The recorder gathers 64 bytes on the stack and needs no other memory. Its time is that of a CRC-32 over these bytes, and that of the
+//! writer.
+//!
+//! # The bytes, version 1
+//!
+//! A record is a sequence of entries. Numbers are little-endian; signed ones are in two's complement.
+//!
+//! | bytes of an entry | what |
+//! |---|---|
+//! | 0 to 3 | what it is: `SMRB`, `SMRL`, `SMRM`, `SMRW`, `SMRA` or `SMRS` |
+//! | 4 to 7 | its number: 0 for `SMRB`, and one more for each entry after it |
+//! | 8 to 11 | length of what it holds |
+//! | then | what it holds, see below |
+//! | last 4 | CRC-32 (that of Ethernet and zip) of all bytes of the entry before |
+//!
+//! | entry | what it holds |
+//! |---|---|
+//! | `SMRB`, begin | version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes a number |
+//! | `SMRL`, lock | frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each); the pixels of the part, row by row |
+//! | `SMRM`, moved | to the right, down, in 1/256 pixel (4 bytes each, signed) |
+//! | `SMRW`, window | frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each; all 0 where there is none); the pixels of the first, those of the second |
+//! | `SMRA`, answer | fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte: 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte: 1 found again, 2 there is a runner-up, 4 there is an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 where there is none); scale (4 bytes) |
+//! | `SMRS`, restored | a saved target ([`Target::save`]) that the tracker went on with |
+//!
+//! | tracker | numbers of the configuration |
+//! |---|---|
+//! | `P` | the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`, `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window` x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if the runner-up is looked for always; `update_zone` left, top, right, bottom |
+//! | `R` | the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near, verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate` |
+//!
+//! A window without an answer is an update that was given up, or that did not come to its end. A new `SMRB` may follow at any place,
+//! also in the middle of an entry that was cut off: firmware that starts again appends to what is there.
+
+use super::checksum::Crc;
+use super::saved::Kind;
+use super::{Answer, State, Target, paper, robust};
+use crate::image::{Frame, Image, Rect};
+use crate::{Paper, Robust};
+
+/// The version of the bytes.
+pub const VERSION: u16 = 1;
+/// Bytes of an entry before what it holds.
+pub const HEAD: usize = 12;
+/// Bytes of an entry beside what it holds.
+pub const AROUND: usize = HEAD + 4;
+
+/// What the first four bytes of an entry say.
+///
+/// ```
+/// use smr_core::record::{AROUND, HEAD, Tag, VERSION};
+/// assert_eq!((Tag::Window.bytes(), VERSION), (*b"SMRW", 1));
+/// assert_eq!((HEAD, AROUND), (12, 16));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Tag {
+    /// A tracker and its configuration.
+    Begin,
+    /// A box was locked on.
+    Lock,
+    /// The camera turned.
+    Moved,
+    /// What an update is about to look at.
+    Window,
+    /// What it answered.
+    Answer,
+    /// A saved target was restored.
+    Restored,
+}
+
+impl Tag {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Begin, Self::Lock, Self::Moved, Self::Window, Self::Answer, Self::Restored];
+
+    /// As in the record.
+    #[must_use]
+    pub const fn bytes(self) -> [u8; 4] {
+        *match self {
+            Self::Begin => b"SMRB",
+            Self::Lock => b"SMRL",
+            Self::Moved => b"SMRM",
+            Self::Window => b"SMRW",
+            Self::Answer => b"SMRA",
+            Self::Restored => b"SMRS",
+        }
+    }
+}
+
+/// A target that can be recorded: both trackers'.
+///
+/// ```
+/// use smr_core::record::Recorded;
+/// use smr_core::{Robust, robust::Config};
+/// let mut numbers = Vec::new();
+/// Robust::numbers(&Config::robust(), |number| numbers.push(number));
+/// assert_eq!((Robust::TRACKER, numbers.len(), numbers[0]), (b'R', 268, 65535)); // p(0) is 1.0
+/// ```
+pub trait Recorded: Target {
+    /// What stands for it in a record.
+    const TRACKER: u8;
+
+    /// The numbers of its configuration that answers depend on, in the order of the record.
+    fn numbers(config: &Self::Config, add: impl FnMut(u16));
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Recorded for Paper<PIXELS, SPAN> {
+    const TRACKER: u8 = Kind::Paper as u8;
+
+    fn numbers(config: &paper::Config, add: impl FnMut(u16)) {
+        paper::numbers(config, add);
+    }
+}
+
+impl Recorded for Robust {
+    const TRACKER: u8 = Kind::Robust as u8;
+
+    fn numbers(config: &robust::Config, add: impl FnMut(u16)) {
+        robust::numbers(config, add);
+    }
+}
+
+/// Writes a record; see the [module](self).
+///
+/// Each call writes one entry, in pieces of at most a row of pixels or 64 bytes. If the writer fails, the record ends there: later calls
+/// write nothing, so that nothing follows half an entry. Tracking does not depend on it.
+pub struct Recorder<W> {
+    write: W,
+    entries: u32,
+    failed: bool,
+}
+
+impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
+    /// Begins a record of `target`, which may have been locked before only if [`Recorder::restored`] follows.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn begin<T: Recorded>(target: &T, write: W) -> Result<Self, E> {
+        let mut recorder = Self { write, entries: 0, failed: false };
+        let mut numbers = 0;
+        T::numbers(target.config(), |_| numbers += 1);
+        recorder.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
+            entry.u16(VERSION);
+            entry.put(&[T::TRACKER, 0]);
+            T::numbers(target.config(), |number| entry.u16(number));
+        })?;
+        Ok(recorder)
+    }
+
+    /// `target` was locked on the box `locked` in `frame`: to be called after [`Target::lock`], with the same.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn lock<T: Recorded>(&mut self, target: &T, frame: &Frame<'_>, locked: Rect) -> Result<(), E> {
+        let bounds = frame.bounds();
+        let window = target.lock_window(bounds, locked);
+        // What could not be locked on has changed nothing.
+        let Some(pixels) = frame.patch(window) else { return Ok(()) };
+        self.entry(Tag::Lock, 20 + window.area(), |entry| {
+            entry.u16(bounds.width);
+            entry.u16(bounds.height);
+            entry.rect(locked);
+            entry.rect(window);
+            entry.image(&pixels);
+        })
+    }
+
+    /// [`Target::moved`] was called.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn moved(&mut self, right: i32, down: i32) -> Result<(), E> {
+        self.entry(Tag::Moved, 8, |entry| {
+            entry.put(&right.to_le_bytes());
+            entry.put(&down.to_le_bytes());
+        })
+    }
+
+    /// `frame` is about to be searched: to be called before [`Target::update`] or [`Target::begin`].
+    ///
+    /// Nothing is written if the update will be refused.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn window<T: Recorded>(&mut self, target: &T, frame: &Frame<'_>) -> Result<(), E> {
+        if target.check(frame).is_err() {
+            return Ok(());
+        }
+        let window = target.window().unwrap_or_default();
+        // A window wholly on the padding has no pixels.
+        let window = if window.is_empty() { Rect::default() } else { window };
+        let sweep = target.sweep_window().unwrap_or_default();
+        let Rect { width, height, .. } = frame.bounds();
+        self.entry(Tag::Window, 20 + window.area() + sweep.area(), |entry| {
+            entry.u16(width);
+            entry.u16(height);
+            entry.rect(window);
+            entry.rect(sweep);
+            for pixels in [window, sweep].iter().filter_map(|&part| frame.patch(part)) {
+                entry.image(&pixels);
+            }
+        })
+    }
+
+    /// The update has answered.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn answer(&mut self, answer: &Answer) -> Result<(), E> {
+        let Answer { fine, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
+        let state = match state {
+            State::Tracking => 0,
+            State::Leaving => 1,
+            State::Uncertain => 2,
+            State::Lost => 3,
+        };
+        let flag = |is: bool, bit: u8| if is { bit } else { 0 };
+        let flags = flag(found_again, 1) | flag(runner_up_ratio.is_some(), 2) | flag(alpha.is_some(), 4);
+        self.entry(Tag::Answer, 30, |entry| {
+            for side in [fine.x.cast_unsigned(), fine.y.cast_unsigned(), fine.width, fine.height] {
+                entry.put(&side.to_le_bytes());
+            }
+            entry.put(&[state, flags]);
+            for number in [confidence, ratio, runner_up_ratio.unwrap_or(0), alpha.unwrap_or(0)] {
+                entry.u16(number);
+            }
+            entry.put(&scale.to_le_bytes());
+        })
+    }
+
+    /// The tracker goes on with a saved target: to be called after [`Target::restore`], with the same bytes.
+    ///
+    /// A record that begins so stands alone: long flights can be written as many records, each with the target as it was saved then.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn restored(&mut self, saved: &[u8]) -> Result<(), E> {
+        let length = u32::try_from(saved.len()).unwrap_or(0);
+        self.entry(Tag::Restored, length, |entry| entry.put(saved))
+    }
+
+    /// True if all was written; false once the writer has failed.
+    pub const fn is_whole(&self) -> bool {
+        !self.failed
+    }
+
+    fn entry(&mut self, tag: Tag, length: u32, fill: impl FnOnce(&mut Entry<'_, E, W>)) -> Result<(), E> {
+        if self.failed {
+            return Ok(());
+        }
+        let mut entry = Entry { write: &mut self.write, sum: Crc::new(), held: [0; HELD], used: 0, result: Ok(()) };
+        entry.put(&tag.bytes());
+        entry.put(&self.entries.to_le_bytes());
+        entry.put(&length.to_le_bytes());
+        fill(&mut entry);
+        let result = entry.finish();
+        self.entries = self.entries.wrapping_add(1);
+        self.failed = result.is_err();
+        result
+    }
+}
+
+/// Bytes that are gathered before they are written.
+const HELD: usize = 64;
+
+/// An entry under way. After an error nothing more is written.
+struct Entry<'a, E, W> {
+    write: &'a mut W,
+    sum: Crc,
+    held: [u8; HELD],
+    used: usize,
+    result: Result<(), E>,
+}
+
+impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
+    fn put(&mut self, bytes: &[u8]) {
+        self.sum.update(bytes);
+        self.hold(bytes);
+    }
+
+    /// Without the checksum.
+    fn hold(&mut self, bytes: &[u8]) {
+        if bytes.len() > HELD - self.used.min(HELD) {
+            self.flush();
+        }
+        match self.held.get_mut(self.used..self.used + bytes.len()) {
+            Some(place) => {
+                place.iter_mut().zip(bytes).for_each(|(place, &byte)| *place = byte);
+                self.used += bytes.len();
+            }
+            None if self.result.is_ok() => self.result = (self.write)(bytes),
+            None => {}
+        }
+    }
+
+    fn flush(&mut self) {
+        let held = self.held.get(..self.used).unwrap_or_default();
+        if !held.is_empty() && self.result.is_ok() {
+            self.result = (self.write)(held);
+        }
+        self.used = 0;
+    }
+
+    fn finish(mut self) -> Result<(), E> {
+        let sum = self.sum.finish();
+        self.hold(&sum.to_le_bytes());
+        self.flush();
+        self.result
+    }
+
+    fn u16(&mut self, number: u16) {
+        self.put(&number.to_le_bytes());
+    }
+
+    /// One inside the frame: no number is negative.
+    fn rect(&mut self, rect: Rect) {
+        for place in [rect.x, rect.y] {
+            self.u16(u16::try_from(place).unwrap_or(0));
+        }
+        self.u16(rect.width);
+        self.u16(rect.height);
+    }
+
+    fn image(&mut self, image: &Image<'_>) {
+        // Not by `rows`, where the compiler keeps a division by the stride, and its panic.
+        (0..image.height()).for_each(|y| self.put(image.row(y)));
+    }
+}
+
+/// A writer to the log of defmt: lines that `host-sim replay` finds in the printed log, whatever else is logged.
+///
+/// ```rust,ignore
+/// let Ok(mut recorder) = Recorder::begin(tracker.target(), to_defmt);
+/// ```
+///
+/// # Errors
+/// Never.
+#[cfg(feature = "defmt")]
+pub fn to_defmt(bytes: &[u8]) -> Result<(), core::convert::Infallible> {
+    defmt::println!("smr-record {=[u8]:02x}", bytes);
+    Ok(())
+}

@@ -1,0 +1,191 @@
+//! Loss of power: a target that was saved at any instant of an update, by a write that stopped anywhere, goes on with identical answers or is
+//! refused. Nothing between: bytes of two saved targets are never taken for one.
+
+use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, Tracker, paper, robust};
+
+type SmallPaper = Paper<1024, 65>;
+
+const SIZE: (u16, u16) = (120, 90);
+const TARGET: Rect = Rect::new(40, 30, 20, 18);
+
+fn small_paper() -> paper::Config {
+    let mut config = paper::Config::camera();
+    config.window = paper::Radius { x: 12, y: 12 };
+    config.window_limit = paper::Radius { x: 32, y: 32 };
+    config
+}
+
+/// Tiles of their own on a ground of weaker ones, the target a little further in each frame; from the eighth on it is hidden.
+fn picture(number: usize) -> Vec<u8> {
+    let number = i32::try_from(number).unwrap();
+    let hash =
+        |x: i32, y: i32| (x.wrapping_mul(7_368_787) ^ y.wrapping_mul(19_349_663)).wrapping_mul(73_856_093) >> 16 & 0xFF;
+    let (left, top) = (40 + 2 * number, 30 + number);
+    let pixel = |x: i32, y: i32| {
+        let inside = number < 8 && (left..left + 20).contains(&x) && (top..top + 18).contains(&y);
+        let level = if inside { hash((x - left) / 4, (y - top) / 3) } else { 80 + hash(x / 7, y / 7 + 90) / 6 };
+        u8::try_from(level).unwrap()
+    };
+    (0..i32::from(SIZE.1)).flat_map(|y| (0..i32::from(SIZE.0)).map(move |x| pixel(x, y))).collect()
+}
+
+fn frame(pixels: &[u8]) -> Frame<'_> {
+    Frame::whole(Image::new(pixels, SIZE.0, SIZE.1).unwrap())
+}
+
+fn saved<T: Target>(tracker: &Tracker<T>) -> Vec<u8> {
+    let mut bytes = vec![0; T::SAVED_SIZE];
+    let length = tracker.save(&mut bytes).unwrap();
+    bytes.truncate(length);
+    bytes
+}
+
+fn locked<T: Target>(config: T::Config) -> Box<Tracker<T>> {
+    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    tracker.lock(&frame(&picture(0)), TARGET).unwrap();
+    tracker
+}
+
+/// The saved target after each of so many frames, and the answers.
+fn history<T: Target>(config: T::Config, frames: usize) -> (Vec<Vec<u8>>, Vec<Answer>) {
+    let mut tracker = locked::<T>(config);
+    let mut all = vec![saved(&tracker)];
+    let mut answers = Vec::new();
+    for number in 1..=frames {
+        answers.push(tracker.update(&frame(&picture(number))).unwrap());
+        all.push(saved(&tracker));
+    }
+    (all, answers)
+}
+
+/// SplitMix64.
+fn random(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    mixed ^ (mixed >> 31)
+}
+
+/// The update in which the power fails is made once more after the restart: from what was saved between any two of its steps.
+fn saved_between_steps<T: Target>(config: T::Config, work: u32) {
+    let (all, answers) = history::<T>(config, 12);
+    for number in [1, 2, 7, 8, 9, 12] {
+        let pixels = picture(number);
+        let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+        tracker.restore(&all[number - 1]).unwrap();
+        let mut done = tracker.begin(&frame(&pixels)).unwrap().step(work);
+        let mut instants = 0;
+        loop {
+            // Here the power fails.
+            assert_eq!(saved(&tracker), all[number - 1], "an update that is not finished has changed nothing");
+            if instants % 50 == 0 || done {
+                let mut again = Box::new(Tracker::<T>::new(config).unwrap());
+                again.restore(&saved(&tracker)).unwrap();
+                for (later, expected) in (number..=12).zip(&answers[number - 1..]).take(3) {
+                    assert_eq!(&again.update(&frame(&picture(later))).unwrap(), expected, "frame {later}");
+                }
+            }
+            if done {
+                break;
+            }
+            instants += 1;
+            done = tracker.resume(&frame(&pixels)).unwrap().step(work);
+        }
+        assert!(instants > 5, "{instants} instants");
+        assert_eq!(tracker.resume(&frame(&pixels)).unwrap().finish(), answers[number - 1]);
+        assert_eq!(saved(&tracker), all[number], "finished it is as after an update at once");
+    }
+}
+
+#[test]
+fn the_papers_target_saved_between_steps() {
+    saved_between_steps::<SmallPaper>(small_paper(), 3000);
+}
+
+#[test]
+fn the_robust_target_saved_between_steps() {
+    saved_between_steps::<Robust>(robust::Config::robust(), 20_000);
+}
+
+/// What lies in memory when the write of `new` over `old` stopped: what a restart makes of it.
+struct Restart<T: Target> {
+    tracker: Box<Tracker<T>>,
+    untouched: Vec<u8>,
+    refused: u32,
+}
+
+impl<T: Target> Restart<T> {
+    fn new(config: T::Config) -> Self {
+        let tracker = locked::<T>(config);
+        Self { untouched: saved(&tracker), tracker, refused: 0 }
+    }
+
+    /// Takes `bytes` if they are one of the two, whole; refuses everything else, and then goes on with what it had.
+    fn meets(&mut self, bytes: &[u8], (old, new): (&[u8], &[u8]), what: &str) {
+        let whole = [old, new].into_iter().find(|saved| bytes.starts_with(saved));
+        match (self.tracker.restore(bytes), whole) {
+            (Ok(()), Some(saved_before)) => {
+                assert_eq!(saved(&self.tracker), saved_before, "{what}");
+                let untouched = self.untouched.clone();
+                self.tracker.restore(&untouched).unwrap();
+            }
+            (Ok(()), None) => panic!("a mixture was taken for a target: {what}"),
+            (Err(_), None) => self.refused += 1,
+            (Err(error), Some(_)) => panic!("a whole target is refused: {error:?}, {what}"),
+        }
+    }
+}
+
+fn mixed<T: Target>(config: T::Config, every: usize) {
+    let (all, _) = history::<T>(config, 12);
+    let mut restart = Restart::<T>::new(config);
+    let mut state = 1;
+    let pairs = [(0, 1), (1, 2), (6, 7), (7, 8), (8, 9), (11, 12), (12, 1)];
+    for (old, new) in pairs.map(|(old, new)| (&all[old], &all[new])) {
+        let both = (old.as_slice(), new.as_slice());
+        let length = new.len();
+        assert_eq!(old.len(), length);
+        // Near the beginning, the end and every so many bytes.
+        let cuts = (0..64).chain((64..length).step_by(every)).chain(length - 8..=length);
+        for cut in cuts {
+            let in_place = [&new[..cut], &old[cut..]].concat();
+            restart.meets(&in_place, both, &format!("the first {cut} bytes are new"));
+            let backwards = [&old[..cut], &new[cut..]].concat();
+            restart.meets(&backwards, both, &format!("all but the first {cut} bytes are new"));
+            restart.meets(&new[..cut], both, &format!("only {cut} bytes are there"));
+            let erased = [&new[..cut], &vec![0xFF; length - cut][..]].concat();
+            restart.meets(&erased, both, &format!("{cut} bytes on erased flash"));
+            let zeroed = [&new[..cut], &vec![0; length - cut][..]].concat();
+            restart.meets(&zeroed, both, &format!("{cut} bytes on zeroes"));
+        }
+        // Memory that is written in any order: by bytes, words of 4 and 8, lines of 32, pages of 256.
+        for unit in [1, 4, 8, 32, 256] {
+            for _ in 0..24 {
+                let mut bytes = old.clone();
+                for (to, from) in bytes.chunks_mut(unit).zip(new.chunks(unit)) {
+                    if random(&mut state) & 1 == 0 {
+                        to.copy_from_slice(from);
+                    }
+                }
+                restart.meets(&bytes, both, &format!("units of {unit} bytes, some old, some new"));
+            }
+        }
+        // One byte that has not come, which is the least that can go wrong.
+        for at in (0..length).step_by(every) {
+            let mut bytes = new.clone();
+            bytes[at] = old[at];
+            restart.meets(&bytes, both, &format!("byte {at} is old"));
+        }
+    }
+    assert!(restart.refused > 1000, "{} were refused", restart.refused);
+}
+
+#[test]
+fn the_papers_target_and_an_older_copy_mixed() {
+    mixed::<SmallPaper>(small_paper(), 1);
+}
+
+#[test]
+fn the_robust_target_and_an_older_copy_mixed() {
+    mixed::<Robust>(robust::Config::robust(), 37);
+}

@@ -1,0 +1,95 @@
+//! `host-sim replay`: a flight record through smr-core once more, and the first difference by name.
+
+use super::{Outcome, progress, say};
+use crate::replay::{self, Flight, Report};
+use anyhow::{Context, Result, bail};
+use serde::Serialize;
+use std::fs::File;
+use std::io::{self, Read, Write, stdin};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub struct Replay {
+    /// What firmware wrote by `smr_core::record`: its bytes, or a printed log with them; `-` is standard input
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// All that is printed.
+#[derive(Serialize)]
+struct Replayed<'a> {
+    version: &'static str,
+    file: String,
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
+impl Replay {
+    pub fn run(self) -> Result<Outcome> {
+        let name = self.file.display().to_string();
+        let source: Box<dyn Read> = if self.file == Path::new("-") {
+            Box::new(stdin())
+        } else {
+            Box::new(File::open(&self.file).with_context(|| format!("cannot open the record {name}"))?)
+        };
+        let bar = progress::entries(&name);
+        let report = replay::replay(source, || bar.inc(1)).with_context(|| name.clone())?;
+        bar.finish_and_clear();
+        let replayed = Replayed { version: env!("CARGO_PKG_VERSION"), file: name.clone(), report: &report };
+        if self.json {
+            let json = serde_json::to_string_pretty(&replayed)?;
+            say(|out| writeln!(out, "{json}"))?;
+        } else {
+            say(|out| describe(&replayed, out))?;
+        }
+        if let Some(damage) = &report.damage {
+            bail!("{name}: {damage}; what lies before it was replayed");
+        }
+        Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+}
+
+fn describe(Replayed { file, report, .. }: &Replayed<'_>, out: &mut impl Write) -> io::Result<()> {
+    let all = report.flights.len();
+    for (number, flight) in (1..).zip(&report.flights) {
+        let which = if all > 1 { format!(", flight {number} of {all}") } else { String::new() };
+        let Flight { method, answers, locks, bytes, pixels, .. } = flight;
+        let locked = if *locks == 1 { "1 lock".to_owned() } else { format!("{locks} locks") };
+        writeln!(out, "{file}{which}, {method}: {locked}, {answers} answers as recorded, bit for bit")?;
+        let [tracking, leaving, uncertain, lost] = flight.states;
+        writeln!(out, "  {tracking} frames tracking, {leaving} leaving, {uncertain} uncertain, {lost} lost")?;
+        writeln!(out, "  {bytes} bytes, {pixels} of them pixels")?;
+        for (count, what) in [
+            (flight.moved, "turns of the camera"),
+            (flight.restored, "saved targets restored"),
+            (flight.given_up, "updates given up"),
+        ] {
+            if count > 0 {
+                writeln!(out, "  {count} {what}")?;
+            }
+        }
+        if flight.cut_off > 0 {
+            writeln!(out, "  cut off: the last {} bytes are no whole entry", flight.cut_off)?;
+        }
+        if let Some(last) = &flight.unanswered {
+            writeln!(
+                out,
+                "  no answer to frame {} is in it; here it is {}, box in 1/256 pixel {}",
+                last.frame, last.state, last.bbox
+            )?;
+        }
+    }
+    if report.cut_off > 0 {
+        writeln!(out, "  cut off: the last {} bytes are no whole entry", report.cut_off)?;
+    }
+    if let Some(difference) = &report.difference {
+        let which = if all > 1 { format!("flight {}, ", difference.flight) } else { String::new() };
+        writeln!(out, "  DIFFERS in {which}frame {}: {}", difference.frame, difference.field)?;
+        writeln!(out, "    recorded: {}", difference.recorded)?;
+        writeln!(out, "    replayed: {}", difference.replayed)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! `host-sim soak`: as many frames as there is time for, every answer compared.
+
+use super::{Outcome, progress, say};
+use crate::evaluate::{CoreKind, Origin};
+use crate::export::{Format, Writer};
+use crate::soak::video::Video;
+use crate::soak::{self, Report, Settings, peak_memory};
+use anyhow::{Result, ensure};
+use serde::Serialize;
+use serde_json::Map;
+use std::io::{self, Write};
+use std::num::NonZeroU64;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub struct Soak {
+    /// Which tracker
+    #[arg(long, value_enum, default_value = "smr")]
+    method: CoreKind,
+    /// How many frames; each session of 500 has a scene and a lock of its own
+    #[arg(long, value_name = "N", default_value = "100000")]
+    frames: NonZeroU64,
+    /// Compare 50 frames of every N-th session with the float reference, too; 0 compares none
+    #[arg(long, value_name = "N", default_value = "20")]
+    reference_every: u64,
+    /// Of the first scene; the next has one more
+    #[arg(long, default_value = "0")]
+    seed: u64,
+    /// In place of all that write a scene of so many frames as a recording into this new folder, to feed to firmware
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "reference_every", "json"])]
+    write: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// All that is printed.
+#[derive(Serialize)]
+struct Soaked<'a> {
+    #[serde(flatten)]
+    origin: Origin,
+    seed: u64,
+    #[serde(flatten)]
+    report: &'a Report,
+    /// The most memory that this process has taken, in KiB; null where the system does not tell.
+    peak_kib: Option<u64>,
+}
+
+impl Soak {
+    pub fn run(self) -> Result<Outcome> {
+        let frames = self.frames.get();
+        if let Some(folder) = &self.write {
+            return write(folder, frames, self.seed);
+        }
+        let Self { method, reference_every, seed, .. } = self;
+        let bar = progress::bar("soak", usize::try_from(frames).ok());
+        let report = soak::soak(Settings { method, frames, reference_every, seed }, |done| bar.inc(done))?;
+        bar.finish_and_clear();
+        let origin = Origin::new(method.into(), Map::new());
+        let soaked = Soaked { origin, seed, report: &report, peak_kib: peak_memory() };
+        if self.json {
+            let json = serde_json::to_string_pretty(&soaked)?;
+            say(|out| writeln!(out, "{json}"))?;
+        } else {
+            say(|out| describe(&soaked, out))?;
+        }
+        Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+}
+
+fn describe(soaked: &Soaked<'_>, out: &mut impl Write) -> io::Result<()> {
+    let Report { frames, sessions, reference_frames, states, found_again, faults, turns, restored, seconds, .. } =
+        soaked.report;
+    let method = soaked.origin.method;
+    let equal = if soaked.report.difference.is_none() { "every answer the same" } else { "FAILED" };
+    writeln!(out, "{method}: {frames} frames in {sessions} sessions, {seconds:.0} s: {equal}")?;
+    writeln!(out, "  fastest backend, whole frames, at once; plain loops, parts, steps, restored {restored} times")?;
+    writeln!(out, "  {reference_frames} of the frames against the float reference, too")?;
+    let [tracking, leaving, uncertain, lost] = states;
+    writeln!(
+        out,
+        "  {tracking} tracking, {leaving} leaving, {uncertain} uncertain, {lost} lost; found again {found_again} times"
+    )?;
+    writeln!(out, "  {faults} faults of the camera, {turns} turns of it")?;
+    if let Some(kib) = soaked.peak_kib {
+        writeln!(out, "  at most {} MiB of memory", kib.div_ceil(1024))?;
+    }
+    let Some(difference) = &soaked.report.difference else { return Ok(()) };
+    writeln!(out, "  session {}, frame {}: {}", difference.session, difference.frame, difference.what)?;
+    writeln!(out, "    fast:  {}", difference.fast)?;
+    writeln!(out, "    plain: {}", difference.plain)
+}
+
+fn write(folder: &Path, frames: u64, seed: u64) -> Result<Outcome> {
+    ensure!(frames > 1, "--frames {frames}: a recording to follow a target in has at least 2");
+    let mut video = Video::new(seed);
+    let (first, target) = video.first();
+    let mut writer = Writer::in_folder(folder, Format::Y4m, "soak", Some(target.into()))?;
+    writer.frame(first)?;
+    for _ in 1..frames {
+        writer.frame(&video.frame())?;
+    }
+    writer.finish(None)?;
+    say(|out| writeln!(out, "{}: {frames} frames; init.txt", folder.display()))?;
+    Ok(Outcome::Holds)
+}

@@ -1,0 +1,94 @@
+//! Where exactly: the early template at pixel resolution around a place, and what its differences say of place and size.
+
+use super::Numbers;
+use super::agreement::Similarity;
+use super::grid::Patch;
+use super::light::{in_light_of, threshold};
+use super::rounding::{SCALE, SUB, real, to_zero};
+
+/// What the early template agrees with best in a view.
+pub struct Nearest {
+    /// From the view's middle, in pixels of the grid.
+    pub x: i64,
+    pub y: i64,
+    pub seen: Patch,
+}
+
+/// By its score in the light of the middle: of nine places two pixels apart, then of those around the best of them. Places come row by row,
+/// but the middle first; the first of equals is the best.
+pub fn nearest(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch) -> Nearest {
+    let margin = numbers.margin;
+    let cut =
+        |x: i64, y: i64| view.cut(margin + x, margin + y, early.columns, early.rows).expect("it lies in the view");
+    let middle = cut(0, 0);
+    let (lit, alpha) = (in_light_of(numbers, early, &middle), threshold(numbers, &middle));
+    let (mut best, mut highest) = ((0, 0), similarity.score(&middle, &lit, alpha));
+    for step in [numbers.far, 1] {
+        let (x, y) = best;
+        for (right, down) in (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down))) {
+            let place = (x + step * right, y + step * down);
+            let score = similarity.score(&cut(place.0, place.1), &lit, alpha);
+            if score > highest {
+                (best, highest) = (place, score);
+            }
+        }
+    }
+    Nearest { x: best.0, y: best.1, seen: cut(best.0, best.1) }
+}
+
+/// Right and down in pixels of the grid, on a grid of 1/64, and the growth, on one of 1/65536.
+pub struct Step {
+    pub x: f64,
+    pub y: f64,
+    pub growth: f64,
+}
+
+/// The Gauss-Newton step from the early template to what is seen: the least squares of difference + slope * (x, y) + outward * growth, the
+/// slope being that of both pictures' mean.
+pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch) -> Step {
+    let (lit, alpha) = (in_light_of(numbers, early, seen), threshold(numbers, seen));
+    let mut sums = [[0.0; 4]; 3];
+    for (y, x) in (1..seen.rows - 1).flat_map(|y| (1..seen.columns - 1).map(move |x| (y, x))) {
+        let both = |x: i64, y: i64| seen.row(x, y, 1)[0] + lit.row(x, y, 1)[0];
+        let (across, down) = (both(x + 1, y) - both(x - 1, y), both(x, y + 1) - both(x, y - 1));
+        let from_middle = |at: i64, size: i64| real(2 * at + 1 - size);
+        let outward = across * from_middle(x, seen.columns) + down * from_middle(y, seen.rows);
+        let error = (seen.row(x, y, 1)[0] - lit.row(x, y, 1)[0]).clamp(-alpha, alpha);
+        let row = [across, down, (outward / 64.0).floor(), error];
+        for (sums, slope) in sums.iter_mut().zip(row) {
+            sums.iter_mut().zip(row).for_each(|(sum, other)| *sum += slope * other);
+        }
+    }
+    solve(numbers, sums)
+}
+
+/// Each row is an equation: three coefficients, and what their sum is.
+fn solve(numbers: &Numbers, sums: [[f64; 4]; 3]) -> Step {
+    let square = |at: usize| sums[at][at] + (sums[at][at] / numbers.more).floor();
+    let largest = (0..3).map(square).fold(0.0, f64::max);
+    let mut unit = 1.0;
+    while (largest / unit).floor() >= numbers.most_sum {
+        unit *= 2.0;
+    }
+    let number = |row: usize, column: usize| {
+        if row == column { (square(row) / unit).floor() + 1.0 } else { to_zero(sums[row][column] / unit, 1.0) }
+    };
+    let wanted = [0, 1, 2].map(|row: usize| to_zero(256.0 * sums[row][3] / unit, 1.0));
+    // Cramer's rule: a row of the adjoint, of which each element is a minor.
+    let minor = |row: usize, column: usize| {
+        let ((a, b), (c, d)) = (((row + 1) % 3, (row + 2) % 3), ((column + 1) % 3, (column + 2) % 3));
+        number(a, c) * number(b, d) - number(a, d) * number(b, c)
+    };
+    let determinant: f64 = (0..3).map(|column| number(0, column) * minor(0, column)).sum();
+    let part = |row: usize, by: f64, most: f64| {
+        let sum: f64 = (0..3).map(|column| minor(row, column) * wanted[column]).sum();
+        let part = if determinant > 0.0 { by * to_zero(sum / determinant, 1.0) } else { 0.0 };
+        part.clamp(-most, most)
+    };
+    let (most_move, most_growth) = (numbers.most_move * SUB, numbers.most_growth);
+    Step {
+        x: part(0, -1.0, most_move) / SUB,
+        y: part(1, -1.0, most_move) / SUB,
+        growth: part(2, -32.0, most_growth) / SCALE,
+    }
+}

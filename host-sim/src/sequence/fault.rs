@@ -1,0 +1,273 @@
+//! Faults as cameras have them, put into frames that are whole: always the same for the same seed.
+
+use super::GrayFrame;
+use super::synthetic::Random;
+use anyhow::{Result, anyhow, bail};
+use std::fmt;
+use std::str::FromStr;
+
+/// What a fault does to the frames of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fault {
+    kind: Kind,
+    /// How much of it: frames of the kinds that are of a length, else as the kind says.
+    amount: u16,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// So many frames never come, every second one.
+    Dropped,
+    /// The frame before it comes again, so many times.
+    Repeated,
+    /// The rows below some row are those of the frame before.
+    Torn,
+    /// All pixels are 0.
+    Black,
+    /// All pixels are 255.
+    White,
+    /// So many columns are stuck at some value.
+    Columns,
+    /// A bit is wrong in so many of 1000 pixels.
+    Bits,
+    /// Pixels are so many hundredths of what they should be.
+    Gain,
+    /// Noise of this standard deviation, in gray levels.
+    Noise,
+    /// The window was read out so many pixels too far to the left, and half as many too high.
+    Origin,
+    /// No frame comes for so many.
+    Gap,
+}
+
+/// How long a fault is that has another amount.
+const FRAMES: usize = 10;
+
+/// The seed of all that is random in a fault; with the number of the frame.
+const SEED: u64 = 0xFA17_0000;
+
+impl Kind {
+    const ALL: [(Self, &'static str); 11] = [
+        (Self::Dropped, "dropped"),
+        (Self::Repeated, "repeated"),
+        (Self::Torn, "torn"),
+        (Self::Black, "black"),
+        (Self::White, "white"),
+        (Self::Columns, "columns"),
+        (Self::Bits, "bits"),
+        (Self::Gain, "gain"),
+        (Self::Noise, "noise"),
+        (Self::Origin, "origin"),
+        (Self::Gap, "gap"),
+    ];
+}
+
+impl Fault {
+    /// The list that `all` stands for.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let of = |kind, amount| Self { kind, amount };
+        vec![
+            of(Kind::Dropped, 5),
+            of(Kind::Repeated, 5),
+            of(Kind::Torn, 3),
+            of(Kind::Black, 3),
+            of(Kind::White, 3),
+            of(Kind::Columns, 8),
+            of(Kind::Bits, 20),
+            of(Kind::Gain, 50),
+            of(Kind::Gain, 150),
+            of(Kind::Noise, 20),
+            of(Kind::Origin, 12),
+            of(Kind::Gap, 10),
+        ]
+    }
+
+    /// How many frames of the recording it goes over.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        let amount = usize::from(self.amount);
+        match self.kind {
+            Kind::Dropped => 2 * amount,
+            Kind::Repeated | Kind::Torn | Kind::Black | Kind::White | Kind::Gap => amount,
+            Kind::Columns | Kind::Bits | Kind::Gain | Kind::Noise | Kind::Origin => FRAMES,
+        }
+    }
+
+    /// What comes in place of frame `index` of its [`Fault::frames`], counted from 0; `None` if nothing comes. `before` is the last
+    /// frame before the fault, `former` the one before this one.
+    #[must_use]
+    pub fn of(
+        &self,
+        index: usize,
+        frame: &GrayFrame,
+        (before, former): (&GrayFrame, &GrayFrame),
+        seed: u64,
+    ) -> Option<GrayFrame> {
+        let amount = self.amount;
+        let mut random = Random(SEED ^ seed << 24 ^ (index as u64 + 1) << 8);
+        let mut once = Random(SEED ^ seed << 24);
+        let mut made = frame.clone();
+        let width = usize::from(frame.width);
+        let pixels = &mut made.pixels;
+        match self.kind {
+            Kind::Dropped if index.is_multiple_of(2) => return None,
+            Kind::Gap => return None,
+            Kind::Dropped => {}
+            Kind::Repeated => pixels.clone_from(&before.pixels),
+            Kind::Torn => {
+                // Somewhere in the middle half.
+                let height = usize::from(frame.height);
+                let start = (height / 4 + random.place(height / 2)) * width;
+                pixels[start..].copy_from_slice(&former.pixels[start..]);
+            }
+            Kind::Black => pixels.fill(0),
+            Kind::White => pixels.fill(255),
+            Kind::Columns => {
+                for _ in 0..amount {
+                    let (column, value) = (once.place(width), once.next().to_le_bytes()[0]);
+                    pixels.iter_mut().skip(column).step_by(width).for_each(|pixel| *pixel = value);
+                }
+            }
+            Kind::Bits => {
+                for pixel in pixels {
+                    if random.place(1000) < usize::from(amount) {
+                        *pixel ^= 1 << random.place(8);
+                    }
+                }
+            }
+            Kind::Gain => {
+                for pixel in pixels {
+                    *pixel = clamped(i64::from(*pixel) * i64::from(amount) / 100);
+                }
+            }
+            Kind::Noise => {
+                for pixel in pixels {
+                    *pixel = clamped(i64::from(*pixel) + normal(&mut random, amount));
+                }
+            }
+            Kind::Origin => shift(frame, pixels, usize::from(amount), usize::from(amount / 2)),
+        }
+        Some(made)
+    }
+}
+
+/// What stands so far to the left and above; the edges go on.
+fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
+    let width = usize::from(frame.width);
+    for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
+        let from = &frame.pixels[y.saturating_sub(down) * width..][..width];
+        for (x, pixel) in row.iter_mut().enumerate() {
+            *pixel = from[x.saturating_sub(right)];
+        }
+    }
+}
+
+fn clamped(level: i64) -> u8 {
+    u8::try_from(level.clamp(0, 255)).unwrap_or(u8::MAX)
+}
+
+/// Nearly normal: the sum of eight uniform bytes, less its mean, scaled.
+fn normal(random: &mut Random, deviation: u16) -> i64 {
+    let sum: i64 = random.next().to_le_bytes().into_iter().map(i64::from).sum();
+    // The standard deviation of the sum is sqrt(8 * (256^2 - 1) / 12) = 209.
+    ((sum - 4 * 255) * i64::from(deviation)).div_euclid(209)
+}
+
+impl FromStr for Fault {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let names = || Kind::ALL.map(|(_, name)| name).join(", ");
+        let (name, amount) =
+            text.split_once(':').ok_or_else(|| anyhow!("expected NAME:N or all; names are {}", names()))?;
+        let Some((kind, _)) = Kind::ALL.into_iter().find(|(_, of_kind)| *of_kind == name) else {
+            bail!("there is no fault {name}: expected {}", names())
+        };
+        let most = if kind == Kind::Bits { 1000 } else { 9999 };
+        let amount = amount.parse().ok().filter(|amount| (1..=most).contains(amount));
+        let amount = amount.ok_or_else(|| anyhow!("expected {name}:N with a whole number from 1 to {most}"))?;
+        Ok(Self { kind, amount })
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Kind::ALL.into_iter().find(|(kind, _)| *kind == self.kind).map_or("", |(_, name)| name);
+        write!(f, "{name}:{}", self.amount)
+    }
+}
+
+/// What stands on the command line: one fault, or all of the list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Faults(pub Vec<Fault>);
+
+impl FromStr for Faults {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if text == "all" { Ok(Self(Fault::all())) } else { Ok(Self(vec![text.parse()?])) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(seed: usize) -> GrayFrame {
+        let pixels =
+            (0..40 * 30).map(|at: usize| ((at * 7 + at / 40 * 13 + seed * 50) % 251).to_le_bytes()[0]).collect();
+        GrayFrame { width: 40, height: 30, pixels }
+    }
+
+    fn made(fault: &str, index: usize) -> Option<GrayFrame> {
+        fault.parse::<Fault>().unwrap().of(index, &frame(3), (&frame(1), &frame(2)), 7)
+    }
+
+    /// How many pixels are not as they should be.
+    fn changed(fault: &str, index: usize) -> usize {
+        let made = made(fault, index).unwrap();
+        made.pixels.iter().zip(frame(3).pixels).filter(|(a, b)| **a != *b).count()
+    }
+
+    #[test]
+    fn each_does_what_it_is_called() {
+        assert_eq!((made("dropped:3", 0), made("dropped:3", 1)), (None, Some(frame(3))));
+        assert_eq!((made("gap:3", 2), made("repeated:3", 2)), (None, Some(frame(1))));
+        assert!(made("black:1", 0).unwrap().pixels.iter().all(|&pixel| pixel == 0));
+        assert!(made("white:1", 0).unwrap().pixels.iter().all(|&pixel| pixel == 255));
+        let torn = made("torn:1", 0).unwrap();
+        let row = |frame: &GrayFrame, y: usize| frame.pixels[y * 40..][..40].to_vec();
+        assert_eq!((row(&torn, 0), row(&torn, 29)), (row(&frame(3), 0), row(&frame(2), 29)));
+        assert_eq!(made("gain:50", 0).unwrap().pixels[9], frame(3).pixels[9] / 2);
+        let shifted = made("origin:12", 0).unwrap();
+        assert_eq!(
+            (shifted.pixels[10 * 40 + 20], shifted.pixels[0]),
+            (frame(3).pixels[4 * 40 + 8], frame(3).pixels[0])
+        );
+        assert!((1..=3 * 30).contains(&changed("columns:3", 0)));
+        assert_eq!(made("columns:3", 0), made("columns:3", 5), "stuck ones stay the same");
+        assert!((60..240).contains(&changed("bits:100", 0)), "{}", changed("bits:100", 0));
+        assert_ne!(made("bits:100", 0), made("bits:100", 1));
+        assert_eq!(made("noise:9", 4), made("noise:9", 4), "always the same");
+    }
+
+    #[test]
+    fn noise_has_its_deviation() {
+        let mut random = Random(5);
+        let sum: i64 = (0..10_000).map(|_| normal(&mut random, 100).pow(2)).sum();
+        assert!((9_000..11_000).contains(&(sum / 10_000)), "{sum}");
+    }
+
+    #[test]
+    fn what_is_typed_is_what_is_printed() {
+        for fault in Fault::all() {
+            assert_eq!(fault.to_string().parse::<Fault>().unwrap(), fault);
+            assert!(fault.frames() > 0);
+        }
+        assert_eq!("all".parse::<Faults>().unwrap().0.len(), 12);
+        for refused in ["", "torn", "torn:0", "torn:x", "melted:3", "bits:1001", "gap:10000", "gain:-1"] {
+            assert!(refused.parse::<Faults>().is_err(), "{refused}");
+        }
+    }
+}

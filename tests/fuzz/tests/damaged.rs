@@ -1,0 +1,61 @@
+//! The files that are read, damaged in a few places: some of what a fuzzer does first, in every run of the tests.
+
+use smr_fuzz::target;
+use std::fs;
+use std::path::Path;
+
+/// What reads files and words. The others are slow, or are known by what they find in a long run.
+const READERS: [&str; 8] = ["pnm", "png", "jpeg", "picture", "y4m", "raw", "boxes", "words"];
+
+/// How often each file is damaged.
+const TIMES: u32 = 60;
+
+/// Marsaglia's xorshift: the same numbers in every run.
+struct Random(u64);
+
+impl Random {
+    /// Below `end`, which is above 0.
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        usize::try_from(self.0 % end as u64).expect("it is below a usize")
+    }
+}
+
+/// Up to three bytes are others, and half of the files are cut.
+fn damaged(whole: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = whole.to_vec();
+    for _ in 0..random.below(4) {
+        let at = random.below(bytes.len());
+        bytes[at] = random.below(256).to_le_bytes()[0];
+    }
+    if random.below(2) == 0 {
+        bytes.truncate(random.below(whole.len() + 1));
+    }
+    bytes
+}
+
+#[test]
+fn damaged_files_are_errors_or_frames() {
+    let mut random = Random(0x5EED);
+    let mut read = 0;
+    for name in READERS {
+        let reads = target(name).expect("there is such a target");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name);
+        let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        files.sort();
+        for file in files {
+            let whole = fs::read(&file).unwrap();
+            if whole.is_empty() {
+                continue;
+            }
+            println!("{}", file.display());
+            for _ in 0..TIMES {
+                reads(&damaged(&whole, &mut random));
+                read += 1;
+            }
+        }
+    }
+    assert!(read > 1000, "{read}");
+}

@@ -1,0 +1,212 @@
+//! Long runs and bad ends: memory stays bounded, and what was written before a full disk, a closed pipe or a kill is whole.
+
+#![cfg(unix)]
+
+mod program;
+
+use host_sim::sequence::synthetic;
+use program::{PROGRAM, host_sim, utf8};
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// `track -` with the first frames of the built-in recording on their way to it.
+struct Live {
+    process: Child,
+    input: ChildStdin,
+    frames: Box<dyn Iterator<Item = Vec<u8>>>,
+}
+
+const START: &str = "36,24,24,28";
+
+impl Live {
+    fn start(arguments: &[&str], output: Stdio) -> Self {
+        let frames = Box::new(synthetic::frames().map(|frame| frame.pixels).cycle_first());
+        let mut process = command(arguments).stdin(Stdio::piped()).stdout(output).spawn().expect("host-sim runs");
+        let mut input = process.stdin.take().expect("it is piped");
+        let header = format!("YUV4MPEG2 W{} H{} F25:1 Cmono\n", synthetic::WIDTH, synthetic::HEIGHT);
+        input.write_all(header.as_bytes()).expect("it reads");
+        Self { process, input, frames }
+    }
+
+    fn send(&mut self, count: usize) {
+        for pixels in self.frames.by_ref().take(count) {
+            self.input.write_all(&[b"FRAME\n", &pixels[..]].concat()).expect("it reads");
+        }
+        self.input.flush().expect("it reads");
+    }
+
+    fn kill(mut self) {
+        self.process.kill().expect("it runs");
+        let _ = self.process.wait();
+    }
+}
+
+/// The same frames again and again.
+trait CycleFirst: Iterator<Item = Vec<u8>> + Sized {
+    fn cycle_first(self) -> std::iter::Cycle<std::vec::IntoIter<Vec<u8>>> {
+        self.take(20).collect::<Vec<_>>().into_iter().cycle()
+    }
+}
+
+impl<I: Iterator<Item = Vec<u8>>> CycleFirst for I {}
+
+fn wait_until(what: &str, mut there: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !there() {
+        assert!(start.elapsed() < Duration::from_secs(120), "waited too long for {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// The most memory that a process has taken until now, in KiB.
+#[cfg(target_os = "linux")]
+fn peak(process: &Child) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{}/status", process.id())).expect("it runs");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("Linux says it");
+    line.trim().trim_end_matches("kB").trim().parse().expect("a number")
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn live_input_takes_no_more_memory_with_time() {
+    for method in ["smr", "robust"] {
+        let window: &[&str] = if method == "smr" { &["--window", "8x8"] } else { &[] };
+        let arguments = [&["track", "-", "--init", START, "--method", method, "--json"], window].concat();
+        let mut live = Live::start(&arguments, Stdio::piped());
+        let mut lines = BufReader::new(live.process.stdout.take().expect("it is piped")).lines();
+        let mut answered = |live: &mut Live, count: usize| {
+            for _ in 0..count / 10 {
+                live.send(10);
+                assert_eq!(lines.by_ref().take(10).filter(Result::is_ok).count(), 10);
+            }
+            peak(&live.process)
+        };
+        let early = answered(&mut live, 100);
+        let late = answered(&mut live, 2000);
+        // A frame is 19 KiB: kept, these would be 37 MiB.
+        assert!(late <= early + 2048, "{method}: {early} KiB after 100 frames, {late} KiB after 2100");
+        assert!(late < 128 * 1024, "{method}: {late} KiB");
+        live.kill();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_soak_holds_and_takes_little_memory() {
+    let report = host_sim(&["soak", "--frames", "520", "--reference-every", "2", "--json"]).json();
+    assert_eq!(
+        (&report["frames"], &report["sessions"], &report["reference_frames"]),
+        (&520.into(), &2.into(), &50.into())
+    );
+    assert!(report["difference"].is_null() && report["method"] == "smr");
+    assert!(report["peak_kib"].as_u64().is_some_and(|kib| kib < 128 * 1024), "{report}");
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene");
+    assert_eq!(host_sim(&["soak", "--frames", "12", "--seed", "3", "--write", utf8(&scene)]).code, Some(0));
+    assert_eq!(host_sim(&["track", utf8(&scene), "--method", "robust"]).out.lines().count(), 12);
+    host_sim(&["soak", "--frames", "1", "--write", utf8(&folder.path().join("one"))]).refuses(&["at least 2"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_said_and_leaves_nothing_half_written() {
+    host_sim(&["track", "synthetic", "--frames", "1..5", "--out", "/dev/full"])
+        .refuses(&["cannot write /dev/full", "No space left"]);
+    for arguments in [
+        &["track", "synthetic", "--frames", "1..5"][..],
+        &["eval", "synthetic", "--frames", "1..5", "--json"],
+        &["eval", "synthetic", "--fault", "black:1", "--frames", "1..40"],
+        &["check", "periodic", "--frames", "2"],
+        &["soak", "--frames", "20"],
+        &["vectors"],
+    ] {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let output = command(arguments).stdout(full).output().expect("host-sim runs");
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {err}");
+        assert!(err.contains("cannot write to standard output: No space left"), "{arguments:?}: {err}");
+        assert_eq!(err.lines().count(), 1, "{arguments:?}: {err}");
+    }
+}
+
+/// A disk that fills up on the way: files of this process may not grow beyond 16 KiB.
+#[test]
+fn a_disk_that_fills_up_leaves_the_former_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let clip = folder.path().join("clip.y4m");
+    fs::write(&clip, "former").unwrap();
+    for out in [&clip, &folder.path().join("frames")] {
+        let script = "trap '' XFSZ; ulimit -f 16; exec \"$0\" convert synthetic -o \"$1\"";
+        let output = Command::new("sh").args(["-c", script, PROGRAM]).arg(out).output().expect("there is a shell");
+        let err = String::from_utf8_lossy(&output.stderr);
+        if out == &clip {
+            assert_eq!(output.status.code(), Some(2), "{err}");
+            assert!(err.contains("clip.y4m") && err.lines().count() == 1, "{err}");
+        }
+    }
+    assert_eq!(fs::read_to_string(&clip).unwrap(), "former");
+    assert_eq!(parts(folder.path()), 0, "nothing is left behind");
+}
+
+/// Files and folders under way.
+fn parts(folder: &Path) -> usize {
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| name.starts_with(".smr-")).count()
+}
+
+#[test]
+fn a_closed_pipe_is_no_error_and_its_lines_are_whole() {
+    for arguments in [&["track", "synthetic"][..], &["track", "synthetic", "--json", "--method", "robust"]] {
+        let expected = host_sim(arguments).out;
+        let mut process = command(arguments).spawn().expect("host-sim runs");
+        let mut lines = BufReader::new(process.stdout.take().expect("it is piped")).lines();
+        let first: Vec<String> = lines.by_ref().take(3).map(Result::unwrap).collect();
+        drop(lines);
+        assert!(first.iter().map(String::as_str).eq(expected.lines().take(3)));
+        let mut err = String::new();
+        process.stderr.take().expect("it is piped").read_to_string(&mut err).unwrap();
+        assert_eq!((process.wait().unwrap().code(), err.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+#[test]
+fn what_was_printed_before_a_kill_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = folder.path().join("printed.txt");
+    let mut live = Live::start(&["track", "-", "--init", START], File::create(&printed).unwrap().into());
+    live.send(7);
+    let lines = || fs::read_to_string(&printed).unwrap().lines().count();
+    wait_until("seven lines", || lines() == 7);
+    // Half a frame is under way.
+    live.input.write_all(b"FRAME\nhalf").unwrap();
+    live.kill();
+    let text = fs::read_to_string(&printed).unwrap();
+    assert!(text.ends_with('\n') && text.lines().all(|line| line.split(',').count() == 4), "{text}");
+    assert_eq!(lines(), 7);
+}
+
+#[test]
+fn a_kill_leaves_the_former_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (boxes, clip) = (folder.path().join("boxes.txt"), folder.path().join("clip.y4m"));
+    fs::write(&boxes, "former\n").unwrap();
+    for arguments in [&["track", "-", "--init", START, "--out", utf8(&boxes)][..], &["convert", "-", "-o", utf8(&clip)]]
+    {
+        let before = parts(folder.path());
+        let mut live = Live::start(arguments, Stdio::null());
+        live.send(15);
+        wait_until("the file under way", || parts(folder.path()) > before);
+        live.kill();
+    }
+    assert_eq!(fs::read_to_string(&boxes).unwrap(), "former\n");
+    assert!(!clip.exists(), "there whole or not at all");
+}

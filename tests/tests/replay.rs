@@ -1,0 +1,430 @@
+//! Flight records: what `smr_core::record` writes, `host-sim replay` runs again; damaged, cut off anywhere, appended to, from a log.
+
+mod program;
+
+use host_sim::emulator::firmware;
+use host_sim::emulator::qemu::Machine;
+use host_sim::evaluate::CoreKind;
+use host_sim::replay::{Report, replay};
+use host_sim::sequence::synthetic;
+use program::{PROGRAM, host_sim, utf8};
+use smr_core::paper::{self, Fraction, Radius};
+use smr_core::record::{Recorded, Recorder};
+use smr_core::similarity::Table;
+use smr_core::{Answer, Frame, Image, Rect, Robust, State, Tracker, robust};
+use std::convert::Infallible;
+use std::fs;
+use std::io::{Cursor, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+type Paper = smr_core::Paper<1024, 65>;
+
+static STEEP: Table = match Table::new(100) {
+    Ok(table) => table,
+    Err(_) => panic!("100 is in range"),
+};
+
+/// None of the presets: every number must come through.
+fn small_paper() -> paper::Config {
+    let mut config = paper::Config::camera();
+    config.table = &STEEP;
+    config.window = Radius { x: 14, y: 12 };
+    config.window_limit = Radius { x: 32, y: 31 };
+    (config.k, config.growth, config.padding) = (Fraction::new(2, 7), 3, 17);
+    (config.neighbourhood, config.least_threshold) = (6, 11);
+    config.gate.tracking = Fraction::new(21, 20);
+    config
+}
+
+fn other_robust() -> robust::Config {
+    let mut config = robust::Config::robust();
+    (config.reach, config.patience, config.learning_rate) = (6, 170, 150);
+    config
+}
+
+fn start() -> Rect {
+    synthetic::truth(0).and_then(|start| start.to_rect()).expect("it begins with the target in view")
+}
+
+/// No more of a frame than the tracker asks for is in memory, as on a chip.
+fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'a> {
+    let Rect { width, height, .. } = frame.bounds();
+    let part = |rect: Rect| {
+        let place = |at: i32| u16::try_from(at).expect("inside the frame");
+        (frame.patch(rect).expect("inside the frame"), place(rect.x), place(rect.y))
+    };
+    let window = tracker.window().filter(|window| !window.is_empty()).unwrap_or(Rect::new(0, 0, 1, 1));
+    let (image, x, y) = part(window);
+    let least = Frame::part(image, x, y, width, height).expect("inside the frame");
+    let Some(sweep) = tracker.sweep_window() else { return least };
+    let (image, x, y) = part(sweep);
+    least.and_part(image, x, y).expect("inside the frame")
+}
+
+/// A flight over the built-in recording with all that can be in one, and its answers.
+fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer>) {
+    let mut bytes = Vec::new();
+    let mut tracker = Box::new(Tracker::<T>::new(config).expect("a good configuration"));
+    let write = |piece: &[u8]| -> Result<(), Infallible> {
+        bytes.extend(piece);
+        Ok(())
+    };
+    let Ok(mut recorder) = Recorder::begin(tracker.target(), write);
+    let mut answers = Vec::new();
+    for (index, frame) in synthetic::frames().take(frames).enumerate() {
+        let whole = frame.frame();
+        if index == 0 {
+            tracker.lock(&whole, start()).expect("it locks");
+            let Ok(()) = recorder.lock(tracker.target(), &whole, start());
+            continue;
+        }
+        if index == 7 {
+            tracker.moved(300, -256);
+            let Ok(()) = recorder.moved(300, -256);
+        }
+        if index == 9 {
+            // Begun, and given up.
+            let shown = asked_for(whole, &tracker);
+            let Ok(()) = recorder.window(tracker.target(), &shown);
+            tracker.begin(&shown).expect("it has what it asks for").step(1);
+        }
+        if index == 20 {
+            let mut saved = vec![0; T::SAVED_SIZE];
+            let length = tracker.save(&mut saved).expect("there is a target");
+            *tracker = Tracker::new(config).expect("a good configuration");
+            tracker.restore(&saved[..length]).expect("its own bytes");
+            let Ok(()) = recorder.restored(&saved[..length]);
+        }
+        let shown = asked_for(whole, &tracker);
+        let Ok(()) = recorder.window(tracker.target(), &shown);
+        let answer = tracker.update(&shown).expect("it has what it asks for");
+        let Ok(()) = recorder.answer(&answer);
+        answers.push(answer);
+    }
+    assert!(recorder.is_whole());
+    (bytes, answers)
+}
+
+fn flights(frames: usize) -> [(CoreKind, Vec<u8>, Vec<Answer>); 2] {
+    let (paper, by_paper) = flight::<Paper>(small_paper(), frames);
+    let (robust, by_robust) = flight::<Robust>(other_robust(), frames);
+    [(CoreKind::Smr, paper, by_paper), (CoreKind::Robust, robust, by_robust)]
+}
+
+fn replayed(bytes: &[u8]) -> Result<Report, String> {
+    replay(Cursor::new(bytes.to_vec()), || ()).map_err(|error| format!("{error:#}"))
+}
+
+/// Where each entry begins, and what it is.
+fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
+    let mut all = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        let word = |at: usize| <[u8; 4]>::try_from(&bytes[at..at + 4]).expect("four bytes");
+        all.push((at, word(at)));
+        at += 16 + u32::from_le_bytes(word(at + 8)) as usize;
+    }
+    assert_eq!(at, bytes.len());
+    all
+}
+
+/// The same with the checksum of the entry at `at` made right, as if the tracker had answered so.
+fn signed(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
+    let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
+    let sum = host_sim::replay::entries::crc32(&bytes[at..at + 12 + length]);
+    bytes[at + 12 + length..at + 16 + length].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_flight_is_replayed_bit_for_bit() {
+    for (kind, bytes, answers) in flights(240) {
+        let report = replayed(&bytes).expect("a record");
+        assert_eq!((report.difference, report.damage, report.cut_off), (None, None, 0), "{kind:?}");
+        let [flight] = &report.flights[..] else { panic!("one flight") };
+        assert_eq!((flight.locks, flight.answers), (1, 239));
+        assert_eq!((flight.moved, flight.restored, flight.given_up), (1, 1, 1));
+        assert_eq!(flight.bytes, bytes.len() as u64);
+        let count = |state| answers.iter().filter(|answer| answer.state == state).count() as u64;
+        assert_eq!(flight.states, [State::Tracking, State::Leaving, State::Uncertain, State::Lost].map(count));
+        assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
+        // As documented: 36 bytes and the pixels a lock, 82 and the pixels a frame.
+        let begin = if kind == CoreKind::Smr { 584 } else { 556 };
+        let saved =
+            entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
+        let expected = begin + 36 + 82 * 239 + 36 + 24 + saved as u64 + flight.pixels;
+        assert_eq!(flight.bytes, expected);
+    }
+}
+
+#[test]
+fn a_changed_answer_is_named() {
+    // Where it stands in the answer, and what it is called.
+    let fields = [
+        (0, "box in 1/256 pixel"),
+        (16, "state"),
+        (18, "confidence"),
+        (20, "ratio"),
+        (24, "alpha"),
+        (26, "scale"),
+        (17, "whether it was found again"),
+    ];
+    for (kind, bytes, _) in flights(12) {
+        let answers: Vec<usize> =
+            entries(&bytes).into_iter().filter(|(_, tag)| tag == b"SMRA").map(|(at, _)| at).collect();
+        for (place, field) in fields {
+            if kind == CoreKind::Robust && field == "alpha" {
+                continue; // it has none
+            }
+            let mut changed = bytes.clone();
+            changed[answers[4] + 12 + place] ^= 1;
+            let difference = replayed(&signed(changed, answers[4])).expect("a record").difference.expect("it differs");
+            assert_eq!((difference.frame, difference.field, difference.flight), (6, field, 1), "{kind:?}");
+            assert_ne!(difference.recorded, difference.replayed);
+        }
+    }
+}
+
+/// Whatever stands in entries whose checksums are right: a verdict or an error.
+#[test]
+fn no_entry_makes_it_panic() {
+    let mut state = 1_u64;
+    let mut random = |end: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(state >> 33).expect("31 bits") % end
+    };
+    for (kind, bytes, _) in flights(4) {
+        let all = entries(&bytes);
+        for _ in 0..if kind == CoreKind::Smr { 400 } else { 60 } {
+            let (at, _) = all[random(all.len())];
+            let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
+            let mut changed = bytes.clone();
+            for _ in 0..=random(3) {
+                // Mostly numbers, which come first; of the configuration they come last.
+                let place = if random(2) == 0 { random(length.min(40)) } else { length - 1 - random(length.min(60)) };
+                changed[at + 12 + place] = [0, 1, 0x7F, 0x80, 0xFF][random(5)];
+            }
+            let _ = replayed(&signed(changed, at));
+        }
+    }
+}
+
+#[test]
+fn a_changed_pixel_or_configuration_is_noticed() {
+    for (kind, bytes, _) in flights(12) {
+        // A pixel in the middle of the box that was locked on; what follows is another target.
+        let (lock, _) = entries(&bytes)[1];
+        let mut changed = bytes.clone();
+        for pixel in &mut changed[lock + 32 + 200..lock + 32 + 400] {
+            *pixel = !*pixel;
+        }
+        let report = replayed(&signed(changed, lock)).expect("a record");
+        assert!(report.difference.is_some(), "{kind:?}");
+        // Of the configuration: the window's radius, or the learning rate.
+        let (end, _) = entries(&bytes)[1];
+        let mut changed = bytes.clone();
+        changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 4 }] ^= 3;
+        let report = replayed(&signed(changed, 0)).expect("a record");
+        assert!(report.difference.is_some(), "{kind:?}");
+    }
+}
+
+#[test]
+fn a_record_cut_off_anywhere_is_good_up_to_its_last_whole_entry() {
+    for (kind, bytes, _) in flights(4) {
+        let all = entries(&bytes);
+        let step = if kind == CoreKind::Smr { 97 } else { 1501 };
+        let near =
+            all.iter().flat_map(|(at, _)| (at.saturating_sub(1)..at + 20).step_by(if step < 100 { 1 } else { 4 }));
+        let mut cuts: Vec<usize> =
+            (0..bytes.len()).step_by(step).chain(near).filter(|&cut| cut <= bytes.len()).collect();
+        cuts.sort_unstable();
+        cuts.dedup();
+        for cut in cuts {
+            let whole = all.iter().filter(|(at, _)| *at <= cut).count().saturating_sub(1);
+            let ends = all.iter().skip(1).map(|(at, _)| *at).chain([bytes.len()]);
+            let end = ends.filter(|&end| end <= cut).max().unwrap_or(0);
+            let report = replayed(&bytes[..cut]);
+            if end == 0 {
+                let error = report.expect_err("nothing is whole");
+                assert!(error.contains("not a flight record"), "{cut}: {error}");
+                continue;
+            }
+            let report = report.expect("a record");
+            assert_eq!((report.difference.is_none(), report.damage), (true, None), "{kind:?}, {cut}");
+            assert_eq!((report.cut_off, report.flights[0].bytes), ((cut - end) as u64, end as u64), "{kind:?}, {cut}");
+            let window_last = all[..=whole].iter().rfind(|(at, _)| *at < end).is_some_and(|(_, tag)| tag == b"SMRW");
+            assert_eq!(report.flights[0].unanswered.is_some(), window_last, "{kind:?}, {cut}");
+        }
+    }
+}
+
+#[test]
+fn firmware_that_starts_again_appends() {
+    let [(_, paper, _), (_, robust, _)] = flights(5);
+    let cut = &paper[..paper.len() - 30];
+    let report = replayed(&[cut, &robust].concat()).expect("a record");
+    assert_eq!((&report.damage, report.flights.len()), (&None, 2));
+    let [first, second] = &report.flights[..] else { panic!("two flights") };
+    assert_eq!((first.method, first.answers, first.cut_off), ("smr", 3, 16));
+    assert!(first.unanswered.as_ref().is_some_and(|last| last.frame == 5 && last.state == "tracking"));
+    assert_eq!((second.method, second.answers, second.unanswered.is_none()), ("robust", 4, true));
+    // Erased flash after the record.
+    let report = replayed(&[&robust[..], &[0xFF; 5000]].concat()).expect("a record");
+    assert_eq!((report.cut_off, report.flights[0].answers), (5000, 4));
+}
+
+#[test]
+fn damage_in_the_middle_is_no_verdict() {
+    let [(_, bytes, _), _] = flights(6);
+    let all = entries(&bytes);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("flight.smr");
+    let refused = |bytes: &[u8], words: &[&str]| {
+        fs::write(&file, bytes).unwrap();
+        let said = host_sim(&["replay", utf8(&file)]);
+        said.refuses(&[&["flight.smr"], words].concat());
+        said.out
+    };
+    let mut damaged = bytes.clone();
+    damaged[all[4].0 + 40] ^= 1;
+    let out = refused(&damaged, &["bytes at byte", "are damaged", "what lies before it was replayed"]);
+    assert!(out.contains("1 answers as recorded"), "{out}");
+    // A log that dropped an entry.
+    let without = [&bytes[..all[5].0], &bytes[all[6].0..]].concat();
+    refused(&without, &["entry 5 is missing"]);
+    // What another version wrote.
+    let mut other = bytes.clone();
+    other[12] = 9;
+    refused(&signed(other, 0), &["version 9 of the record: expected 1"]);
+    refused(b"something else entirely", &["not a flight record", "SMRB"]);
+    refused(b"", &["not a flight record"]);
+    host_sim(&["replay", "no/such/file"]).refuses(&["cannot open the record no/such/file"]);
+}
+
+#[test]
+fn the_command_says_what_holds() {
+    let [(_, paper, _), (_, robust, _)] = flights(6);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("flight.smr");
+    fs::write(&file, [&paper[..], &robust].concat()).unwrap();
+    let said = host_sim(&["replay", utf8(&file)]);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+    assert!(said.out.contains("flight 2 of 2, robust: 1 lock, 5 answers as recorded, bit for bit"), "{}", said.out);
+    let json = host_sim(&["replay", utf8(&file), "--json"]).json();
+    assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"smr".into(), &5.into()));
+    assert!(json["difference"].is_null() && json["damage"].is_null());
+
+    let (at, _) = entries(&paper).into_iter().rfind(|(_, tag)| tag == b"SMRA").unwrap();
+    let mut changed = paper.clone();
+    changed[at + 12 + 16] = 3;
+    fs::write(&file, signed(changed, at)).unwrap();
+    let said = host_sim(&["replay", utf8(&file)]);
+    assert_eq!((said.code, said.err.as_str()), (Some(1), ""));
+    assert!(
+        said.out.contains("DIFFERS in frame 6: state\n    recorded: lost\n    replayed: tracking\n"),
+        "{}",
+        said.out
+    );
+    let said = host_sim(&["replay", utf8(&file), "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!((said.code, &json["difference"]["field"]), (Some(1), &"state".into()));
+}
+
+#[test]
+fn a_printed_log_is_a_record_too() {
+    let [(_, bytes, _), _] = flights(5);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("log.txt");
+    let mut log = "INFO  a tracker takes 9680 bytes\n".to_owned();
+    for piece in bytes.chunks(48) {
+        let hex: Vec<String> = piece.iter().map(|byte| format!("{byte:02x}")).collect();
+        log += &format!("      smr-record [{}]\nINFO  something else [01, 02]\n", hex.join(", "));
+    }
+    fs::write(&file, &log).unwrap();
+    let said = host_sim(&["replay", utf8(&file)]);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+    assert!(said.out.contains("4 answers as recorded"), "{}", said.out);
+    fs::write(&file, &log[..log.len() - 100]).unwrap();
+    assert!(host_sim(&["replay", utf8(&file)]).out.contains("cut off"));
+}
+
+#[test]
+fn a_writer_that_fails_ends_the_record() {
+    let mut tracker = Tracker::<Paper>::new(small_paper()).unwrap();
+    let pixels = vec![7; 160 * 120];
+    let frame = Frame::whole(Image::new(&pixels, 160, 120).unwrap());
+    tracker.lock(&frame, start()).unwrap();
+    for room in [0, 100, 590, 700, 1200] {
+        let mut bytes = Vec::new();
+        let write = |piece: &[u8]| {
+            if bytes.len() + piece.len() > room {
+                return Err("full");
+            }
+            bytes.extend(piece);
+            Ok(())
+        };
+        let mut calls = 0;
+        if let Ok(mut recorder) = Recorder::begin(tracker.target(), write) {
+            let mut failed = 0;
+            for _ in 0..5 {
+                failed += u32::from(recorder.lock(tracker.target(), &frame, start()).is_err());
+                calls += 1;
+            }
+            assert_eq!((failed, recorder.is_whole()), (1, false), "it is said once, and kept in mind: {room}");
+        }
+        assert!(bytes.len() <= room && (calls == 5 || room < 584));
+        // What was written before is good.
+        if room > 584 {
+            let report = replayed(&bytes).unwrap();
+            assert_eq!(report.flights[0].locks, u64::from(room > 584 + 36 + 24 * 28));
+        }
+    }
+}
+
+/// From the target's record to the host's verdict: the firmware `core/examples/record` on an emulated Cortex-M4.
+#[test]
+fn what_the_emulated_chip_recorded_is_replayed() {
+    const TEST: &str = "what_the_emulated_chip_recorded_is_replayed";
+    let there =
+        |command: &mut Command| command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|s| s.success());
+    let skip = |why: &str| drop(writeln!(std::io::stderr(), "skipped: {TEST}: {why}"));
+    if !there(Command::new("qemu-system-arm").arg("--version")) {
+        return skip("no qemu-system-arm on the PATH");
+    }
+    let cargo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.ci/target-cargo");
+    if !there(Command::new(cargo).args(["thumbv7em-none-eabihf", "--compiler"])) {
+        return skip("no compiler for thumbv7em-none-eabihf (see .ci/target-cargo)");
+    }
+    let elf = firmware::build("record", Machine::Mps2An386).expect("the firmware builds");
+    let folder = tempfile::tempdir().unwrap();
+    let run = Command::new(PROGRAM).arg("run").arg(elf).current_dir(folder.path()).output().expect("host-sim runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let (record, log) = (folder.path().join("record.smr"), folder.path().join("log.txt"));
+    fs::write(&log, &run.stdout).unwrap();
+
+    let json = host_sim(&["replay", utf8(&record), "--json"]).json();
+    for (flight, method) in [(&json["flights"][0], "smr"), (&json["flights"][1], "robust")] {
+        assert_eq!((&flight["method"], &flight["locks"], &flight["answers"]), (&method.into(), &1.into(), &29.into()));
+    }
+    assert!(json["difference"].is_null() && json["damage"].is_null() && json["cut_off"] == 0);
+    let said = host_sim(&["replay", utf8(&log)]);
+    assert!(
+        said.code == Some(0) && said.out.contains("smr: 1 lock, 29 answers as recorded"),
+        "{}{}",
+        said.out,
+        said.err
+    );
+
+    // Had the chip answered otherwise, it would be named.
+    let bytes = fs::read(&record).unwrap();
+    let mut answers = entries(&bytes).into_iter().filter(|(_, tag)| tag == b"SMRA");
+    let (at, _) = answers.nth(40).expect("there are 58");
+    let mut changed = bytes.clone();
+    changed[at + 12] ^= 2;
+    fs::write(&record, signed(changed, at)).unwrap();
+    let said = host_sim(&["replay", utf8(&record)]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.out.contains("DIFFERS in flight 2, frame 13: box in 1/256 pixel"), "{}", said.out);
+}
