@@ -1,10 +1,11 @@
 //! The configuration of a tracker from the numbers in its record, in the order that `smr_core::record` describes.
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use smr_core::paper::{self, Fraction, Margins, Radius, RunnerUp};
 use smr_core::record::Recorded;
 use smr_core::robust::{self, Part};
 use smr_core::similarity::Table;
+use std::sync::LazyLock;
 
 /// A tracker whose configuration can be read from a record.
 pub trait Configured: Recorded {
@@ -116,16 +117,16 @@ fn flag(number: u16) -> Result<bool> {
     Ok(number == 1)
 }
 
+/// Those that are not the paper's, for the life of the program, as a configuration wants them.
+static TABLES: LazyLock<Vec<Table>> =
+    LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
+
 /// The table with these entries: its scale is not in the record, but found.
 fn table(numbers: &[u16]) -> Result<&'static Table> {
     let entries = numbers.get(..256).unwrap_or_default();
     if entries == Table::PAPER.entries() {
         return Ok(&Table::PAPER);
     }
-    let mut tables = Table::SCALES.filter_map(|scale| Table::new(scale).ok());
-    match tables.find(|table| table.entries() == entries) {
-        // A configuration wants a table for the life of the program.
-        Some(table) => Ok(Box::leak(Box::new(table))),
-        None => bail!("its table of similarities is none of exp(-d / scale)"),
-    }
+    let found = TABLES.iter().find(|table| table.entries() == entries);
+    found.context("its table of similarities is none of exp(-d / scale)")
 }

@@ -2,12 +2,14 @@
 //!
 //! - `calls`: sequences of calls of a tracker, beside a plain one that must answer the same.
 //! - `saved`: changed bytes of a saved target.
+//! - `flight`: changed entries of a flight record.
 //! - `readers`: the files, lines and words that host-sim reads.
 //! - `scene`: the frames that both see. `extent`: how large and how long inputs are.
 //! - `tally`: what was reached.
 
 mod calls;
 mod extent;
+mod flight;
 mod paper;
 mod readers;
 mod robust;
@@ -31,6 +33,7 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("robust-short", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::SHORT))),
     ("saved-paper", |bytes| ran(saved::run::<paper::Small>(bytes))),
     ("saved-robust", |bytes| ran(saved::run::<smr_core::Robust>(bytes))),
+    ("flight", |bytes| ran(flight::run(bytes))),
     ("picture", readers::picture),
     ("pnm", readers::pnm),
     ("png", readers::png),

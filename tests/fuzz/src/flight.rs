@@ -1,0 +1,154 @@
+//! A flight record with other entries, their checksums right again: replayed to the end, to a difference, or to where it is damaged.
+
+use crate::Fuzzed;
+use crate::paper::Small;
+use crate::scene::{Part, Scene, frame};
+use arbitrary::{Result, Unstructured};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use host_sim::replay::replay;
+use smr_core::record::{AROUND, HEAD, Recorded, Recorder, Tag};
+use smr_core::{Rect, Robust, Tracker};
+use std::convert::Infallible;
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+const SUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// An entry without its checksum.
+type Entry = Vec<u8>;
+
+/// A flight of each tracker, recorded once. The robust one is slow to lock.
+static FLIGHTS: LazyLock<[Vec<Entry>; 2]> =
+    LazyLock::new(|| [flight::<Small>(4), flight::<Robust>(2)].map(|bytes| entries(&bytes)));
+
+pub(crate) fn run(bytes: &[u8]) -> Result<()> {
+    let u = &mut Unstructured::new(bytes);
+    if u.ratio(1, 32)? {
+        let _ = replay(Cursor::new(u.bytes(u.len())?.to_vec()), || ());
+        return Ok(());
+    }
+    let of_robust = u.ratio(1, 32)?;
+    let mut entries = FLIGHTS[usize::from(of_robust)].clone();
+    let changes = u.int_in_range(0..=4_u8)?;
+    for _ in 0..changes {
+        change(u, &mut entries)?;
+    }
+    if u.ratio(15, 16)? {
+        number(&mut entries);
+    }
+    let mut record: Vec<u8> = entries.iter().flat_map(|entry| sealed(entry)).collect();
+    let cut = u.ratio(1, 8)?;
+    if cut {
+        record.truncate(u.choose_index(record.len().max(1))?);
+    }
+    let logged = u.ratio(1, 16)?;
+    let record = if logged { log(&record) } else { record };
+    let report = replay(Cursor::new(record), || ());
+    if changes == 0 && !cut {
+        let report = report.expect("it is a record");
+        assert_eq!((&report.difference, &report.damage, report.cut_off), (&None, &None, 0));
+        assert!(report.flights.iter().all(|flight| flight.locks == 1 && flight.answers > 0));
+    }
+    Ok(())
+}
+
+/// What is recorded of a lock and some updates.
+fn flight<T: Recorded + Fuzzed>(updates: u8) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let scene = Scene::of(0);
+    let target = Rect::new(20, 14, 12, 10);
+    let mut tracker = Box::new(Tracker::<T>::new(T::usual()).expect("one that a tracker takes"));
+    let Ok(mut recorder) = Recorder::begin(tracker.target(), |piece: &[u8]| -> std::result::Result<(), Infallible> {
+        bytes.extend(piece);
+        Ok(())
+    });
+    let part = |rect: Option<Rect>| -> Part { rect.and_then(|rect| scene.part(rect, 0)).expect("it is small") };
+    let seen = part(Some(tracker.lock_window(scene.bounds(), target)));
+    tracker.lock(&frame(&scene, &seen, None), target).expect("a box in the frame");
+    let Ok(()) = recorder.lock(tracker.target(), &frame(&scene, &seen, None), target);
+    for _ in 0..updates {
+        tracker.moved(64, -64);
+        let Ok(()) = recorder.moved(64, -64);
+        let seen = part(tracker.window());
+        let sweep = tracker.sweep_window().map(|rect| part(Some(rect)));
+        let seen = frame(&scene, &seen, sweep.as_ref());
+        let Ok(()) = recorder.window(tracker.target(), &seen);
+        let answer = tracker.update(&seen).expect("what it asked for is in memory");
+        let Ok(()) = recorder.answer(&answer);
+    }
+    let mut saved = vec![0; T::SAVED_SIZE];
+    let length = tracker.save(&mut saved).expect("it is locked");
+    let Ok(()) = recorder.restored(&saved[..length]);
+    bytes
+}
+
+/// The entries of a record that is whole.
+fn entries(mut record: &[u8]) -> Vec<Entry> {
+    let mut all = Vec::new();
+    while let Some(length) = record.get(8..HEAD) {
+        let length = u32::from_le_bytes(length.try_into().expect("four bytes")) as usize;
+        let (entry, rest) = record.split_at(AROUND + length);
+        all.push(entry[..HEAD + length].to_vec());
+        record = rest;
+    }
+    all
+}
+
+/// The bytes of an entry in a record: its length is what it has, and its checksum is right.
+fn sealed(entry: &Entry) -> Vec<u8> {
+    let mut bytes = entry.clone();
+    let holds = u32::try_from(entry.len() - HEAD).expect("it is small");
+    bytes[8..HEAD].copy_from_slice(&holds.to_le_bytes());
+    let sum = SUM.checksum(&bytes);
+    bytes.extend(sum.to_le_bytes());
+    bytes
+}
+
+/// A number, its length, its kind, its place or its presence.
+fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
+    if entries.is_empty() {
+        return Ok(());
+    }
+    let which = u.choose_index(entries.len())?;
+    let kind = u.int_in_range(0..=9_u8)?;
+    let Some(entry) = entries.get_mut(which) else { return Ok(()) };
+    match kind {
+        0 => drop(entries.remove(which)),
+        1 => entries.insert(which, entries[which].clone()),
+        2 => entries.swap(which, 0),
+        3 => entry[..4].copy_from_slice(&u.choose(&Tag::ALL)?.bytes()),
+        4 => entry[4..8].copy_from_slice(&u.arbitrary::<u32>()?.to_le_bytes()),
+        5 => entry.truncate(HEAD + u.choose_index(entry.len() - HEAD + 1)?),
+        6 => entry.extend_from_slice(u.bytes(u.len().min(9))?),
+        // Mostly in what stands before the pixels.
+        _ => {
+            let end = if u.ratio(3, 4)? { entry.len().min(HEAD + 40) } else { entry.len() };
+            let at = HEAD + u.choose_index((end - HEAD).max(1))?;
+            let any = u.arbitrary()?;
+            let bytes: [u8; 2] = *u.choose(&[[0, 0], [255, 255], any])?;
+            entry.iter_mut().skip(at).zip(bytes).for_each(|(old, new)| *old = new);
+        }
+    }
+    Ok(())
+}
+
+/// Numbers as they must be: none is missing, and each beginning is 0.
+fn number(entries: &mut [Entry]) {
+    let mut number = 0_u32;
+    for entry in entries {
+        if entry[..4] == Tag::Begin.bytes() {
+            number = 0;
+        }
+        entry[4..8].copy_from_slice(&number.to_le_bytes());
+        number += 1;
+    }
+}
+
+/// The record as lines of a log.
+fn log(record: &[u8]) -> Vec<u8> {
+    let line = |bytes: &[u8]| {
+        let numbers: Vec<_> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("INFO smr-record [{}]\n", numbers.join(", "))
+    };
+    record.chunks(64).map(line).collect::<String>().into_bytes()
+}
