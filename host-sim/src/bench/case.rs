@@ -67,9 +67,9 @@ pub fn triples(sequence: Sequence, every: usize, mut found: impl FnMut(&Triple) 
 
 /// A search in the third frame, ready to be run in several ways.
 pub struct Case {
-    frames: [Rc<GrayFrame>; 3],
+    pub frames: [Rc<GrayFrame>; 3],
     /// What is locked on.
-    target: Rect,
+    pub target: Rect,
     radius: Radius,
     /// The pixels that the search reads, and what it looks for in them.
     pub crop: GrayFrame,

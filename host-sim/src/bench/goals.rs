@@ -62,6 +62,7 @@ pub fn all(report: &Report) -> Vec<Goal> {
         goals.push(ratio(report, radius, avx2(false), psadbw, 2.4));
         goals.push(ratio(report, radius, avx512, psadbw, 1.6));
     }
+    goals.push(ratio(report, NEAR, Way::Robust(Backend::Avx2), Way::Csrt, 1.0 / 50.0));
     goals.push(instructions(report, "mps2-an386", "Cortex-M4", 0.7));
     goals.push(instructions(report, "mps3-an547", "Cortex-M55", 0.25));
     goals.push(Goal::new("eval of the recordings, 2 threads".to_owned(), 4.0, "s", report.eval_seconds));

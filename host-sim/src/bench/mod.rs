@@ -106,15 +106,15 @@ fn time_opencv(window: &mut Searches, settings: &Settings, version: &mut Option<
         return;
     }
     if let Some(Err(_)) = version {
-        return window.opencv(&[]);
+        return window.opencv(&[], &[]);
     }
     match opencv::times(&settings.python, window.pending(), settings.patience) {
         Ok(done) => {
-            window.opencv(&done.times);
+            window.opencv(&done.search, &done.csrt);
             *version = Some(Ok(done.version));
         }
         Err(error) => {
-            window.opencv(&[]);
+            window.opencv(&[], &[]);
             *version = Some(Err(format!("{error:#}")));
         }
     }

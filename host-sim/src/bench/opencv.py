@@ -1,4 +1,4 @@
-"""Times cv2.matchTemplate on the searches that host-sim has written down; one thread. Answers with one line of JSON."""
+"""Times OpenCV on the searches that host-sim has written down; one thread. Answers with one line of JSON."""
 
 import json
 import sys
@@ -19,12 +19,13 @@ with open(folder + "/searches.raw", "rb") as file:
     pixels = numpy.frombuffer(file.read(), numpy.uint8)
 
 
-def shortest(crop, template):
-    """Seconds of one call: the least of up to `repeats`, fewer once they are `enough` together."""
+def shortest(prepare):
+    """Seconds of one call of what `prepare` gives: the least of up to `repeats`, fewer once they are `enough` together."""
     least, total = float("inf"), 0.0
     for _ in range(repeats):
+        call = prepare()
         start = time.perf_counter()
-        cv2.matchTemplate(crop, template, cv2.TM_CCOEFF_NORMED)
+        call()
         seconds = time.perf_counter() - start
         least, total = min(least, seconds), total + seconds
         if total > enough:
@@ -40,11 +41,27 @@ def picture(size):
     return taken.reshape(height, width)
 
 
-answers = []
+def match(crop, template):
+    return lambda: cv2.matchTemplate(crop, template, cv2.TM_CCOEFF_NORMED)
+
+
+def csrt(frames, target):
+    """The tracker after the first frame and an update, before another one."""
+    tracker = cv2.TrackerCSRT_create()
+    tracker.init(frames[0], target)
+    tracker.update(frames[1])
+    return lambda: tracker.update(frames[2])
+
+
+answer = {"version": cv2.__version__, "search": [], "csrt": []}
 for search in searches:
     crop, template = picture(search["crop"]), picture(search["template"])
-    if not answers:
-        # What is loaded and set up at the first call is no part of a search.
-        cv2.matchTemplate(crop, template, cv2.TM_CCOEFF_NORMED)
-    answers.append(shortest(crop, template))
-print(json.dumps({"version": cv2.__version__, "seconds": answers}))
+    # What is loaded and set up at the first call is no part of a search.
+    if not answer["search"]:
+        match(crop, template)()
+    answer["search"].append(shortest(lambda: match(crop, template)))
+    if "frame" in search:
+        frames = [cv2.cvtColor(picture(search["frame"]), cv2.COLOR_GRAY2BGR) for _ in range(3)]
+        if hasattr(cv2, "TrackerCSRT_create"):
+            answer["csrt"].append(shortest(lambda: csrt(frames, search["target"])))
+print(json.dumps(answer))

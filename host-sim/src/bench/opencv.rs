@@ -1,19 +1,37 @@
-//! OpenCV's `matchTemplate` on the same searches, where `python3` has OpenCV.
+//! OpenCV's `matchTemplate` and its tracker CSRT on the same searches, where `python3` has OpenCV.
 
 use crate::clock::Patience;
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
+use smr_core::Rect;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::rc::Rc;
 use std::time::Duration;
 
 const SCRIPT: &str = include_str!("opencv.py");
 
-/// The function that is timed, as tables name it.
-pub const CALL: &str = "matchTemplate(TM_CCOEFF_NORMED), 1 thread";
+/// The functions that are timed, as tables name them.
+pub const CALL: &str = "matchTemplate(TM_CCOEFF_NORMED) and TrackerCSRT.update, 1 thread";
+
+/// What OpenCV does in a case.
+#[derive(Debug)]
+pub struct Search {
+    pub crop: GrayFrame,
+    pub template: GrayFrame,
+    /// What CSRT follows, if it is timed: it locks on in the first frame and is updated with the second; the third is timed.
+    pub followed: Option<Followed>,
+}
+
+/// Three frames in a row, and the box in the first.
+#[derive(Debug)]
+pub struct Followed {
+    pub frames: [Rc<GrayFrame>; 3],
+    pub target: Rect,
+}
 
 /// What the script prints: what is missing, or the times.
 #[derive(Deserialize)]
@@ -22,21 +40,25 @@ struct Answer {
     #[serde(default)]
     version: String,
     #[serde(default)]
-    seconds: Vec<f64>,
+    search: Vec<f64>,
+    #[serde(default)]
+    csrt: Vec<f64>,
 }
 
 /// How long each search took, and OpenCV's version.
 #[derive(Debug)]
 pub struct Times {
     pub version: String,
-    pub times: Vec<Duration>,
+    pub search: Vec<Duration>,
+    /// Empty where OpenCV comes without that tracker.
+    pub csrt: Vec<Duration>,
 }
 
-/// Times `matchTemplate` of each template in its crop, run by `python`.
+/// Times `matchTemplate` of each template in its crop, and what CSRT follows, run by `python`.
 ///
 /// # Errors
 /// Why it was not timed.
-pub fn times(python: &str, searches: &[(GrayFrame, GrayFrame)], patience: Patience) -> Result<Times> {
+pub fn times(python: &str, searches: &[Search], patience: Patience) -> Result<Times> {
     let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
     write(searches, folder.path()).context("cannot write the searches for OpenCV")?;
     let output = Command::new(python)
@@ -56,25 +78,34 @@ pub fn times(python: &str, searches: &[(GrayFrame, GrayFrame)], patience: Patien
 
 impl Answer {
     fn times(self, expected: usize) -> Result<Times> {
-        let Self { missing, version, seconds } = self;
+        let Self { missing, version, search, csrt } = self;
         if let Some(missing) = missing {
             bail!(missing);
         }
-        ensure!(seconds.len() == expected, "{} of {expected} searches were timed", seconds.len());
-        let times: Result<Vec<_>, _> = seconds.iter().map(|&seconds| Duration::try_from_secs_f64(seconds)).collect();
-        Ok(Times { version, times: times.context("expected seconds")? })
+        ensure!(search.len() == expected, "{} of {expected} searches were timed", search.len());
+        let times = |seconds: Vec<f64>| {
+            let times: Result<Vec<_>, _> = seconds.into_iter().map(Duration::try_from_secs_f64).collect();
+            times.context("expected seconds")
+        };
+        Ok(Times { version, search: times(search)?, csrt: times(csrt)? })
     }
 }
 
-fn write(searches: &[(GrayFrame, GrayFrame)], folder: &Path) -> Result<()> {
+fn write(searches: &[Search], folder: &Path) -> Result<()> {
     fs::write(folder.join("opencv.py"), SCRIPT)?;
     let mut raw = BufWriter::new(File::create(folder.join("searches.raw"))?);
     let mut sizes = Vec::new();
-    for (crop, template) in searches {
+    for Search { crop, template, followed } in searches {
         raw.write_all(&crop.pixels)?;
         raw.write_all(&template.pixels)?;
         let size = |picture: &GrayFrame| [picture.width, picture.height];
-        sizes.push(serde_json::json!({ "crop": size(crop), "template": size(template) }));
+        let mut search = serde_json::json!({ "crop": size(crop), "template": size(template) });
+        if let Some(Followed { frames, target: Rect { x, y, width, height } }) = followed {
+            frames.iter().try_for_each(|frame| raw.write_all(&frame.pixels))?;
+            search["frame"] = serde_json::json!(size(&frames[0]));
+            search["target"] = serde_json::json!([x, y, width, height]);
+        }
+        sizes.push(search);
     }
     raw.flush()?;
     fs::write(folder.join("searches.json"), serde_json::to_string(&sizes)?)?;
@@ -88,12 +119,13 @@ mod tests {
     #[test]
     fn what_the_script_answers_is_read() {
         let read = |json: &str| serde_json::from_str::<Answer>(json).unwrap().times(2);
-        let times = read(r#"{"version": "5.0.0", "seconds": [0.25, 1.5e-4]}"#).unwrap();
-        assert_eq!((times.version.as_str(), times.times[1]), ("5.0.0", Duration::from_micros(150)));
+        let times = read(r#"{"version": "5.0.0", "search": [0.25, 1.5e-4], "csrt": [0.02]}"#).unwrap();
+        assert_eq!((times.version.as_str(), times.search[1]), ("5.0.0", Duration::from_micros(150)));
+        assert_eq!(times.csrt, [Duration::from_millis(20)]);
         let error = |json| read(json).unwrap_err().to_string();
         assert_eq!(error(r#"{"missing": "No module named 'cv2'"}"#), "No module named 'cv2'");
-        assert_eq!(error(r#"{"version": "5.0.0", "seconds": [0.25]}"#), "1 of 2 searches were timed");
-        assert_eq!(error(r#"{"version": "5.0.0", "seconds": [0.25, -1]}"#), "expected seconds");
+        assert_eq!(error(r#"{"version": "5.0.0", "search": [0.25]}"#), "1 of 2 searches were timed");
+        assert_eq!(error(r#"{"version": "5.0.0", "search": [0.25, -1]}"#), "expected seconds");
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Times the same searches with every backend, the plain SAD search and OpenCV, in one run.
 
 use super::case::{Case, Size, Triple};
+use super::opencv::{Followed, Search};
 use super::sad::Sad;
 use crate::clock::{Budget, Patience, shortest, timed};
 use crate::evaluate::CoreKind;
-use crate::sequence::GrayFrame;
 use anyhow::{Result, ensure};
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
@@ -23,6 +23,8 @@ pub enum Way {
     Sad(Sad),
     /// `matchTemplate`, in another process.
     OpenCv,
+    /// An update of OpenCV's tracker CSRT, which has a window of its own, in another process.
+    Csrt,
 }
 
 /// Its name in tables and in JSON.
@@ -35,6 +37,7 @@ impl fmt::Display for Way {
             Self::Sad(Sad::Plain) => f.write_str("SAD, plain loop"),
             Self::Sad(Sad::Psadbw) => f.write_str("SAD, AVX2 psadbw"),
             Self::OpenCv => f.write_str("OpenCV matchTemplate"),
+            Self::Csrt => f.write_str("OpenCV CSRT"),
         }
     }
 }
@@ -48,7 +51,7 @@ impl Way {
                 let updates = |backend| [true, false].map(|pruning| Self::Update { backend, pruning });
                 Backend::available().flat_map(updates).collect::<Vec<_>>()
             }
-            CoreKind::Robust => Backend::available().map(Self::Robust).collect(),
+            CoreKind::Robust => Backend::available().map(Self::Robust).chain([Self::Csrt]).collect(),
         };
         let sads = Sad::available().map(Self::Sad);
         methods.iter().flat_map(of_method).chain(sads).chain([Self::OpenCv]).collect()
@@ -67,7 +70,7 @@ pub struct Searches {
     /// Cases in which two ways gave different answers.
     pub differences: Vec<String>,
     /// What OpenCV has not timed yet.
-    pending: Vec<(GrayFrame, GrayFrame)>,
+    pending: Vec<Search>,
 }
 
 /// One way to search: its time in each case; `None` where it was not timed.
@@ -112,21 +115,28 @@ impl Searches {
         if let Some(difference) = difference(&answers) {
             self.differences.push(format!("{recording}, frame {}: {difference}", triple.number));
         }
-        self.pending.push((case.crop, case.template));
+        let beside = self.ways.iter().any(|timed| timed.way == Way::Csrt);
+        let Case { frames, target, crop, template, .. } = case;
+        let followed = beside.then_some(Followed { frames, target });
+        self.pending.push(Search { crop, template, followed });
         Ok(())
     }
 
     /// What OpenCV is still to time.
     #[must_use]
-    pub fn pending(&self) -> &[(GrayFrame, GrayFrame)] {
+    pub fn pending(&self) -> &[Search] {
         &self.pending
     }
 
-    /// Takes OpenCV's times for the pending searches; empty if OpenCV could not be run.
-    pub fn opencv(&mut self, times: &[Duration]) {
+    /// Takes OpenCV's times for the pending searches: `matchTemplate` and CSRT; empty where one could not be run.
+    pub fn opencv(&mut self, search: &[Duration], csrt: &[Duration]) {
         self.pending.clear();
-        let opencv = self.ways.iter_mut().filter(|timed| timed.way == Way::OpenCv);
-        for timed in opencv {
+        for timed in &mut self.ways {
+            let times = match timed.way {
+                Way::OpenCv => search,
+                Way::Csrt => csrt,
+                _ => continue,
+            };
             let first = timed.times.len().saturating_sub(times.len());
             for (time, &measured) in timed.times[first..].iter_mut().zip(times) {
                 *time = Some(measured);
@@ -166,7 +176,7 @@ impl Way {
             }
             Self::Robust(backend) => update(case, &mut *Case::robust(backend)?, patience).map(Some),
             Self::Sad(sad) => Ok(Some(least_sum(case, sad, patience)?)),
-            Self::OpenCv => Ok(None),
+            Self::OpenCv | Self::Csrt => Ok(None),
         });
         Ok(done?.map(|done| Done { spent, ..done }))
     }
@@ -232,8 +242,9 @@ mod tests {
 
         assert_eq!(searches.pending().len(), 3);
         assert!(searches.ratios(scalar(true), Way::OpenCv).is_empty());
-        searches.opencv(&[Duration::from_secs(1); 3]);
-        assert_eq!(searches.ratios(Way::OpenCv, Way::OpenCv), [1.0; 3]);
+        assert!(searches.pending().iter().all(|search| search.followed.is_some()));
+        searches.opencv(&[Duration::from_secs(1); 3], &[Duration::from_secs(2); 3]);
+        assert_eq!(searches.ratios(Way::Csrt, Way::OpenCv), [2.0; 3]);
         assert!(searches.pending().is_empty());
     }
 

@@ -42,7 +42,7 @@ pub struct Bench {
     paths: Vec<PathBuf>,
     /// Which trackers; several are separated by commas
     ///
-    /// Beside them a plain SAD search and OpenCV, always. The window of robust is its own: it is timed in the cases of each window.
+    /// Beside them a plain SAD search and OpenCV, always; with robust also OpenCV's tracker CSRT. The window of robust is its own: it is timed in the cases of each window.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,robust")]
     method: Vec<CoreKind>,
     /// Size of the template, or `own`: that of the recording's box
