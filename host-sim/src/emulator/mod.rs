@@ -15,7 +15,7 @@ use crate::evaluate::{CoreKind, Origin};
 use crate::sequence::GrayFrame;
 use crate::spread::Spread;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use protocol::{Answered, Header, Hello, Record, Stack, Taken};
+use protocol::{Header, Hello, Record, Remembered, Stack, Taken};
 use qemu::Qemu;
 use serde::Serialize;
 use serde_json::Map;
@@ -147,7 +147,7 @@ impl Recording {
         Ok(report)
     }
 
-    fn answer(&self, number: u32, hello: &Hello, record: Record) -> Result<(Answered, Taken)> {
+    fn answer(&self, number: u32, hello: &Hello, record: Record) -> Result<(Remembered, Taken)> {
         match record {
             Record::Answer { frame, answered, taken } if frame == number => Ok((answered, taken)),
             Record::Refused { frame, why } => {
@@ -165,19 +165,19 @@ fn end(record: Record) -> Result<Stack> {
     }
 }
 
-fn difference(frame: u32, target: &Answered, host: &Answered) -> Option<Difference> {
-    let pairs = target.described().into_iter().zip(host.described());
+fn difference(frame: u32, target: &Remembered, host: &Remembered) -> Option<Difference> {
+    let mut pairs = target.described().zip(host.described());
     let differing = |((what, target), (_, host)): ((&'static str, String), (_, String))| {
         (target != host).then_some(Difference { frame, what, target, host })
     };
-    pairs.into_iter().find_map(differing)
+    pairs.find_map(differing)
 }
 
 /// A tracker on this side.
 trait Follows {
     fn lock(&mut self, frame: &GrayFrame, target: Rect) -> Result<()>;
 
-    fn update(&mut self, frame: &GrayFrame) -> Result<Answered>;
+    fn update(&mut self, frame: &GrayFrame) -> Result<Remembered>;
 }
 
 impl<T: Target> Follows for Tracker<T> {
@@ -185,9 +185,9 @@ impl<T: Target> Follows for Tracker<T> {
         Ok(Self::lock(self, &frame.frame(), target)?)
     }
 
-    fn update(&mut self, frame: &GrayFrame) -> Result<Answered> {
+    fn update(&mut self, frame: &GrayFrame) -> Result<Remembered> {
         let answer = Self::update(self, &frame.frame())?;
-        Answered::of(&answer, self)
+        Remembered::of(&answer, self)
     }
 }
 
@@ -227,7 +227,7 @@ impl Host {
         self.frames.read_exact(&mut self.frame.pixels).with_context(|| format!("cannot read {} back", protocol::FRAMES))
     }
 
-    fn update(&mut self) -> Result<Answered> {
+    fn update(&mut self) -> Result<Remembered> {
         self.read()?;
         self.tracker.update(&self.frame)
     }

@@ -1,9 +1,10 @@
 //! What host and firmware tell each other, byte by byte: `core/examples/replay/main.rs` describes it.
 
-use crate::evaluate::{CoreKind, name_of};
-use anyhow::{Error, Result, anyhow, bail, ensure};
+use crate::evaluate::CoreKind;
+use crate::replay::answered::{self, Answered};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
-use smr_core::{Answer, FineRect, Rect, State, Target, Tracker};
+use smr_core::{Answer, FineRect, Rect, Target, Tracker};
 use std::fmt;
 
 const VERSION: u32 = 3;
@@ -63,7 +64,7 @@ const fn number_of(method: CoreKind) -> u32 {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Record {
     Hello(Hello),
-    Answer { frame: u32, answered: Answered, taken: Taken },
+    Answer { frame: u32, answered: Remembered, taken: Taken },
     End(Stack),
     Refused { frame: u32, why: u32 },
 }
@@ -77,9 +78,11 @@ impl Record {
         let mut word = || words.next().unwrap_or(0);
         match word() {
             1 => Hello::read(word).map(Self::Hello),
-            2 => {
-                Ok(Self::Answer { frame: word(), answered: Answered::read(&mut word)?, taken: Taken::read(&mut word) })
-            }
+            2 => Ok(Self::Answer {
+                frame: word(),
+                answered: Remembered::read(&mut word)?,
+                taken: Taken::read(&mut word),
+            }),
             3 => {
                 let _frames = word();
                 Ok(Self::End(Stack { used: word(), room: word() }))
@@ -212,39 +215,26 @@ impl Taken {
 
 /// An answer and what is remembered after it, as far as they are compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answered {
-    fine: FineRect,
-    state: State,
-    confidence: u32,
-    ratio: u32,
-    runner_up_ratio: Option<u32>,
-    alpha: Option<u32>,
-    scale: u32,
-    found_again: bool,
+pub struct Remembered {
+    answer: Answered,
     /// Of the target as it is saved: templates, weights, track.
     hash: u32,
 }
 
-impl Answered {
+impl Remembered {
     fn read(word: &mut impl FnMut() -> u32) -> Result<Self> {
-        let some = |word: u32| (word != NONE).then_some(word);
-        Ok(Self {
+        let some = |word: u32| (word != NONE).then(|| u16::try_from(word)).transpose();
+        let answer = Answered {
             fine: FineRect { x: word().cast_signed(), y: word().cast_signed(), width: word(), height: word() },
-            state: match word() {
-                0 => State::Tracking,
-                1 => State::Leaving,
-                2 => State::Uncertain,
-                3 => State::Lost,
-                other => bail!("the firmware sent state {other}: expected 0 to 3"),
-            },
-            confidence: word(),
-            ratio: word(),
-            runner_up_ratio: some(word()),
-            alpha: some(word()),
+            state: answered::state(word()).context("from the firmware")?,
+            confidence: word().try_into()?,
+            ratio: word().try_into()?,
+            runner_up_ratio: some(word())?,
+            alpha: some(word())?,
             scale: word(),
             found_again: word() != 0,
-            hash: word(),
-        })
+        };
+        Ok(Self { answer, hash: word() })
     }
 
     /// What `tracker` has just answered.
@@ -256,35 +246,13 @@ impl Answered {
         let size = tracker.save(&mut saved)?;
         // FNV-1a
         let hash = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
-        Ok(Self {
-            fine: answer.fine,
-            state: answer.state,
-            confidence: answer.confidence.into(),
-            ratio: answer.ratio.into(),
-            runner_up_ratio: answer.runner_up_ratio.map(u32::from),
-            alpha: answer.alpha.map(u32::from),
-            scale: answer.scale,
-            found_again: answer.found_again,
-            hash: saved[..size].iter().fold(0x811C_9DC5, hash),
-        })
+        Ok(Self { answer: Answered::of(answer), hash: saved[..size].iter().fold(0x811C_9DC5, hash) })
     }
 
     /// Every value, by the name that people read.
-    #[must_use]
-    pub fn described(&self) -> [(&'static str, String); 9] {
-        let FineRect { x, y, width, height } = self.fine;
-        let number = |number: Option<u32>| number.map_or("none".to_owned(), |number| number.to_string());
-        [
-            ("box in 1/256 pixel", format!("{width}x{height} at ({x}, {y})")),
-            ("state", name_of(self.state).to_owned()),
-            ("confidence", self.confidence.to_string()),
-            ("ratio", self.ratio.to_string()),
-            ("runner-up's ratio", number(self.runner_up_ratio)),
-            ("alpha", number(self.alpha)),
-            ("scale", self.scale.to_string()),
-            ("whether it was found again", self.found_again.to_string()),
-            ("hash of the saved target", format!("{:08x}", self.hash)),
-        ]
+    pub fn described(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let hash = ("hash of the saved target", format!("{:08x}", self.hash));
+        self.answer.described().into_iter().chain([hash])
     }
 }
 
@@ -349,9 +317,10 @@ mod tests {
     fn negative_positions_are_read() {
         let words = [2, 7, u32::MAX, 5, 300, 400, 1, 6, 7, NONE, 8, 9, 1, 10, 11, 12, 13];
         let Ok(Record::Answer { frame, answered, taken }) = Record::read(&record(&words)) else { panic!("an answer") };
-        assert_eq!((frame, answered.fine), (7, FineRect { x: -1, y: 5, width: 300, height: 400 }));
-        assert_eq!((answered.state, answered.runner_up_ratio, answered.alpha), (State::Leaving, None, Some(8)));
-        assert_eq!((answered.found_again, answered.hash), (true, 10));
+        let Remembered { answer, hash } = answered;
+        assert_eq!((frame, answer.fine), (7, FineRect { x: -1, y: 5, width: 300, height: 400 }));
+        assert_eq!((answer.state, answer.runner_up_ratio, answer.alpha), (smr_core::State::Leaving, None, Some(8)));
+        assert_eq!((answer.found_again, hash), (true, 10));
         assert_eq!(taken, Taken { work: 11, ticks: 12, longest: 13 });
     }
 

@@ -2,17 +2,20 @@
 //!
 //! - [`entries`]: the entries of a record.
 //! - [`config`]: the configuration in it.
+//! - [`answered`]: an answer, as it is compared.
 
+pub mod answered;
 pub mod config;
 pub mod entries;
 
 use crate::evaluate::name_of;
+use answered::{Answered, described};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use config::Configured;
 use entries::{Entries, Entry, Next};
 use serde::Serialize;
 use smr_core::record::{Recorded, Tag, VERSION};
-use smr_core::{Answer, FineRect, Frame, Image, Rect, Robust, State, Target, Tracker};
+use smr_core::{Answer, FineRect, Frame, Image, Rect, Robust, Target, Tracker};
 use std::io::Read;
 
 /// What a record holds, and whether it was answered alike.
@@ -300,7 +303,7 @@ impl<T: Target> Run<T> {
 
     fn answer(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Different>> {
         let window = self.window.take().context("an answer without a window before it")?;
-        let recorded = Answered::read(from)?;
+        let recorded = read_answer(from)?;
         let replayed = Answered::of(&self.update(&window)?);
         let pairs = recorded.described().into_iter().zip(replayed.described());
         let differing = |((field, recorded), (_, replayed)): ((&'static str, String), (_, String))| {
@@ -335,6 +338,25 @@ impl<T: Target> Run<T> {
     }
 }
 
+/// An answer as it is recorded.
+fn read_answer(from: &mut Fields<'_>) -> Result<Answered> {
+    let fine = FineRect { x: from.i32()?, y: from.i32()?, width: from.u32()?, height: from.u32()? };
+    let [state, flags] = from.take()?;
+    ensure!(flags < 8, "flags {flags}: expected 0 to 7");
+    let (confidence, ratio, runner_up, alpha) = (from.u16()?, from.u16()?, from.u16()?, from.u16()?);
+    let if_there = |bit: u8, number: u16| (flags & bit != 0).then_some(number);
+    Ok(Answered {
+        fine,
+        state: answered::state(state.into())?,
+        confidence,
+        ratio,
+        runner_up_ratio: if_there(2, runner_up),
+        alpha: if_there(4, alpha),
+        scale: from.u32()?,
+        found_again: flags & 1 != 0,
+    })
+}
+
 fn different(field: &'static str, recorded: Rect, replayed: Rect) -> Option<Different> {
     let text = |Rect { x, y, width, height }: Rect| format!("{width}x{height} at ({x}, {y})");
     Some(Different { field, recorded: text(recorded), replayed: text(replayed) })
@@ -351,69 +373,6 @@ impl Part {
         let (image, x, y) = self.image()?;
         Ok(Frame::part(image, x, y, width, height)?)
     }
-}
-
-/// An answer as it is recorded.
-struct Answered {
-    fine: FineRect,
-    state: State,
-    confidence: u16,
-    ratio: u16,
-    runner_up_ratio: Option<u16>,
-    alpha: Option<u16>,
-    scale: u32,
-    found_again: bool,
-}
-
-impl Answered {
-    fn read(from: &mut Fields<'_>) -> Result<Self> {
-        let fine = FineRect { x: from.i32()?, y: from.i32()?, width: from.u32()?, height: from.u32()? };
-        let [state, flags] = from.take()?;
-        let state = match state {
-            0 => State::Tracking,
-            1 => State::Leaving,
-            2 => State::Uncertain,
-            3 => State::Lost,
-            other => bail!("state {other}: expected 0 to 3"),
-        };
-        ensure!(flags < 8, "flags {flags}: expected 0 to 7");
-        let (confidence, ratio, runner_up, alpha) = (from.u16()?, from.u16()?, from.u16()?, from.u16()?);
-        let if_there = |bit: u8, number: u16| (flags & bit != 0).then_some(number);
-        Ok(Self {
-            fine,
-            state,
-            confidence,
-            ratio,
-            runner_up_ratio: if_there(2, runner_up),
-            alpha: if_there(4, alpha),
-            scale: from.u32()?,
-            found_again: flags & 1 != 0,
-        })
-    }
-
-    const fn of(answer: &Answer) -> Self {
-        let Answer { fine, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
-        Self { fine, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again }
-    }
-
-    /// Every value, by the name that people read.
-    fn described(&self) -> [(&'static str, String); 8] {
-        let number = |number: Option<u16>| number.map_or("none".to_owned(), |number| number.to_string());
-        [
-            ("box in 1/256 pixel", described(self.fine)),
-            ("state", name_of(self.state).to_owned()),
-            ("confidence", self.confidence.to_string()),
-            ("ratio", self.ratio.to_string()),
-            ("runner-up's ratio", number(self.runner_up_ratio)),
-            ("alpha", number(self.alpha)),
-            ("scale", self.scale.to_string()),
-            ("whether it was found again", self.found_again.to_string()),
-        ]
-    }
-}
-
-fn described(FineRect { x, y, width, height }: FineRect) -> String {
-    format!("{width}x{height} at ({x}, {y})")
 }
 
 /// Numbers, one after the other.
