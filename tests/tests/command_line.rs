@@ -403,11 +403,13 @@ fn one_pixel_is_a_recording() {
 #[test]
 fn report_says_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
-    let page = folder.path().join("page.html");
+    let page = folder.path().join("a page.html");
     let said = host_sim(&["report", "periodic", "--out", utf8(&page), "--json"]).json();
     assert_eq!(said["recordings"][0]["frames"], 19);
     assert_eq!(said["recordings"][0]["pictures"], json!({ "frames": 19, "longest_side": 64 }));
     assert_eq!(said["files"][0]["bytes"], fs::metadata(&page).unwrap().len());
+    let again = format!("host-sim report periodic --out '{}' --json", utf8(&page));
+    assert!(fs::read_to_string(&page).unwrap().contains(&again), "{again}");
     assert_eq!(host_sim(&["report", "periodic"]).code, Some(2));
     host_sim(&["report", "periodic", "--out", utf8(&page), "--strip", "20"]).refuses(&["no frame 20", "1 to 19"]);
     host_sim(&["report", "no/such/recording", "--out", utf8(&page)]).refuses(&["no/such/recording"]);

@@ -112,11 +112,12 @@ impl Report {
 
     /// What the foot of the page says.
     fn about(&self, title: &str, methods: &[Variant]) -> Result<About> {
-        let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+        let words: Vec<_> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        let words = std::iter::once("host-sim").chain(words.iter().map(String::as_str));
         let origins: Vec<_> = methods.iter().map(Variant::origin).collect();
         Ok(About {
             title: title.to_owned(),
-            command_line: std::iter::once("host-sim".to_owned()).chain(words).collect::<Vec<_>>().join(" "),
+            command_line: shlex::try_join(words)?,
             options: serde_json::to_string(&origins)?,
         })
     }
