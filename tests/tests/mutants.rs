@@ -147,8 +147,10 @@ const LOST: [Mutant; 3] = [
 ];
 
 /// What no recording shows yet, but smr-core's own tests.
-const OWN: [Mutant; 1] =
-    [("how much better", "track/robust/trust.rs", "const BETTER: i32 = 16_000;", "const BETTER: i32 = 0;")];
+const OWN: [Mutant; 2] = [
+    ("how much better", "track/robust/trust.rs", "const BETTER: i32 = 16_000;", "const BETTER: i32 = 0;"),
+    ("how far trust is beyond the evidence", "track/robust/trust.rs", "BEYOND: i32 = 29_000;", "BEYOND: i32 = 98_304;"),
+];
 
 /// How a mutant is met: what follows `cargo`.
 const CHECK_PAPER: [&str; 7] = ["run", "--quiet", "--package", "host-sim", "--", "check", "--method=smr"];

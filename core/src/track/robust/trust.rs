@@ -18,6 +18,10 @@ const CERTAIN: u16 = 55_000;
 const FOUND: i32 = 52_000;
 const BETTER: i32 = 16_000;
 
+/// Trust is at most so much more than the evidence of the present frame: a frame that shows nothing makes the target uncertain at once,
+/// and not yet lost, as set by default.
+const BEYOND: i32 = 29_000;
+
 /// What a look at a place says for the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Evidence(i32);
@@ -66,7 +70,8 @@ impl Trust {
 
     pub(super) fn after(self, evidence: Evidence, patience: u8) -> Self {
         // Both are between 0 and CLEAR.
-        Self(self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8))
+        let mean = self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8);
+        Self(mean.min(evidence.0 + BEYOND))
     }
 
     pub(super) fn state(self, config: &Config) -> State {
@@ -110,7 +115,7 @@ mod tests {
         let states = core::iter::successors(Some(Trust::new()), next).map(|trust| trust.state(&config));
         let runs: std::vec::Vec<State> = states.take(8).collect();
         use State::{Lost, Tracking, Uncertain};
-        assert_eq!(runs, [Tracking, Tracking, Tracking, Uncertain, Lost, Lost, Lost, Lost]);
+        assert_eq!(runs, [Tracking, Uncertain, Lost, Lost, Lost, Lost, Lost, Lost]);
     }
 
     #[test]

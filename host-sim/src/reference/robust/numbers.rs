@@ -73,8 +73,10 @@ pub struct Numbers {
     /// Sums of squared slopes grow by 1 over `more`, and are divided by a power of two until they are below the most.
     pub more: f64,
     pub most_sum: f64,
-    /// Trust: how far the mean moves, in units of 1/256, and what is believed by the confidence, two thirds of it.
+    /// Trust: how far the mean moves, in units of 1/256, how much it may be beyond the evidence, and what is believed by the confidence,
+    /// two thirds of it.
     pub trust_rate: f64,
+    pub beyond: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
     /// Evidence from which on a look is learned; from which on a lost target is found, and how much more than elsewhere.
@@ -129,6 +131,7 @@ impl Numbers {
             more: 64.0,
             most_sum: 4096.0,
             trust_rate: 77.0,
+            beyond: 29_000.0,
             lost_below: 19_200.0,
             uncertain_below: 31_900.0,
             learned_from: 37_500.0,

@@ -19,8 +19,10 @@ pub fn evidence(agreement: f64, response: f64) -> f64 {
 /// All evidence that there can be: of a target that was pointed at.
 pub const CLEAR: f64 = 98304.0;
 
+/// A running mean, at most [`Numbers::beyond`] more than what the frame says.
 pub fn after(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
-    mean + ((evidence - mean) * numbers.trust_rate / 256.0).floor()
+    let mean = mean + ((evidence - mean) * numbers.trust_rate / 256.0).floor();
+    mean.min(evidence + numbers.beyond)
 }
 
 pub fn belief(numbers: &Numbers, mean: f64) -> Belief {
