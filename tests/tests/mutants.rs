@@ -103,7 +103,7 @@ const PAPER: [Mutant; 22] = [
 /// The same for the robust tracker.
 const ROBUST: [Mutant; 24] = [
     ("cells of the filter", "track/robust/mod.rs", "const MOST_CELLS: usize = 200;", "const MOST_CELLS: usize = 190;"),
-    ("a direction", "track/robust/features.rs", "(703, 256)", "(702, 256)"),
+    ("a direction", "track/robust/gradients.rs", "(703, 256)", "(702, 256)"),
     (
         "the norm's floor",
         "track/robust/features.rs",
@@ -124,12 +124,7 @@ const ROBUST: [Mutant; 24] = [
     ("scales", "track/robust/update.rs", "const SIZE_STEP: u64 = 66_847;", "const SIZE_STEP: u64 = 66_848;"),
     ("what other scales count", "track/robust/update.rs", "const SIZE_PART: i64 = 252;", "const SIZE_PART: i64 = 128;"),
     ("the early template", "track/robust/config.rs", "early_rate: 1,", "early_rate: 16,"),
-    (
-        "the growth",
-        "track/robust/exact.rs",
-        "part([one_three, two_three, third], -32",
-        "part([one_three, two_three, third], -16",
-    ),
+    ("the growth", "track/robust/exact.rs", "-32 * part([", "-16 * part(["),
     ("slopes outward", "track/robust/exact.rs", "+ down * v) >> 6", "- down * v) >> 6"),
     ("where it is certain", "track/robust/trust.rs", "const CERTAIN: u16 = 55_000;", "const CERTAIN: u16 = 65_535;"),
     ("the part that counts", "track/robust/agreement.rs", "const RANK: usize = 4;", "const RANK: usize = 5;"),
