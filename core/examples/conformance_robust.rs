@@ -1,6 +1,8 @@
 //! Answers the conformance vectors of the robust tracker on the target, at once and in steps, and says whether every answer is the one
 //! that they want; and how many instructions and how much stack that took.
 //!
+//! With the feature `verify` the plain loops run beside, and first of all at extreme values.
+//!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust
 //! ```
@@ -27,6 +29,8 @@ mod firmware {
     #[entry]
     fn main() -> ! {
         static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
+        #[cfg(feature = "verify")]
+        smr_core::similarity::verify_filter();
         exit(i32::from(!answers::<Robust>("robust", BUFFER)))
     }
 

@@ -82,7 +82,7 @@
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (11344 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of them, a constant expression. */
-#define SMR_ROBUST_WORKSPACE_SIZE (40104 + 16 * sizeof(size_t))
+#define SMR_ROBUST_WORKSPACE_SIZE (39936 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes of one of them. */
 #define SMR_ROBUST_SAVED_SIZE 11278
 

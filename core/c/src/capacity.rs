@@ -29,7 +29,7 @@ pub const PAPER_SAVED_SIZE: usize = PIXELS + 44;
 pub const ROBUST_TARGET_SIZE: usize = 11344 + size_of::<[usize; 6]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` of the header.
-pub const ROBUST_WORKSPACE_SIZE: usize = 40104 + size_of::<[usize; 16]>();
+pub const ROBUST_WORKSPACE_SIZE: usize = 39936 + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` of the header.
 pub const ROBUST_SAVED_SIZE: usize = 11278;

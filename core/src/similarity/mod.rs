@@ -11,8 +11,10 @@ mod table;
 
 #[cfg(smr_helium)]
 pub(crate) use arch::cells;
+#[cfg(feature = "verify")]
+pub use arch::verify_filter;
 pub use arch::{Backend, Scorer};
-pub(crate) use arch::{Columns, Mixed, Products};
+pub(crate) use arch::{Columns, LESS, Mixed, Move, Numbers, Products, lessen_by, rolled};
 #[cfg(smr_dsp)]
 pub(crate) use arch::{Directions, sectors};
 pub(crate) use products::{Layout, ROOM, Room};

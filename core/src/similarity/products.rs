@@ -5,6 +5,7 @@
 pub(crate) const ROOM: usize = 960;
 pub(crate) type Room = [u16; ROOM];
 
+use super::arch::rolled_if_spare;
 use core::ops::Range;
 
 /// How a filter lies on bytes.
@@ -48,7 +49,8 @@ pub(crate) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, step, span } = layout;
-    for (y, out) in out.iter_mut().enumerate().take(parts.end.min(span)).skip(parts.start) {
+    for y in parts.start..parts.end.min(span) {
+        let Some(out) = out.get_mut(y) else { return };
         for (x, out) in out.iter_mut().take(span).enumerate() {
             let rows = weights.chunks(row.max(1)).zip((y * stride + x * step..).step_by(stride.max(1)));
             *out = rows.map(|(weights, from)| dot(cells.get(from..).unwrap_or_default(), weights)).sum();
@@ -58,7 +60,7 @@ pub(crate) fn responses<const N: usize>(
 
 #[inline(always)]
 fn dot(cells: &[i8], weights: &[i16]) -> i32 {
-    cells.iter().zip(weights).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
+    rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
 /// The other way round: to each weight's sum the products of all `errors` with the byte that the weight lies on at that offset.
@@ -73,11 +75,12 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     let Layout { row, stride, step, span } = layout;
-    for (y, errors) in errors.iter().enumerate().take(parts.end.min(span)).skip(parts.start) {
+    for y in parts.start..parts.end.min(span) {
+        let Some(errors) = errors.get(y) else { return };
         for (sums, from) in sums.chunks_mut(row.max(1)).zip((y * stride..).step_by(stride.max(1))) {
             for (x, &error) in errors.iter().take(span).enumerate() {
                 let cells = cells.get(from + x * step..).unwrap_or_default();
-                for (sum, &cell) in sums.iter_mut().zip(cells) {
+                for (sum, &cell) in rolled_if_spare(sums.iter_mut().zip(cells)) {
                     *sum += i32::from(error) * i32::from(cell);
                 }
             }

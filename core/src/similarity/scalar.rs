@@ -1,6 +1,7 @@
 //! The plain loops: the specification of a score (steps 2 to 4 of the method), and of the two coarser measures that the
 //! search excludes offsets with. Every faster way gives the same integers.
 
+use super::arch::rolled_if_spare;
 use super::{CutTable, Table};
 use crate::image::Image;
 
@@ -44,7 +45,7 @@ pub(super) fn full(pixels: usize) -> u32 {
 }
 
 fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
-    patch.iter().zip(template).map(|(&f, &g)| pixel(f, g, table)).sum()
+    rolled_if_spare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
 }
 
 /// The similarity of two pixels, 0 where they do not count.

@@ -9,8 +9,11 @@ use heapless::Vec;
 
 /// Numbers that a column can begin on.
 const PLACES: u16 = 512;
-/// What columns are mixed of: 256 times gray levels, less 2^15, in two's complement. After the last place there may be one more.
+/// What columns are mixed of: 256 times gray levels, less [`LESS`] in two's complement. After the last place there may be one more.
 pub(crate) type Mixed = [u16; PLACES as usize + 4];
+
+/// So much less are the numbers of a row.
+pub(crate) const LESS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 
 /// One column.
 #[cfg(smr_dsp)]
@@ -75,9 +78,9 @@ impl<const N: usize> Columns<N> {
     fn each(&self, row: &Mixed) -> impl Iterator<Item = u8> {
         self.from.iter().zip(&self.parts).map(|(&from, parts)| {
             let pair = row.get(usize::from(from / 2)..).and_then(|row| row.first_chunk()).copied().unwrap_or([0; 2]);
-            let [first, second] = pair.map(|number| i32::from(number.cast_signed()));
-            let [rest, part] = parts.map(i32::from);
-            let [_, _, level, _] = (first * rest + second * part + (1 << 23) + (1 << 15)).to_le_bytes();
+            let [first, second] = pair.map(|number| u32::from(number.wrapping_add(LESS)));
+            let [rest, part] = parts.map(u32::from);
+            let [_, _, level, _] = (first * rest + second * part + (1 << 15)).to_le_bytes();
             level
         })
     }
@@ -130,11 +133,10 @@ impl<const N: usize> Columns<N> {
                 "vldrh.u32 q0, [{from}], #8",
                 "vldrb.u8 q1, [{parts}], #16",
                 "vldrw.u32 q2, [{row}, q0]",
-                "vmullb.s16 q0, q2, q1",
-                "vmullt.s16 q2, q2, q1",
+                "vmullb.u16 q0, q2, q1",
+                "vmullt.u16 q2, q2, q1",
                 "vadd.i32 q0, q0, q2",
-                "vadd.i32 q0, q0, {half}",
-                "vshr.u32 q0, q0, #16",
+                "vrshr.u32 q0, q0, #16",
                 "vstrb.32 q0, [{out}], #4",
                 "letp lr, 2b",
                 from = inout(reg) self.from.as_ptr() => _,
@@ -142,7 +144,6 @@ impl<const N: usize> Columns<N> {
                 out = inout(reg) out.as_mut_ptr() => _,
                 count = in(reg) count,
                 row = in(reg) row.as_ptr(),
-                half = in(reg) (1 << 23) + (1 << 15),
                 out("lr") _,
                 out("q0") _,
                 out("q1") _,
@@ -163,9 +164,9 @@ mod tests {
         for (place, part) in [(0, 0), (0, 128), (1, 255), (511, 0), (511, 0), (0, 0)] {
             columns.push(place, part);
         }
-        let mut row = [0x8000; PLACES as usize + 4];
-        // 0, 1 and 255 gray levels.
-        (row[1], row[2], row[511]) = (0x8100, 0x7F00, 0x7F00);
+        let mut row: Mixed = [0; PLACES as usize + 4];
+        (row[1], row[2], row[511]) = (1 << 8, 255 << 8, 255 << 8);
+        row.iter_mut().for_each(|level| *level = level.wrapping_sub(LESS));
         let mut out = [7; 7];
         columns.mix(&row, &mut out);
         assert_eq!(out, [0, 1, 254, 255, 255, 7, 7]);

@@ -14,13 +14,14 @@
 //! be loaded from any address, and put together from bytes a distance takes 19 instead of 10 instructions a pixel on Armv6-M.
 //!
 //! `products/` has sums of products, by the same backends: what the robust tracker's filter is made of. `columns.rs`, `sectors.rs` (DSP)
-//! and `arm/cells.rs` (Helium) are loops of its grid and features, by what the program is compiled for; answers on emulated parts and
+//! and `arm/cells.rs` (Helium) are loops of its grid and features, `weights.rs` of its filter, by what the program is compiled for; answers on emulated parts and
 //! the feature `verify` hold them against the plain loops.
 //!
 //! `generic.rs` has the loops that x86-64 and AArch64 share: there the file of an instruction set says only what a vector is and
 //! how it looks a table up. The loops of `arm/` are by hand: they are `asm!`.
 //!
-//! `rows.rs` is what the kernels go through pictures by, `verify.rs` the plain loops beside them (feature `verify`).
+//! `rows.rs` is what the kernels go through pictures by, `rolled.rs` keeps loops small; `verify.rs` has the plain loops beside them and
+//! `verify_filter.rs` extreme values (feature `verify`).
 //!
 //! # Where weights would be added
 //!
@@ -50,10 +51,12 @@ mod columns;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon")))]
 mod generic;
 mod products;
+mod rolled;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
 mod rows;
 #[cfg(smr_dsp)]
 mod sectors;
+mod weights;
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     pub(super) mod avx2;
@@ -63,6 +66,8 @@ mod x86 {
 
 #[cfg(any(test, feature = "verify"))]
 mod verify;
+#[cfg(feature = "verify")]
+mod verify_filter;
 
 #[cfg(test)]
 mod guard;
@@ -71,10 +76,14 @@ mod tests;
 
 #[cfg(smr_helium)]
 pub(crate) use arm::cells;
-pub(crate) use columns::{Columns, Mixed};
+pub(crate) use columns::{Columns, LESS, Mixed};
 pub(crate) use products::Products;
+pub(crate) use rolled::{rolled, rolled_if_spare};
 #[cfg(smr_dsp)]
 pub(crate) use sectors::{Directions, sectors};
+#[cfg(feature = "verify")]
+pub use verify_filter::verify_filter;
+pub(crate) use weights::{Move, Numbers, lessen_by};
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use aarch64::neon;

@@ -46,7 +46,8 @@ impl Compared<'_> {
         similarity: &Table,
     ) {
         let Some(seen) = self.seen(at) else { return };
-        table.set(similarity, light::of(self.early.pixels(), self.was, seen, lit).threshold());
+        self.early.copy_to(lit);
+        table.set(similarity, light::of(lit, self.was, seen).threshold());
     }
 
     /// The score of a place, in the light that `lit` is in.
@@ -91,14 +92,15 @@ mod tests {
     /// How well a template of 16x16 pixels agrees with what is seen.
     fn agreement(template: &[u8], seen: &[u8]) -> u16 {
         let mut early = Early::new();
-        early.start(template.iter().copied());
+        let template = Image::new(template, 16, 16).unwrap();
+        early.start(template);
         const SIDE: usize = 16 + 2 * MARGIN as usize;
         let mut view = std::vec![0; SIDE * SIDE];
         for (row, seen) in view.chunks_mut(SIDE).skip(MARGIN.into()).zip(seen.chunks(16)) {
             row[MARGIN.into()..][..16].copy_from_slice(seen);
         }
         let view = Image::new(&view, 16 + 2 * MARGIN, 16 + 2 * MARGIN).unwrap();
-        let compared = Compared { view, early: &early, was: Contrast::of(early.pixels()), columns: 16, rows: 16 };
+        let compared = Compared { view, early: &early, was: Contrast::of(template), columns: 16, rows: 16 };
         let (mut lit, mut table) = (Vec::new(), CutTable::EMPTY);
         compared.light((0, 0), &mut lit, &mut table, &Table::PAPER);
         compared.agreement((0, 0), &lit, &Scorer::new(Backend::Scalar, &table))

@@ -6,8 +6,10 @@
 //! matches exactly stays where it is.
 
 use super::features::CELL;
+use super::grid::row_of;
 use super::trust::is_certain;
 use crate::image::Image;
+use crate::similarity::rolled;
 
 /// How far the template is compared to each side, in pixels of the grid; the view has so many more on each side.
 pub(super) const MARGIN: u16 = 3;
@@ -107,11 +109,13 @@ impl Sums {
         let from_middle = |at: usize, size: u16| 2 * i32::try_from(at).unwrap_or(0) + 3 - i32::from(size);
         for y in 1..seen.height().saturating_sub(1) {
             let v = from_middle(usize::from(y) - 1, seen.height());
-            let [above, here, below] = three_rows(seen, y);
-            let [lit_above, lit_here, lit_below] = three_rows(lit, y);
+            let three = |image| [y - 1, y, y + 1].map(|y| row_of(image, y, 0));
+            let ([above, here, below], [lit_above, lit_here, lit_below]) = (three(seen), three(lit));
             let vertical = above.iter().zip(below).zip(lit_above.iter().zip(lit_below)).skip(1);
             let horizontal = here.windows(3).zip(lit_here.windows(3));
-            for (x, ((seen, lit), ((above, below), (lit_above, lit_below)))) in horizontal.zip(vertical).enumerate() {
+            for (x, ((seen, lit), ((above, below), (lit_above, lit_below)))) in
+                rolled(horizontal.zip(vertical).enumerate())
+            {
                 let ([left, seen, right], [lit_left, lit, lit_right]) = (seen, lit) else { continue };
                 let slope = |from: u8, to: u8, lit_from: u8, lit_to: u8| {
                     i32::from(to) - i32::from(from) + i32::from(lit_to) - i32::from(lit_from)
@@ -161,12 +165,6 @@ impl Sums {
             growth.clamp(-MOST_GROWTH, MOST_GROWTH),
         )
     }
-}
-
-/// A row and those above and below it.
-#[inline(never)] // one copy in flash
-fn three_rows(image: Image<'_>, y: u16) -> [&[u8]; 3] {
-    [y - 1, y, y + 1].map(|y| image.row(y))
 }
 
 /// A number divided by a power of two, or multiplied where that is negative.

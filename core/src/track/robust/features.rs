@@ -13,7 +13,8 @@ use super::grid::{COLUMNS, Lattice, MOST_SIDE, Scratch};
 use crate::image::{Frame, Rect};
 #[cfg(smr_helium)]
 use crate::similarity::cells;
-use crate::similarity::{ROOM, Room};
+use crate::similarity::{ROOM, Room, rolled};
+use core::cell::Cell;
 use heapless::Vec;
 
 /// Pixels of the grid on a side of a cell.
@@ -83,7 +84,7 @@ impl Strip {
     #[inline(never)] // one copy in flash
     pub(super) fn row(&mut self, frame: &Frame<'_>, lattice: &Lattice, out: &mut [i8]) -> bool {
         let Self { scratch, lines, room, energies, next } = self;
-        let Some(mut sampler) = lattice.sampler(frame, scratch) else { return true };
+        let Some(mut sampler) = scratch.sampler(frame) else { return true };
         let (across, down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
         let row = *next;
         *next += 1;
@@ -91,7 +92,7 @@ impl Strip {
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         let [above, at, below] = &mut *energies;
         // Only as many as there are cells.
-        for (above, (at, below)) in above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across) {
+        for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {
             (*above, *at, *below) = (*at, *below, 0);
         }
         if row < down {
@@ -153,29 +154,19 @@ fn gradients(lines: &[[u8; COLUMNS]; SIDE], sums: &mut Row, energies: &mut [u32;
 }
 
 /// A row of cells as bytes, by their energies and those in the rows above and below, of which so many are in the lattice; the others
-/// are 0.
+/// are 0. What is above is not needed again: its place is used.
 #[inline(never)] // one copy in flash
-fn normalise(sums: &Row, [above, at, below]: &[[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
+fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
-    let across = out.len();
-    // Of each column, between two that are not there.
-    let mut columns = [0; ROW + 2];
-    for (column, ((above, at), below)) in columns.iter_mut().skip(1).zip(above.iter().zip(at).zip(below)).take(across) {
-        *column = above + at + below;
-    }
-    let inverses = columns.array_windows().enumerate().take(across).map(|(number, [left, middle, right])| {
-        let cells = rows * (3 - u32::from(number == 0) - u32::from(number + 1 == across));
-        // Nine energies are below 2^29; 64 times their mean is below 2^32.
-        (GAIN << 16) / (root(64 * ((left + middle + right) / cells.max(1))) + FLOOR)
-    });
+    let Some(inverses) = above.get_mut(..out.len()) else { return };
+    rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
+    invert(inverses, rows);
     #[cfg(smr_helium)]
     if let Some(sums) = sums.first_chunk() {
-        let mut of_row = [0; ROW];
-        of_row.iter_mut().zip(inverses).for_each(|(to, inverse)| *to = inverse);
-        cells::scale(sums, &of_row, out);
+        cells::scale(sums, above, out);
     }
     #[cfg(not(smr_helium))]
-    for ((number, out), inverse) in out.iter_mut().enumerate().take(ROW).zip(inverses) {
+    for ((number, out), &mut inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
         let [parts @ .., level] = out;
         let mut of_cell = sums.iter().map(|row| row.get(number).copied().unwrap_or(0));
         for (part, sum) in parts.iter_mut().zip(&mut of_cell) {
@@ -187,6 +178,27 @@ fn normalise(sums: &Row, [above, at, below]: &[[u32; ROW]; 3], rows: u32, out: &
         let [gray, _] = (of_cell.next().unwrap_or(0) >> 4).to_le_bytes();
         *level = (gray ^ 128).cast_signed();
     }
+}
+
+/// Makes sums of columns of three cells, of which so many are there, what the sums of cells are multiplied by.
+fn invert(columns: &mut [u32], rows: u32) {
+    let columns = Cell::from_mut(columns).as_slice_of_cells();
+    let (mut left, mut here) = (0, 0);
+    let mut right = columns.iter().skip(1);
+    for column in rolled(columns.iter()) {
+        let middle = column.get();
+        // Without the cells that are beyond the edge.
+        let (next, cells) = right.next().map_or((0, here + rows), |next| (next.get(), here + 2 * rows));
+        column.set(inverse(left + middle + next, cells));
+        (left, here) = (middle, rows);
+    }
+}
+
+/// What the sums of a cell are multiplied by where so many cells have this energy together.
+#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
+fn inverse(energy: u32, cells: u32) -> u32 {
+    // Nine energies are below 2^29; 64 times their mean is below 2^32.
+    (GAIN << 16) / (root(64 * (energy / cells.max(1))) + FLOOR)
 }
 
 /// The square root, rounded down, of a number below 2^32 - 2^17. Two steps of Newton's, which take fewer instructions than `isqrt` where

@@ -18,19 +18,22 @@ use super::features::CHANNELS;
 use super::grid::Grid;
 use super::label::Bell;
 use super::responses::{Responses, SPAN};
-use crate::similarity::{Layout, Products, Room};
+use crate::similarity::{Layout, Move, Numbers, Products, Room, lessen_by, rolled};
 use heapless::Vec;
 
 /// Weights of the largest filter.
 const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The largest coded number: 2000 of them times a byte stay below 2^31.
-const CODED: u64 = 8191;
+const CODED: u32 = 8191;
 /// The largest gathered error: 289 of them times a byte stay below 2^31.
-const GATHERED: u64 = 16_383;
+const GATHERED: u32 = 16_383;
 /// The largest error.
 const MOST_ERROR: i32 = 65_535;
 /// How much squared weights count: 0.05 where a feature of 1 is 318, which squared is 5056.
 const PULL: i64 = 5056;
+
+/// Cells, and how the filter lies on them.
+type Under<'a> = (&'a [i8], Layout);
 
 /// What has been learned.
 pub(super) struct Filter {
@@ -65,43 +68,42 @@ impl Desk {
 
     /// A part of the responses at all offsets, to the weights that were coded last by `shift`; true when this was the last part.
     #[inline(never)] // one copy in flash
-    pub(super) fn responses<const N: usize>(
+    pub(super) fn responses(
         &self,
         products: Products,
         room: &mut Room,
         shift: u32,
-        (cells, layout): (&[i8], Layout),
+        (cells, layout): Under<'_>,
         part: usize,
-        out: &mut [[i32; N]],
+        out: &mut [[i32; SPAN]; SPAN],
     ) -> bool {
         products.responses(part..part + 1, room, cells, layout, &self.coded, out);
-        if part + 1 < products.parts(layout, self.coded.len()) {
-            return false;
+        let last = part + 1 >= products.parts(layout, self.coded.len());
+        if last {
+            scale(out, shift);
         }
-        out.as_flattened_mut().iter_mut().for_each(|out| *out = response(*out, shift));
-        true
+        last
+    }
+
+    /// The responses at a few offsets, at once. What stood on the desk to learn by is gone.
+    pub(super) fn few(&mut self, products: Products, room: &mut Room, shift: u32, under: Under<'_>) -> &[[i32; SPAN]] {
+        let mut parts = 0..;
+        while !self.bends(products, room, under, parts.next().unwrap_or(0)) {}
+        let rows = self.sums.get_mut(..under.1.span).unwrap_or_default();
+        scale(rows, shift);
+        rows
     }
 
     /// A part of what the errors say of each weight; true when this was the last part.
-    pub(super) fn gather(
-        &mut self,
-        products: Products,
-        room: &mut Room,
-        (cells, layout): (&[i8], Layout),
-        part: usize,
-    ) -> bool {
+    pub(super) fn gather(&mut self, products: Products, room: &mut Room, under: Under<'_>, part: usize) -> bool {
+        let (cells, layout) = under;
         products.gather(part..part + 1, room, cells, layout, &self.errors, &mut self.gradient);
         part + 1 >= products.gather_parts(layout, self.gradient.len())
     }
 
     /// A part of the responses to the way that stands on the desk; true when this was the last part.
-    pub(super) fn bends(
-        &mut self,
-        products: Products,
-        room: &mut Room,
-        (cells, layout): (&[i8], Layout),
-        part: usize,
-    ) -> bool {
+    pub(super) fn bends(&mut self, products: Products, room: &mut Room, under: Under<'_>, part: usize) -> bool {
+        let (cells, layout) = under;
         products.responses(part..part + 1, room, cells, layout, &self.coded, &mut self.sums);
         part + 1 >= products.parts(layout, self.coded.len())
     }
@@ -112,9 +114,9 @@ impl Desk {
     #[inline(never)] // its loops have registers of their own
     pub(super) fn change(&self, (scale, descent): (u32, i64), learning_rate: u16) -> Change {
         // At most 2000 * 8191^2 < 2^37.
-        let squared: i64 = self.coded.iter().map(|&direction| i64::from(direction).pow(2)).sum();
+        let squared: i64 = rolled(self.coded.iter()).map(|&direction| i64::from(direction).pow(2)).sum();
         // A sum is below 2^31, of which 9 places are taken away; 289 squares of that are below 2^53.
-        let bends = self.sums.as_flattened().iter().map(|&sum| i64::from(sum >> 9).pow(2));
+        let bends = rolled(self.sums.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let bend = ((PULL * squared) >> 18) + bends.sum::<i64>();
         // Below 2^47.
         Change { length: (i64::from(learning_rate) * ((descent << 26) / bend.max(1))) >> 8, scale }
@@ -145,14 +147,14 @@ impl Sample<'_> {
     fn errors(&self, grid: &Grid, errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
         let (bell, span) = (Bell::of(grid), self.responses.span);
         let mut across = [0; SPAN];
-        for (offset, part) in across.iter_mut().enumerate() {
+        for (offset, part) in rolled(across.iter_mut().enumerate()) {
             *part = bell.at_offset(offset, self.target.0, self.reach);
         }
         let mut largest = 0;
         errors.as_flattened_mut().fill(0);
         for (row, (errors, responses)) in errors.iter_mut().zip(&self.responses.rows).enumerate().take(span) {
             let down = bell.at_offset(row, self.target.1, self.reach);
-            for ((error, response), across) in errors.iter_mut().zip(responses).zip(across).take(span) {
+            for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(across).take(span)) {
                 let label = (across * down + (1 << 13)) >> 14;
                 *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);
                 largest = largest.max(error.unsigned_abs());
@@ -189,13 +191,11 @@ impl Filter {
     /// Puts the weights on the desk, coded: each stands for itself times 2 to the power that is returned.
     #[inline(never)] // one copy in flash
     pub(super) fn code(&self, desk: &mut Desk) -> u32 {
-        let largest = self.weights.iter().map(|weight| weight.unsigned_abs()).max().unwrap_or(0);
-        let shift = shift_to(largest.into(), CODED);
-        desk.coded.clear();
-        for &weight in &self.weights {
-            // Cannot fail: there is room for as many. Not extend, which has a path to a panic.
-            let _ = desk.coded.push(code_small(weight, shift));
-        }
+        let numbers = Numbers::of(&self.weights);
+        let shift = shift_to(numbers.largest(), CODED);
+        // Cannot fail: there is room for as many.
+        let _ = desk.coded.resize_default(self.weights.len());
+        numbers.code(shift, &mut desk.coded);
         shift
     }
 
@@ -203,10 +203,8 @@ impl Filter {
     #[inline(never)] // one copy in flash
     pub(super) fn errors(&self, grid: &Grid, sample: &Sample<'_>, desk: &mut Desk) -> u32 {
         let Desk { gradient, sums, errors, .. } = desk;
-        let shift = shift_to(sample.errors(grid, sums).into(), GATHERED);
-        for (coded, &mut error) in errors.as_flattened_mut().iter_mut().zip(sums.as_flattened_mut()) {
-            *coded = code_small(error, shift);
-        }
+        let shift = shift_to(sample.errors(grid, sums), GATHERED);
+        Numbers::of(sums.as_flattened()).code(shift, errors.as_flattened_mut());
         gradient.clear();
         let _ = gradient.resize_default(self.weights.len());
         shift
@@ -214,15 +212,30 @@ impl Filter {
 
     /// Puts the way to go on the desk, coded by the shift that is returned; how steep it is is returned, too. All errors, coded by
     /// `shift`, were gathered.
+    ///
+    /// A slope says how the sum of squares grows with a weight: `PULL` times the weight, and 2^16 times the error that was gathered for
+    /// it, which is below 2^30. In units of 2^(16 + shift), at most 2^19, both are below 2^30. If all slopes are then too small to be
+    /// coded, they are below 2^32, so that 2^14 is a unit for them; and if they still are, they are below 2^27, and 1 is.
     #[inline(never)] // one copy in flash
     pub(super) fn slopes(&self, grid: &Grid, desk: &mut Desk, shift: u32) -> (u32, i64) {
         let Desk { coded, gradient, .. } = desk;
-        let slope = |(&weight, &sum): (&i32, &i32)| slope(weight, sum, shift + 16);
-        let slopes = || self.weights.iter().zip(gradient.iter()).map(slope);
-        let steepest = slopes().map(i64::unsigned_abs).max().unwrap_or(0);
-        let scale = shift_to(steepest, CODED);
-        coded.iter_mut().zip(slopes()).for_each(|(coded, slope)| *coded = code(slope, scale));
-        (scale, lessen(grid, coded))
+        let mut way = (0, 0);
+        for unit in [16 + shift, 14, 0] {
+            let slopes = Numbers {
+                weights: &self.weights,
+                factor: PULL << (32 - unit),
+                sums: gradient,
+                left: 16 + shift - unit,
+            };
+            let steepest = slopes.largest();
+            if steepest >= CODED || unit == 0 {
+                let more = shift_to(steepest, CODED);
+                slopes.code(more, coded);
+                way = (unit + more, lessen(grid, coded));
+                break;
+            }
+        }
+        way
     }
 
     /// One step of learning, at once. Cost: two products for each weight and each of 289 offsets.
@@ -248,10 +261,7 @@ impl Filter {
     #[inline(never)] // one copy in flash
     pub(super) fn apply(&mut self, desk: &Desk, Change { length, scale }: Change) {
         // Lengths have 44 binary places; a product is below 2^60.
-        let back = 44u32.saturating_sub(scale);
-        for (weight, &slope) in self.weights.iter_mut().zip(&desk.coded) {
-            *weight = moved(*weight, slope, length, back);
-        }
+        Move { length, back: 44u32.saturating_sub(scale) }.apply(&mut self.weights, &desk.coded);
     }
 }
 
@@ -267,58 +277,28 @@ fn lessen(grid: &Grid, slopes: &mut [i16]) -> i64 {
         let down = down.at(from_middle(y, grid.down));
         for (x, cell) in row.chunks_mut(CHANNELS).enumerate() {
             let part = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
-            for slope in cell {
-                // No more than the slope, so 16 bits hold it.
-                let direction = (i32::from(*slope) * part + (1 << 13)) >> 14;
-                descent += i64::from(*slope) * i64::from(direction);
-                *slope = i16::try_from(direction).unwrap_or(0);
-            }
+            descent += i64::from(lessen_by(cell, part));
         }
     }
     descent
 }
 
-/// A sum of products with coded weights as a response.
+/// Makes sums of products with weights that were coded by `shift` responses: times 2^shift, less 16 places. They are cut before they are
+/// shifted to the left, so nothing is lost there.
 #[inline(never)] // one copy in flash
-fn response(sum: i32, shift: u32) -> i32 {
-    // The shift is at most 19: the product is below 2^50.
-    let response = (i64::from(sum) << shift) >> 16;
-    i32::try_from(response.clamp(-(1 << 24), 1 << 24)).unwrap_or(0)
+fn scale(rows: &mut [[i32; SPAN]], shift: u32) {
+    let (left, right) = (shift.saturating_sub(16), 16_u32.saturating_sub(shift));
+    let most = (1 << 24) >> left;
+    rolled(rows.as_flattened_mut().iter_mut()).for_each(|sum| *sum = (*sum >> right).min(most).max(-most) << left);
 }
 
 /// By how much numbers must be shifted to the right so that the largest is at most `most`, rounded.
-fn shift_to(largest: u64, most: u64) -> u32 {
+fn shift_to(largest: u32, most: u32) -> u32 {
     let mut shift = 0;
-    while (largest >> shift) + 1 > most {
+    while largest >> shift >= most {
         shift += 1;
     }
     shift
-}
-
-/// How the sum of squares grows with a weight, by the errors that were gathered for it. Both terms are below 2^48.
-#[inline(never)] // one copy in flash, and no loop around it is unrolled
-fn slope(weight: i32, gathered: i32, shift: u32) -> i64 {
-    PULL * i64::from(weight) + (i64::from(gathered) << shift)
-}
-
-/// A weight after a step.
-#[inline(never)] // one copy in flash, and no loop around it is unrolled
-fn moved(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
-    let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
-    i32::try_from(i64::from(weight) - change).unwrap_or(weight)
-}
-
-/// `number >> shift`, rounded.
-#[inline(never)] // one copy in flash, and no loop around it is unrolled
-fn code(number: i64, shift: u32) -> i16 {
-    i16::try_from((number + (1 << shift >> 1)) >> shift).unwrap_or(0)
-}
-
-/// The same of a number of 32 bits, which the sum might not have room in: what is rounded up is the last bit that is lost.
-#[inline(never)] // one copy in flash, and no loop around it is unrolled
-fn code_small(number: i32, shift: u32) -> i16 {
-    let lost = if shift == 0 { 0 } else { (number >> (shift - 1)) & 1 };
-    i16::try_from((number >> shift) + lost).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -326,17 +306,45 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coded_numbers_are_rounded_and_bounded() {
-        for largest in [0, 1, 8190, 8191, 8192, 1 << 31, 1 << 48, i64::MAX as u64 / 2] {
-            let shift = shift_to(largest, CODED);
-            let largest = i64::try_from(largest).unwrap();
-            assert!(u64::from(code(largest, shift).unsigned_abs()) <= CODED && code(-largest, shift) >= -8191);
+    fn coded_numbers_are_bounded() {
+        for largest in [0, 1, 8190, 8191, 8192, 1 << 30, i32::MAX] {
+            let (mut coded, numbers) = ([0; 2], [largest, -largest]);
+            let numbers = Numbers::of(&numbers);
+            let shift = shift_to(numbers.largest(), CODED);
+            numbers.code(shift, &mut coded);
+            assert!(coded.iter().all(|coded| u32::from(coded.unsigned_abs()) <= CODED), "{largest}");
+            assert!(shift == 0 || coded[0] > 4000, "{largest}");
         }
-        assert_eq!([code(5, 1), code(-5, 1), code(5, 2), code(7, 0)], [3, -2, 1, 7]);
-        for number in [i32::MIN, i32::MIN + 1, -70_000, -3, -2, -1, 0, 1, 2, 3, 70_000, i32::MAX - 1, i32::MAX] {
-            for shift in 0..32 {
-                let wanted = code(number.into(), shift);
-                assert_eq!(code_small(number, shift), wanted, "{number} >> {shift}");
+    }
+
+    /// Against 64 bits, in which all units are 1.
+    #[test]
+    fn slopes_are_coded_in_any_unit() {
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let (mut filter, mut desk) = (Filter::new(), Desk::new());
+        filter.start(&grid);
+        let count = filter.weights.len();
+        let mut state = 1_u32;
+        let mut noise = |places: u32| {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state.cast_signed() >> 3) >> (28 - places)
+        };
+        for (of_weight, of_sum) in
+            [(0, 0), (1, 0), (3, 1), (9, 3), (12, 8), (18, 12), (24, 20), (28, 28), (0, 28), (28, 0)]
+        {
+            for shift in 0..=3 {
+                filter.weights.iter_mut().for_each(|weight| *weight = 8 * noise(of_weight));
+                desk.gradient = (0..count).map(|_| noise(of_sum)).collect();
+                desk.coded.resize_default(count).unwrap();
+                let slope = |at| PULL * i64::from(filter.weights[at]) + (i64::from(desk.gradient[at]) << (16 + shift));
+                let slopes: std::vec::Vec<i64> = (0..count).map(slope).collect();
+                let steepest = slopes.iter().map(|slope| slope.unsigned_abs()).max().unwrap();
+                let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
+                let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
+                let mut wanted: std::vec::Vec<i16> = slopes.iter().map(round).collect();
+                let descent = lessen(&grid, &mut wanted);
+                assert_eq!(filter.slopes(&grid, &mut desk, shift), (scale, descent), "{of_weight} {of_sum} {shift}");
+                assert_eq!(desk.coded, *wanted);
             }
         }
     }

@@ -7,7 +7,7 @@
 use super::features::CELL;
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{Columns, Mixed};
+use crate::similarity::{Columns, LESS, Mixed, rolled};
 use heapless::Vec;
 
 /// One pixel, as positions have it.
@@ -162,26 +162,25 @@ impl Lattice {
     }
 
     /// The pixels that are read, in a frame with these bounds.
-    pub(super) fn pixels(&self, bounds: Rect) -> Rect {
-        self.pixels_on(&self.axes(bounds), bounds)
-    }
-
     #[inline(never)] // one copy in flash
-    fn pixels_on(&self, (x, y): &(Axis, Axis), bounds: Rect) -> Rect {
+    pub(super) fn pixels(&self, bounds: Rect) -> Rect {
+        let (x, y) = self.axes(bounds);
         let side = 1 << self.halvings();
         let extent = |axis: &Axis, count: u16, size: u16| {
             let from = i32::from(axis.at(0).0) * side;
             (from, ((i32::from(axis.at(count.saturating_sub(1)).1) + 1) * side).min(i32::from(size)) - from)
         };
         let ((left, width), (top, height)) =
-            (extent(x, self.columns, bounds.width), extent(y, self.rows, bounds.height));
+            (extent(&x, self.columns, bounds.width), extent(&y, self.rows, bounds.height));
         Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
     }
 
-    /// Begins to sample: where the columns are. No row of means is known.
+    /// Begins to sample: where columns and rows are. No row of means is known.
     #[inline(never)] // one copy in flash
     pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
-        let (across, _) = self.axes(bounds);
+        let (across, down) = self.axes(bounds);
+        scratch.pixels = self.pixels(bounds);
+        (scratch.down, scratch.halvings) = (down, self.halvings());
         let (left, _) = across.place(0);
         scratch.columns.clear();
         // There is room: a lattice has at most COLUMNS columns.
@@ -190,17 +189,6 @@ impl Lattice {
             scratch.columns.push(block.wrapping_sub(left), part);
         }
         scratch.made = [None; 2];
-    }
-
-    /// What samples `frame`, row by row, after `prepare`; `None` if pixels that are read are not in memory.
-    #[inline(never)] // one copy in flash
-    pub(super) fn sampler<'a>(&self, frame: &Frame<'a>, scratch: &'a mut Scratch) -> Option<Sampler<'a>> {
-        let bounds = frame.bounds();
-        let axes = self.axes(bounds);
-        let pixels = frame.patch(self.pixels_on(&axes, bounds))?;
-        let (_, down) = axes;
-        let (top, _) = down.place(0);
-        Some(Sampler { pixels, down, top, halvings: self.halvings(), scratch })
     }
 
     /// The work of so many rows, at most: the pixels of the frame that they lie on, and so much for `each` pixel of the lattice.
@@ -223,7 +211,7 @@ impl Lattice {
     pub(super) fn sample_row(&self, frame: &Frame<'_>, scratch: &mut Scratch, row: u16, out: &mut [u8]) -> bool {
         let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
         let out = out.get_mut(from..from + columns);
-        let (Some(mut sampler), Some(out)) = (self.sampler(frame, scratch), out) else { return false };
+        let (Some(mut sampler), Some(out)) = (scratch.sampler(frame), out) else { return false };
         sampler.row(row, out);
         true
     }
@@ -246,6 +234,10 @@ const _: () = assert!(ROW < Columns::<COLUMNS>::PLACES);
 pub(super) struct Scratch {
     /// The columns of the grid.
     columns: Columns<COLUMNS>,
+    /// Its rows, on the frame that was halved so often, and the pixels of the frame that are read.
+    down: Axis,
+    halvings: u32,
+    pixels: Rect,
     /// Two rows of block means, the ones that are being mixed, and which they are.
     means: [Vec<u8, ROW>; 2],
     made: [Option<u16>; 2],
@@ -258,6 +250,9 @@ impl Scratch {
     pub(super) const fn new() -> Self {
         Self {
             columns: Columns::new(),
+            down: Axis { first: 0, step: 0, end: 0 },
+            halvings: 0,
+            pixels: Rect::new(0, 0, 0, 0),
             means: [const { Vec::new() }; 2],
             made: [None; 2],
             mixed: [0; Columns::<COLUMNS>::PLACES + 4],
@@ -265,13 +260,17 @@ impl Scratch {
     }
 }
 
+impl Scratch {
+    /// What samples `frame`, row by row, after `prepare`; `None` if pixels that are read are not in memory.
+    #[inline(never)] // one copy in flash
+    pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
+        Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
+    }
+}
+
 /// Rows of a lattice in a frame.
 pub(super) struct Sampler<'a> {
     pixels: Image<'a>,
-    down: Axis,
-    /// Block of the first row that there is.
-    top: u16,
-    halvings: u32,
     scratch: &'a mut Scratch,
 }
 
@@ -279,48 +278,52 @@ impl Sampler<'_> {
     /// Row `number` of the lattice, which may be asked for once, from the top.
     #[inline(never)] // one copy in flash
     pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
-        let (upper, lower, part) = self.down.at(number);
+        let (upper, lower, part) = self.scratch.down.at(number);
+        // Blocks of the pixels that are read, not of the frame.
+        let (top, _) = self.scratch.down.place(0);
+        let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
         self.make(lower);
-        let Self { pixels, top, halvings, scratch: Scratch { columns, means, mixed, .. }, .. } = self;
-        mix(row(*pixels, means, *halvings, *top, upper), row(*pixels, means, *halvings, *top, lower), part, mixed);
+        let Self { pixels, scratch: Scratch { columns, means, mixed, halvings, .. } } = self;
+        mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), part, mixed);
         // After the last block comes none, and the part of that is 0.
         columns.mix(mixed, out);
     }
 
     /// Rows that follow each other are kept in turns.
+    #[inline(never)] // one copy in flash
     fn make(&mut self, block: u16) {
-        let Self { pixels, top, halvings, scratch: Scratch { means: [even, odd], made, mixed, .. }, .. } = self;
+        let Self { pixels, scratch: Scratch { means: [even, odd], made, mixed, halvings, .. } } = self;
         let [even_made, odd_made] = made;
         let (made, means) = if block.is_multiple_of(2) { (even_made, even) } else { (odd_made, odd) };
         if *halvings == 0 || *made == Some(block) {
             return;
         }
         *made = Some(block);
-        make_means(*pixels, block.saturating_sub(*top) << *halvings, *halvings, mixed, means);
+        make_means(*pixels, block << *halvings, *halvings, mixed, means);
     }
 }
 
-/// Between two rows, the lower having a part of so many 256ths: at most 255 * 256, less 2^15.
+/// Between two rows, the lower having a part of so many 256ths: at most 255 * 256, less `LESS`.
 #[cfg(not(smr_helium))]
 fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
     // Two numbers of 16 bits are mixed at a time. Less 2^15 is the highest bit inverted.
     const EVEN: u32 = 0x00FF_00FF;
-    const LESS: u32 = 0x8000_8000;
+    const BOTH: u32 = (LESS as u32) << 16 | LESS as u32;
     let part = u32::from(part);
     let rest = 256 - part;
     let (uppers, upper) = upper.as_chunks::<4>();
     let (lowers, lower) = lower.as_chunks::<4>();
     let (start, end) = mixed.split_at_mut_checked(4 * uppers.len()).unwrap_or_default();
     let (start, _) = start.as_chunks_mut::<4>();
-    for ((mixed, &upper), &lower) in start.iter_mut().zip(uppers).zip(lowers) {
+    for ((mixed, &upper), &lower) in rolled(start.iter_mut().zip(uppers).zip(lowers)) {
         let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(lower));
-        let even = ((upper & EVEN) * rest + (lower & EVEN) * part) ^ LESS;
-        let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part) ^ LESS;
+        let even = ((upper & EVEN) * rest + (lower & EVEN) * part) ^ BOTH;
+        let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part) ^ BOTH;
         *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
     }
-    for ((mixed, &upper), &lower) in end.iter_mut().zip(upper).zip(lower) {
-        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ low(LESS);
+    for ((mixed, &upper), &lower) in rolled(end.iter_mut().zip(upper).zip(lower)) {
+        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ LESS;
     }
 }
 
@@ -330,7 +333,7 @@ fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
 fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
     let part = u16::from(part);
     for ((mixed, &upper), &lower) in mixed.iter_mut().zip(upper).zip(lower) {
-        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ 0x8000;
+        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ LESS;
     }
 }
 
@@ -347,7 +350,7 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
     let shift = 2 * halvings;
     // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
     let _ = means.resize_default(usize::from(pixels.width()).div_ceil(1 << halvings));
-    for (mean, &sum) in means.iter_mut().zip(whole.iter()) {
+    for (mean, &sum) in rolled(means.iter_mut().zip(whole.iter())) {
         *mean = u8::try_from((u32::from(sum) + (1 << (shift - 1))) >> shift).unwrap_or(u8::MAX);
     }
     for (column, mean) in means.iter_mut().enumerate().skip(whole.len()) {
@@ -356,15 +359,17 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
 }
 
 /// A row of means that was made, or of pixels where nothing is halved.
-fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, top: u16, block: u16) -> &'a [u8] {
+#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
+fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, block: u16) -> &'a [u8] {
     if halvings == 0 {
-        return pixels.row(block.saturating_sub(top));
+        return row_of(pixels, block, 0);
     }
     if block.is_multiple_of(2) { even } else { odd }
 }
 
 /// The row of `pixels` that a block has at `row`: the frame's last row goes on where it is cut before a block is whole.
-fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
+#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
+pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
 
@@ -389,7 +394,7 @@ fn sum_whole_blocks<'a>(pixels: Image<'_>, first: u16, halvings: u32, sums: &'a 
 
 fn add_row<const SIDE: usize>(sums: &mut [u16], row: &[u8]) {
     let (blocks, _) = row.as_chunks::<SIDE>();
-    for (sum, block) in sums.iter_mut().zip(blocks) {
+    for (sum, block) in rolled(sums.iter_mut().zip(blocks)) {
         *sum += block.iter().map(|&pixel| u16::from(pixel)).sum::<u16>();
     }
 }
@@ -404,7 +409,7 @@ fn mean_of(pixels: Image<'_>, first: u16, column: usize, halvings: u32) -> u8 {
         let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
         let missing = u32::try_from(side - block.len()).unwrap_or(0);
         let edge = missing * u32::from(row.last().copied().unwrap_or(0));
-        sum += u64::from(block.iter().map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
+        sum += u64::from(rolled(block.iter()).map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
     }
     u8::try_from((sum + (1 << (2 * halvings - 1))) >> (2 * halvings)).unwrap_or(u8::MAX)
 }

@@ -1,8 +1,7 @@
 //! Light: a template as it would look in the light of a patch, so that a lamp or a shadow does not count as another target.
 
-use super::MOST_PIXELS;
 use crate::image::Image;
-use heapless::Vec;
+use crate::similarity::rolled;
 
 /// Mean and mean absolute deviation from it; the mean is rounded to a gray level, the sum of deviations is exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,14 +16,17 @@ impl Contrast {
     /// Of nothing.
     pub(super) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0 };
 
-    pub(super) fn of(pixels: impl Iterator<Item = u8> + Clone) -> Self {
-        let (count, sum) = pixels.clone().fold((0, 0), |(count, sum), pixel| (count + 1, sum + u32::from(pixel)));
-        let mean = (sum + count / 2) / count.max(1);
-        Self { pixels: count, mean, deviation: pixels.map(|pixel| u32::from(pixel).abs_diff(mean)).sum() }
+    #[inline(never)] // one copy in flash
+    pub(super) fn of(pixels: Image<'_>) -> Self {
+        let sum_of = |count: fn(u8, u32) -> u32, mean| {
+            let row = |y| rolled(pixels.row(y).iter()).map(|&pixel| count(pixel, mean)).sum::<u32>();
+            (0..pixels.height()).map(row).sum::<u32>()
+        };
+        let count = u32::from(pixels.width()) * u32::from(pixels.height());
+        let mean = (sum_of(|pixel, _| pixel.into(), 0) + count / 2) / count.max(1);
+        Self { pixels: count, mean, deviation: sum_of(|pixel, mean| u32::from(pixel).abs_diff(mean), mean) }
     }
-}
 
-impl Contrast {
     /// The mean absolute deviation itself, rounded down, 8 to 100 gray levels: what agrees with a patch in its light differs by
     /// less.
     pub(super) fn threshold(&self) -> u16 {
@@ -36,24 +38,16 @@ impl Contrast {
 const LEAST: i32 = 128;
 const MOST: i32 = 512;
 
-/// Makes `lit` out of `template`: its brightness and contrast `was` become those of `seen`, which are returned.
+/// Puts a template in other light: its brightness and contrast `was` become those of `seen`, which are returned.
 ///
-/// Each pixel is mean(seen) + (pixel - mean(template)) * gain, cut to 0 to 255; the gain is the ratio of the mean absolute
+/// Each pixel becomes mean(seen) + (pixel - mean(template)) * gain, cut to 0 to 255; the gain is the ratio of the mean absolute
 /// deviations, in units of 1/256 rounded down, half to twice.
-pub(super) fn of(
-    template: impl ExactSizeIterator<Item = u8>,
-    was: Contrast,
-    seen: Image<'_>,
-    lit: &mut Vec<u8, MOST_PIXELS>,
-) -> Contrast {
-    // Row by row by its number: `Image::rows` divides by the stride, which could be a panic where it is folded.
-    let is = Contrast::of((0..seen.height()).flat_map(|y| seen.row(y)).copied());
+pub(super) fn of(template: &mut [u8], was: Contrast, seen: Image<'_>) -> Contrast {
+    let is = Contrast::of(seen);
     let gain = (256 * is.deviation / was.deviation.max(1)).cast_signed().clamp(LEAST, MOST);
-    // Cannot fail: there are no more than MOST_PIXELS.
-    let _ = lit.resize_default(template.len().min(MOST_PIXELS));
-    for (lit, pixel) in lit.iter_mut().zip(template) {
-        let value = is.mean.cast_signed() + (((i32::from(pixel) - was.mean.cast_signed()) * gain) >> 8);
-        *lit = u8::try_from(value.clamp(0, 255)).unwrap_or(0);
+    for pixel in rolled(template.iter_mut()) {
+        let value = is.mean.cast_signed() + (((i32::from(*pixel) - was.mean.cast_signed()) * gain) >> 8);
+        *pixel = u8::try_from(value.clamp(0, 255)).unwrap_or(0);
     }
     is
 }
@@ -63,10 +57,10 @@ mod tests {
     use super::*;
 
     fn lit(template: &[u8], seen: &[u8]) -> std::vec::Vec<u8> {
-        let mut lit = Vec::new();
-        let template = template.iter().copied();
-        of(template.clone(), Contrast::of(template), Image::new(seen, 2, 2).unwrap(), &mut lit);
-        lit.to_vec()
+        let mut lit = template.to_vec();
+        let image = |pixels| Image::new(pixels, 2, 2).unwrap();
+        of(&mut lit, Contrast::of(image(template)), image(seen));
+        lit
     }
 
     #[test]
@@ -77,8 +71,8 @@ mod tests {
 
     #[test]
     fn thresholds_have_bounds() {
-        let threshold = |pixels: &[u8]| Contrast::of(pixels.iter().copied()).threshold();
-        assert_eq!([threshold(&[]), threshold(&[80, 120, 80, 121]), threshold(&[0, 255])], [8, 20, 100]);
+        let threshold = |pixels: &[u8], columns| Contrast::of(Image::new(pixels, columns, 1).unwrap()).threshold();
+        assert_eq!([threshold(&[9], 1), threshold(&[80, 120, 80, 121], 4), threshold(&[0, 255], 2)], [8, 20, 100]);
     }
 
     #[test]

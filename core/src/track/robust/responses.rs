@@ -40,9 +40,10 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, near: bool) -> Peak {
     let mut response = rows.get(y).and_then(|row| row.get(x)).map_or(i32::MIN, |&middle| counts(x, y, middle));
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            let candidate = counts(right, down, candidate);
-            if candidate > response {
-                (response, x, y) = (candidate, right, down);
+            // It counts no more than it is.
+            let counted = if candidate > response { counts(right, down, candidate) } else { candidate };
+            if counted > response {
+                (response, x, y) = (counted, right, down);
             }
         }
     }

@@ -169,7 +169,7 @@ impl Target for Robust {
         workspace.progress.begun = None;
         workspace.progress.nearest = Nearest::new();
         track.place.view(grid).sample(frame, workspace.strip.scratch(), &mut workspace.view);
-        self.early.start(workspace.patch(grid));
+        workspace.patch(grid).into_iter().for_each(|patch| self.early.start(patch));
         self.filter.start(grid);
         let (reach, layout) = (self.config.reach(), layout(grid, self.config.span()));
         workspace.see(frame, &track.place.window(grid, reach));
@@ -258,7 +258,8 @@ impl Steps for Robust {
         let before = self.state();
         if let Some(mut next) = workspace.progress.next {
             if !workspace.progress.lost {
-                self.early.learn(workspace.patch(&next.grid), self.config.early_rate);
+                let patch = workspace.patch(&next.grid);
+                patch.into_iter().for_each(|patch| self.early.learn(patch, self.config.early_rate));
             }
             if let Some(change) = workspace.progress.change {
                 self.filter.apply(&workspace.desk, change);
@@ -289,6 +290,7 @@ impl Steps for Robust {
 }
 
 /// The smallest that holds both.
+#[inline(never)] // one copy in flash
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));
     let side = |from: i32, to: i32| u16::try_from(to.saturating_sub(from)).unwrap_or(u16::MAX);

@@ -15,7 +15,7 @@ use super::responses::{self, Peak};
 use super::track::{Place, Track};
 use super::trust::{Evidence, Trust};
 use super::workspace::Workspace;
-use crate::image::{Frame, Image};
+use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Backend, Layout, Products, Scorer};
 use crate::track::State;
 
@@ -163,7 +163,9 @@ pub(super) struct Target<'a> {
 impl Target<'_> {
     pub(super) fn begin(&self, workspace: &mut Workspace, update: u32) {
         let shift = self.filter.code(&mut workspace.desk);
-        let was = Contrast::of(self.early.pixels());
+        let Grid { columns, rows, .. } = self.track.grid;
+        self.early.copy_to(&mut workspace.lit);
+        let was = Image::new(&workspace.lit, columns, rows).map_or(Contrast::NONE, Contrast::of);
         let (begun, next) = (Some((self.track, update)), Some(self.track));
         workspace.progress = Progress { begun, next, shift, was, ..Progress::new() };
         workspace.progress.work = CODED * (weights(&self.track.grid) + self.track.grid.pixels());
@@ -346,12 +348,11 @@ impl Target<'_> {
 
     fn size(&self, workspace: &mut Workspace, number: usize) -> Stage {
         let (grid, products) = (&self.track.grid, self.products());
-        let Workspace { strip, aside, beside, desk, progress, .. } = workspace;
+        let Workspace { strip, aside, desk, progress, .. } = workspace;
         let span = 2 * usize::from(SIZE_REACH) + 1;
         let under = (&aside[..], layout(grid, span));
-        let mut parts = 0..;
-        while !desk.responses(products, strip.room(), progress.shift, under, parts.next().unwrap_or(0), beside) {}
-        let height = i64::from(responses::peak(beside, span, false).height);
+        let responses = desk.few(products, strip.room(), progress.shift, under);
+        let height = i64::from(responses::peak(responses, span, false).height);
         let counts = if number == 0 { height } else { (height * SIZE_PART) >> 8 };
         if let Some((scale, _)) = progress.aside(number, grid).filter(|_| counts > progress.highest) {
             (progress.highest, progress.scale) = (counts, scale);
@@ -481,11 +482,11 @@ impl Workspace {
     }
 
     /// What is seen where the early template agrees best.
-    pub(super) fn patch(&self, grid: &Grid) -> impl Iterator<Item = u8> + use<'_> {
-        let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
-        let [left, top] = self.progress.nearest.in_view().map(usize::from);
-        let view = self.view.chunks(columns + 2 * usize::from(MARGIN)).skip(top).take(rows);
-        view.flat_map(move |row| row.iter().skip(left).take(columns).copied())
+    pub(super) fn patch(&self, grid: &Grid) -> Option<Image<'_>> {
+        let Grid { columns, rows, .. } = *grid;
+        let [left, top] = self.progress.nearest.in_view().map(i32::from);
+        let view = Image::new(&self.view, columns + 2 * MARGIN, rows + 2 * MARGIN).ok()?;
+        view.crop(Rect::new(left, top, columns, rows))
     }
 }
 

@@ -33,11 +33,10 @@ pub struct Workspace {
     /// Cells of the window.
     pub(super) cells: Vec<i8, WINDOW>,
     pub(super) responses: Responses,
-    pub(super) beside: [[i32; SPAN]; 2 * SIZE_REACH as usize + 1],
     /// What templates are compared by.
     pub(super) table: CutTable,
     pub(super) desk: Desk,
-    /// Cells of another scale, and the responses to them, which are `beside`.
+    /// Cells of another scale.
     pub(super) aside: Vec<i8, ASIDE>,
     pub(super) strip: Strip,
     pub(super) view: Vec<u8, VIEW>,
@@ -56,7 +55,6 @@ impl Workspace {
             cells: Vec::new(),
             responses: Responses { rows: [[0; SPAN]; SPAN], span: 0 },
             aside: Vec::new(),
-            beside: const { [[0; SPAN]; 2 * SIZE_REACH as usize + 1] }, // as a constant, for the same reason
             desk: Desk::new(),
             view: Vec::new(),
             lit: Vec::new(),

@@ -23,8 +23,7 @@ macro_rules! sum {
         concat!(
             "vldrw.u32 q0, [r1, #16 * ", $first, "]\n",
             $("vldrw.u32 q1, [r1, #16 * ", $other, "]\n", "vadd.i16 q0, q0, q1\n",)*
-            "vstrh.16 q0, [r0]\n",
-            "add r0, r0, #{row}\n",
+            "vstrh.16 q0, [r0], #{row}\n",
             "vshr.u16 q0, q0, #2\n",
             "vmullb.u16 q1, q0, q0\n",
             "vmullt.u16 q0, q0, q0\n",
@@ -44,7 +43,7 @@ macro_rules! sum {
 ///
 /// | direction | cos | sin | t | f |
 /// |---|---|---|---|---|
-/// | 0 | 748 | 0 | 44 up | 11 up |
+/// | 0 | 748 | 0 | 44 up, of which t >> 6 is 11 up >> 4 | 11 up |
 /// | 1 | 703 | 256 | -up | 11 up - 4 right |
 /// | 2 | 573 | 481 | -3 up + 31 right | 9 up - 8 right |
 /// | 3 | 374 | 648 | -10 up - 8 right | 6 up - 10 right |
@@ -71,9 +70,12 @@ pub(crate) fn eight_cells<const COLUMNS: usize, const ROW: usize>(
             "push {{r6, r7}}",
             "vmov.i32 q0, #0",
             "mov r4, r1",
-            "mov lr, #20",
+            "mov lr, #5",
             "dls lr, lr",
             "0:",
+            "vstrw.32 q0, [r4], #16",
+            "vstrw.32 q0, [r4], #16",
+            "vstrw.32 q0, [r4], #16",
             "vstrw.32 q0, [r4], #16",
             "le lr, 0b",
             "mov r4, #31",
@@ -158,10 +160,9 @@ pub(crate) fn eight_cells<const COLUMNS: usize, const ROW: usize>(
             "vorrt q6, q3, q3",
             "vadde.i16 q7, q7, r7",
             // 0
-            "mov r12, #44",
-            "vmul.i16 q3, q0, r12",
-            "vshr.u16 q3, q3, #6",
-            "vmla.i16 q3, q0, r11",
+            "vmul.i16 q2, q0, r11",
+            "vshr.u16 q3, q2, #4",
+            "vadd.i16 q3, q3, q2",
             "vmin.u16 q4, q4, q3",
             // q4 is what the second direction gets; q6 what the first one does, -F, less 1 where the lowest six bits are not 0.
             "vshl.i16 q2, q5, #10",
@@ -285,8 +286,7 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]; 10], inverses: &[u32; 
             "mov lr, #9",
             "dls lr, lr",
             "2:",
-            "vldrh.u16 q2, [r5]",
-            "add r5, r5, #{row}",
+            "vldrh.u16 q2, [r5], #{row}",
             // The inverse's upper half counts whole, of its lower half the upper half of the product.
             "vmulh.u16 q3, q2, q0",
             "vmul.i16 q2, q2, q1",

@@ -6,6 +6,7 @@
 //! - Responses: bytes become numbers of 16 bits, row by row; a pair is two channels of a cell.
 //! - Gathering: errors are the filter, and a pair is a byte and the one below it, of two rows that were put together.
 
+use super::super::rolled;
 use crate::similarity::products::{Layout, ROOM, Room};
 use core::arch::asm;
 use core::ops::Range;
@@ -41,7 +42,7 @@ pub(super) fn responses<const N: usize>(
         let from = cells.get(number * stride..).unwrap_or_default();
         let (pairs, _) = from.as_chunks::<2>();
         let (wide, _) = room.as_chunks_mut();
-        for (wide, &[first, second]) in wide.iter_mut().zip(pairs).take(used / 2) {
+        for (wide, &[first, second]) in rolled(wide.iter_mut().zip(pairs).take(used / 2)) {
             *wide = pair(first.into(), second.into());
         }
         // The rows of weights that lie on this row of cells at some offset.
@@ -88,7 +89,7 @@ pub(super) fn gather<const N: usize>(
         // What lies below the last row meets no error.
         let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
         let (pairs, _) = room.as_chunks_mut();
-        for ((both, &upper), &lower) in pairs.iter_mut().zip(upper).zip(lower) {
+        for ((both, &upper), &lower) in rolled(pairs.iter_mut().zip(upper).zip(lower)) {
             *both = pair(upper.into(), lower.into());
         }
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
@@ -101,7 +102,7 @@ pub(super) fn gather<const N: usize>(
             let mut filter = [[0; 2]; SPAN];
             let error =
                 |errors: Option<&[i16; N]>, x: usize| errors.and_then(|errors| errors.get(x)).copied().unwrap_or(0);
-            for (x, filter) in filter.iter_mut().enumerate().take(span) {
+            for (x, filter) in rolled(filter.iter_mut().enumerate().take(span)) {
                 *filter = pair(error(first, x), error(second, x));
             }
             let across = row / STEP;

@@ -1,6 +1,6 @@
 //! Sums of products by Helium: eight products an instruction.
 //!
-//! - Responses: `vmladava` adds the products of two registers to a number. Six offsets side by side share the weights that were loaded.
+//! - Responses: `vmladava` adds the products of two registers to a number. Up to seven offsets side by side share the weights that were loaded.
 //!   In a loop from `dlstp` to `letp` the last round has as many lanes as there are weights left: nothing else is read.
 //! - Gathering: the bytes of a channel are put side by side; then what errors say of its weights are responses, too, to a filter of
 //!   errors at the offset of each weight.
@@ -11,7 +11,9 @@ use core::ops::Range;
 
 /// Bytes from an offset to the next one: those of a cell.
 const STEP: usize = 10;
-/// Offsets side by side.
+/// The most sums side by side.
+const MOST: usize = 7;
+/// Sums side by side that errors are gathered for.
 const BLOCK: usize = 6;
 
 /// Whether a filter of so many weights lies on the cells at all offsets, cell by cell; and its rows.
@@ -32,26 +34,36 @@ pub(super) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, step, span } = layout;
-    let Some(down) = fits(cells, layout, weights.len()).filter(|_| span <= N && out.len() >= span) else {
+    let Some(down) =
+        fits(cells, layout, weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
+    else {
         return super::plain_responses(parts, cells, layout, weights, out);
     };
     let read = row.next_multiple_of(8);
     let rows = Rows { width: row, cells: stride.wrapping_sub(read), weights: (row.wrapping_sub(read)).wrapping_mul(2) };
-    for (y, out) in out.iter_mut().enumerate().take(parts.end.min(span)).skip(parts.start) {
+    for y in parts.start..parts.end.min(span) {
+        let Some(out) = out.get_mut(y) else { return };
         let from = cells.as_ptr().wrapping_add(y * stride);
-        if span < BLOCK {
-            for (x, out) in out.iter_mut().take(span).enumerate() {
-                // SAFETY: `fits` has seen that the filter lies on the cells at this offset.
-                *out = unsafe { rows.one(from.wrapping_add(x * step), weights.as_ptr(), down) };
-            }
-            continue;
-        }
-        for x in (0..span).step_by(BLOCK) {
-            // The last block may begin before the one before it has ended: those are computed twice, alike.
-            let x = x.min(span - BLOCK);
+        let mut x = 0;
+        while x < span {
+            // As few blocks as there can be, and alike; the last one may begin before the one before it has ended.
+            let width = match span - x {
+                0..=3 => 3,
+                4 | 5 | 8..=10 | 15 => 5,
+                _ => 7,
+            };
+            x = x.min(span - width);
+            let (cells, weights) = (from.wrapping_add(x * step), weights.as_ptr());
             // SAFETY: `fits` has seen that the filter lies on the cells at these offsets, the last of which is below `span`.
-            let sums = unsafe { rows.six::<STEP>(from.wrapping_add(x * step), weights.as_ptr(), down) };
-            out.iter_mut().skip(x).zip(sums).for_each(|(out, sum)| *out = sum);
+            let sums = unsafe {
+                match width {
+                    3 => rows.three::<STEP>(cells, weights, down),
+                    5 => rows.five::<STEP>(cells, weights, down),
+                    _ => rows.seven::<STEP>(cells, weights, down),
+                }
+            };
+            out.iter_mut().skip(x).zip(sums).take(width).for_each(|(out, sum)| *out = sum);
+            x += width;
         }
     }
 }
@@ -65,100 +77,201 @@ struct Rows {
     weights: usize,
 }
 
+/// The sums at offsets side by side, `APART` bytes apart: the first one in r0, the others in the registers named. r6 may not be named: what
+/// is done with it stands apart.
+macro_rules! sums {
+    (
+        $name:ident: $sums:expr;
+        $first:ident $nine:ident $($number:literal $register:tt $sum:ident)*;
+        $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
+    ) => {
+        /// # Safety
+        /// `down` rows of `width` weights, at least one of each, can be read, and the cells under them at all offsets.
+        #[inline(never)]
+        unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
+            let ($first, $nine): (_, i32);
+            $(let $sum;)*
+            // SAFETY: the caller has seen to what is read; nothing is written but the stack.
+            unsafe {
+                asm!(
+                    $($begin,)*
+                    "2:",
+                    "ldr r9, [r5]",
+                    "dlstp.16 lr, r9",
+                    "3:",
+                    "vldrh.u16 q0, [r3], #16",
+                    $(
+                        concat!("vldrb.s16 q1, [r1, #", $number, " * {apart}]"),
+                        concat!("vmladava.s16 ", $register, ", q0, q1"),
+                    )*
+                    $($seventh,)*
+                    "vldrb.s16 q1, [r1], #8",
+                    "vmladava.s16 r0, q0, q1",
+                    "letp lr, 3b",
+                    "ldr r9, [r5, #4]",
+                    "add r1, r1, r9",
+                    "ldr r9, [r5, #8]",
+                    "add r3, r3, r9",
+                    "subs r11, r11, #1",
+                    "bne 2b",
+                    $($end,)*
+                    inout("r0") 0 => $first,
+                    $(inout($register) 0 => $sum,)*
+                    inout("r1") cells => _,
+                    inout("r3") weights => _,
+                    in("r5") self,
+                    inout("r11") down => _,
+                    out("r9") $nine,
+                    out("lr") _,
+                    out("q0") _,
+                    out("q1") _,
+                    apart = const APART,
+                );
+            }
+            $sums
+        }
+    };
+}
+
 impl Rows {
-    /// The sums at six offsets side by side, so many bytes apart.
+    sums! {
+        three: [a, b, c, 0, 0, 0, 0];
+        a _nine 1 "r2" b 2 "r4" c;;;
+    }
+    sums! {
+        five: [a, b, c, d, e, 0, 0];
+        a _nine 1 "r2" b 2 "r4" c 3 "r8" d 4 "r10" e;;;
+    }
+    sums! {
+        six: [a, b, c, d, e, f, 0];
+        a _nine 1 "r2" b 2 "r4" c 3 "r8" d 4 "r10" e 5 "r12" f;;;
+    }
+    sums! {
+        seven: [a, b, c, d, e, f, g];
+        a g 1 "r2" b 2 "r4" c 3 "r8" d 4 "r10" e 5 "r12" f;
+        "push {{r6}}" "movs r6, #0";
+        "vldrb.s16 q1, [r1, #6 * {apart}]" "vmladava.s16 r6, q0, q1";
+        "mov r9, r6" "pop {{r6}}"
+    }
+}
+
+/// Eight errors of a row times the bytes at six offsets.
+macro_rules! eight {
+    () => {
+        "vldrh.u16 q0, [r3], #16
+        vldrb.s16 q1, [r1, #1]
+        vmladava.s16 r2, q0, q1
+        vldrb.s16 q1, [r1, #2]
+        vmladava.s16 r4, q0, q1
+        vldrb.s16 q1, [r1, #3]
+        vmladava.s16 r8, q0, q1
+        vldrb.s16 q1, [r1, #4]
+        vmladava.s16 r10, q0, q1
+        vldrb.s16 q1, [r1, #5]
+        vmladava.s16 r12, q0, q1
+        vldrb.s16 q1, [r1], #8
+        vmladava.s16 r0, q0, q1"
+    };
+}
+
+impl Rows {
+    /// As [`Rows::six`] for as many rows of errors as there are errors in each, `N` apart, on bytes `apart` from row to row. Where there are
+    /// one or two times eight errors and one more in each, the last ones are a column of their own: so lanes are not left empty.
     ///
     /// # Safety
-    /// `down` rows of `width` weights, at least one of each, can be read, and the cells under them at the six offsets.
-    #[inline(never)]
-    unsafe fn six<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; BLOCK] {
-        let (a, b, c, d, e, f);
-        // SAFETY: the caller has seen to what is read; nothing is written.
+    /// All these errors can be read, and the bytes under them at the six offsets.
+    unsafe fn errors_at_six<const N: usize>(&self, bytes: *const i8, errors: *const i16, apart: usize) -> [i32; MOST] {
+        let span = self.width;
+        if span != 17 && span != 9 {
+            // SAFETY: the caller has seen to it.
+            return unsafe { self.six::<1>(bytes, errors, span) };
+        }
+        let (mut a, mut b, mut c, mut d, mut e, mut f);
+        // SAFETY: the caller has seen to what is read: of each row all errors but the last one; nothing is written.
         unsafe {
             asm!(
+                "dls lr, lr",
                 "2:",
-                "ldr r9, [r5]",
-                "dlstp.16 lr, r9",
+                eight!(),
+                "cbz r5, 3f",
+                eight!(),
                 "3:",
-                "vldrh.u16 q0, [r3], #16",
-                "vldrb.s16 q1, [r1, #1 * {apart}]",
-                "vmladava.s16 r2, q0, q1",
-                "vldrb.s16 q1, [r1, #2 * {apart}]",
-                "vmladava.s16 r4, q0, q1",
-                "vldrb.s16 q1, [r1, #3 * {apart}]",
-                "vmladava.s16 r8, q0, q1",
-                "vldrb.s16 q1, [r1, #4 * {apart}]",
-                "vmladava.s16 r10, q0, q1",
-                "vldrb.s16 q1, [r1, #5 * {apart}]",
-                "vmladava.s16 r12, q0, q1",
-                "vldrb.s16 q1, [r1], #8",
-                "vmladava.s16 r0, q0, q1",
-                "letp lr, 3b",
-                "ldr r9, [r5, #4]",
                 "add r1, r1, r9",
-                "ldr r9, [r5, #8]",
-                "add r3, r3, r9",
-                "subs r11, r11, #1",
-                "bne 2b",
+                "add r3, r3, r11",
+                "le lr, 2b",
                 inout("r0") 0 => a,
                 inout("r2") 0 => b,
                 inout("r4") 0 => c,
                 inout("r8") 0 => d,
                 inout("r10") 0 => e,
                 inout("r12") 0 => f,
-                inout("r1") cells => _,
-                inout("r3") weights => _,
-                in("r5") self,
-                inout("r11") down => _,
-                out("r9") _,
-                out("lr") _,
+                inout("r1") bytes => _,
+                inout("r3") errors => _,
+                in("r5") span / 17,
+                in("r9") apart.wrapping_sub(span - 1),
+                in("r11") 2 * (N.wrapping_sub(span - 1)),
+                inout("lr") span => _,
                 out("q0") _,
                 out("q1") _,
-                apart = const APART,
                 options(readonly, nostack),
             );
         }
-        [a, b, c, d, e, f]
-    }
-
-    /// The sum at one offset.
-    ///
-    /// # Safety
-    /// As for [`Rows::six`], at one.
-    #[inline(never)]
-    unsafe fn one(&self, cells: *const i8, weights: *const i16, down: usize) -> i32 {
-        let sum;
-        // SAFETY: the caller has seen to what is read; nothing is written.
+        // SAFETY: the same of the last errors; the last round has as many lanes as there are rows left.
         unsafe {
             asm!(
+                "vldrh.u16 q2, [r11]",
+                "vmul.i16 q3, q2, r9",
+                "vmul.i16 q2, q2, r5",
+                "lsl r11, r5, #3",
+                "sub r11, r11, #5",
+                "dlstp.16 lr, lr",
                 "2:",
-                "dlstp.16 lr, {width}",
-                "3:",
-                "vldrh.u16 q0, [r3], #16",
-                "vldrb.s16 q1, [r1], #8",
+                "vldrh.u16 q0, [r3, q3]",
+                "vldrb.s16 q1, [r1, q2]",
                 "vmladava.s16 r0, q0, q1",
-                "letp lr, 3b",
-                "add r1, r1, {cells}",
-                "add r3, r3, {weights}",
-                "subs {down}, {down}, #1",
-                "bne 2b",
-                inout("r0") 0 => sum,
-                inout("r1") cells => _,
-                inout("r3") weights => _,
-                width = in(reg) self.width,
-                cells = in(reg) self.cells,
-                weights = in(reg) self.weights,
-                down = inout(reg) down => _,
-                out("lr") _,
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r2, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r4, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r8, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r10, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r12, q0, q1",
+                "add r1, r1, r11",
+                "add r3, r3, r9, lsl #3",
+                "letp lr, 2b",
+                inout("r0") a,
+                inout("r2") b,
+                inout("r4") c,
+                inout("r8") d,
+                inout("r10") e,
+                inout("r12") f,
+                inout("r1") bytes.wrapping_add(span - 1) => _,
+                inout("r3") errors.wrapping_add(span - 1) => _,
+                in("r5") apart,
+                in("r9") 2 * N,
+                inout("r11") &raw const ROWS => _,
+                inout("lr") span => _,
                 out("q0") _,
                 out("q1") _,
+                out("q2") _,
+                out("q3") _,
                 options(readonly, nostack),
             );
         }
-        sum
+        [a, b, c, d, e, f, 0]
     }
 }
 
+/// Numbers of lanes.
+static ROWS: [u16; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 /// Parts that sums are gathered in: channels.
 pub(super) const GATHER_PARTS: usize = STEP;
 /// Bytes to a channel of cells side by side.
@@ -177,7 +290,7 @@ pub(super) fn gather<const N: usize>(
     let width = stride / STEP;
     let count = |down: usize| (down + span - 2) * width + row / STEP + span - 1;
     let room_for = |&down: &usize| {
-        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) <= size_of_val(room)
+        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + BLOCK <= size_of_val(room)
     };
     let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
         // There a part is a row of errors.
@@ -192,26 +305,16 @@ pub(super) fn gather<const N: usize>(
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             let (of_cells, _) = sums.as_chunks_mut::<STEP>();
-            let across = of_cells.len();
-            let from = plane.cast_const().wrapping_add(y * width);
-            let mut x = 0;
-            while x < across {
-                let known = if across - x > 2 && across >= BLOCK {
-                    let block = x.min(across - BLOCK);
-                    // SAFETY: the errors lie on the bytes at these offsets, the last of which is that of the last cell.
-                    let sums = unsafe { rows.six::<1>(from.wrapping_add(block), errors.as_ptr().cast(), span) };
-                    // The last block may begin before the one before it has ended.
-                    (sums, x - block)
-                } else {
-                    // SAFETY: as above, at this offset.
-                    ([unsafe { rows.one(from.wrapping_add(x), errors.as_ptr().cast(), span) }; BLOCK], BLOCK - 1)
-                };
-                for sum in known.0.iter().skip(known.1) {
-                    if let Some(of_channel) = of_cells.get_mut(x).and_then(|cell| cell.get_mut(channel)) {
+            let mut from = plane.cast_const().wrapping_add(y * width);
+            for of_cells in of_cells.chunks_mut(BLOCK) {
+                // SAFETY: the errors lie on bytes that were put there, or, at offsets that nobody asks for, on the room after them.
+                let at_six = unsafe { rows.errors_at_six::<N>(from, errors.as_ptr().cast(), width) };
+                for (of_cell, sum) in of_cells.iter_mut().zip(at_six) {
+                    if let Some(of_channel) = of_cell.get_mut(channel) {
                         *of_channel += sum;
                     }
-                    x += 1;
                 }
+                from = from.wrapping_add(BLOCK);
             }
         }
     }
