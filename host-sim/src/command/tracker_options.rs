@@ -78,7 +78,7 @@ pub struct TrackerOptions {
     /// The target is lost while the confidence is below this, 0 to 65535 [robust] [default: 19200]
     #[arg(long, value_name = "CONFIDENCE")]
     lost_below: Option<u16>,
-    /// It is uncertain while the confidence is below this; at least --lost-below [robust] [default: 31900]
+    /// It is uncertain while the confidence is below this; at least --lost-below [robust] [default: 32500]
     #[arg(long, value_name = "CONFIDENCE")]
     uncertain_below: Option<u16>,
     /// How far the filter goes towards what is best for the present frame, 0 to 256 256ths [robust] [default: 160]

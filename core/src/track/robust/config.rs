@@ -81,7 +81,7 @@ impl Config {
             sweep: true,
             patience: 179,
             lost_below: 19_200,
-            uncertain_below: 31_900,
+            uncertain_below: 32_500,
             learning_rate: 160,
             early_rate: 1,
             parts: Parts { velocity: true, near: true, verification: true, caution: true },

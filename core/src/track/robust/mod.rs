@@ -1,8 +1,7 @@
 //! Beyond the paper: a tracker that holds when light, size and view change, and says so when it does not.
 //!
-//! Where the target is, a filter says that learns in every frame what the target is and what it is not. Whether it is still the
-//! target, SMR says: an early template, which hardly learns, is compared part by part. All is integers, and no frame costs
-//! much more than another.
+//! A filter says where the target is: it learns in every frame what the target is, and what it is not. SMR says whether it is still the
+//! target: an early template, which hardly learns, is compared part by part. All numbers are integers, and every frame costs about the same.
 //!
 //! | part | file | what it does |
 //! |---|---|---|

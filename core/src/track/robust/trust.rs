@@ -123,7 +123,7 @@ mod tests {
         let state = |mean: i32| Trust(mean).state(&Config::robust());
         // 2/3 of the mean is the confidence.
         assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
-        assert_eq!([state(47_849), state(47_850)], [State::Uncertain, State::Tracking]);
+        assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
     }
 
     #[test]

@@ -64,6 +64,8 @@ struct Tracking {
     /// Frames in which it was *tracking*, and of these the ones in which the target is hidden or the box is wrong.
     said: usize,
     said_wrongly: usize,
+    /// All frames in which the target is hidden or the box is wrong.
+    wrong: usize,
     /// Frames in which the box is right, and of these the ones in which it was anything but *tracking*.
     right: usize,
     right_unsaid: usize,
@@ -78,6 +80,7 @@ impl Tracking {
             let right = overlap.is_some_and(|overlap| overlap > CORRECT);
             counts.said += usize::from(said);
             counts.said_wrongly += usize::from(said && !right);
+            counts.wrong += usize::from(!right);
             counts.right += usize::from(right);
             counts.right_unsaid += usize::from(right && !said);
         }
@@ -125,6 +128,8 @@ pub struct Figures {
     pub tracking: usize,
     /// Of these, the ones in which the target is hidden or the box is wrong.
     pub tracking_wrong: usize,
+    /// All frames in which the target is hidden or the box is wrong, without those that were locked on.
+    pub wrong: usize,
     /// Frames in which the box is right, without those that were locked on.
     pub right: usize,
     /// Of these, the ones in which *tracking* was not said.
@@ -161,6 +166,7 @@ impl Figures {
             found_again: sum(|run| run.found_again),
             tracking: sum(|run| run.tracking.said),
             tracking_wrong: sum(|run| run.tracking.said_wrongly),
+            wrong: sum(|run| run.tracking.wrong),
             right: sum(|run| run.tracking.right),
             right_unsaid: sum(|run| run.tracking.right_unsaid),
             work_per_frame: work.map(|work| ratio(work as f64, updates)),
@@ -185,6 +191,7 @@ impl Figures {
             found_again: parts.iter().map(|part| part.found_again).sum(),
             tracking: parts.iter().map(|part| part.tracking).sum(),
             tracking_wrong: parts.iter().map(|part| part.tracking_wrong).sum(),
+            wrong: parts.iter().map(|part| part.wrong).sum(),
             right: parts.iter().map(|part| part.right).sum(),
             right_unsaid: parts.iter().map(|part| part.right_unsaid).sum(),
             work_per_frame: work.map(|sum| ratio(sum, parts.len() as f64)),
@@ -245,6 +252,8 @@ mod tests {
             found_again: 0,
             tracking: 3,
             tracking_wrong: 3,
+            // 11 frames without the 2 that were locked on, and the right one.
+            wrong: 8,
             right: 1,
             right_unsaid: 1,
             work_per_frame: Some(200.0),
@@ -276,6 +285,7 @@ mod tests {
             found_again: 1,
             tracking: 5,
             tracking_wrong: hidden,
+            wrong: 7,
             right: 3,
             right_unsaid: 1,
             work_per_frame: Some(correct * 100.0),
@@ -288,6 +298,7 @@ mod tests {
             found_again: 2,
             tracking: 10,
             tracking_wrong: 12,
+            wrong: 14,
             right: 6,
             right_unsaid: 2,
             ..part(0.5, 0)

@@ -71,9 +71,9 @@ mod tests {
         let row = super::super::table::tests::row("smr", "01_david", means[0].figures);
         let results = Robustness { means, recordings: vec![row], ..Robustness::default() };
         let expected = "\
-tracker        correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  unsaid/right  work/frame  us/frame
-smr              0.500               -   0.625    0.375  0.125      0.750              3/9              -               -             -        1234        56
-without cells    1.000               -       -    1.000  0.125      0.750              3/9              -               -             -        1234        56
+tracker        correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
+smr              0.500               -   0.625    0.375  0.125      0.750              3/9              -               -               -             -        1234        56
+without cells    1.000               -       -    1.000  0.125      0.750              3/9              -               -               -             -        1234        56
 ";
         assert_eq!(results.summary(), expected);
         assert_eq!(Robustness::default().summary(), "");

@@ -48,10 +48,18 @@ fn standard_error(tracker: &str, error: Headline) -> Vec<String> {
 
 impl Figures {
     /// What tables of figures end with.
-    pub(super) const LAST_COLUMNS: [&str; 7] =
-        ["precision", "answered/hidden", "found/returns", "wrong/tracking", "unsaid/right", "work/frame", "us/frame"];
+    pub(super) const LAST_COLUMNS: [&str; 8] = [
+        "precision",
+        "answered/hidden",
+        "found/returns",
+        "wrong/tracking",
+        "tracking/wrong",
+        "unsaid/right",
+        "work/frame",
+        "us/frame",
+    ];
 
-    pub(super) fn last_cells(&self) -> [String; 7] {
+    pub(super) fn last_cells(&self) -> [String; 8] {
         let of = |part: usize, all: usize| if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") };
         let (of_hidden, of_returns) = (of(self.answered_hidden, self.hidden), of(self.found_again, self.returns));
         let work = self.work_per_frame.map_or(NOTHING.to_owned(), |work| format!("{work:.0}"));
@@ -60,6 +68,7 @@ impl Figures {
             of_hidden,
             of_returns,
             of(self.tracking_wrong, self.tracking),
+            of(self.tracking_wrong, self.wrong),
             of(self.right_unsaid, self.right),
             work,
             format!("{:.0}", self.microseconds_per_frame),
@@ -89,6 +98,7 @@ pub(super) mod tests {
             found_again: hidden / 10,
             tracking: hidden * 2,
             tracking_wrong: hidden / 5,
+            wrong: hidden / 2,
             right: hidden,
             right_unsaid: hidden / 10,
             work_per_frame: work,
@@ -140,14 +150,14 @@ pub(super) mod tests {
     #[test]
     fn recordings_then_means() {
         let expected = "\
-tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  unsaid/right  work/frame  us/frame
-smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
-smr      Man                     5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
-smr      mean of 2                    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
+tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
+smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+smr      Man                     5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+smr      mean of 2                    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
 smr        standard error             0.100               0.200  0.300
-smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
-smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20          1/10      123456        12
-sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -             -           -        12
+smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
 ";
         assert_eq!(results().table(), expected);
         assert_eq!(Robustness::default().table(), "");

@@ -133,7 +133,7 @@ impl Numbers {
             trust_rate: 77.0,
             beyond: 29_000.0,
             lost_below: 19_200.0,
-            uncertain_below: 31_900.0,
+            uncertain_below: 32_500.0,
             learned_from: 37_500.0,
             found_from: 52_000.0,
             better_by: 16_000.0,
