@@ -6,16 +6,95 @@ use core::mem::MaybeUninit;
 
 /// Cells side by side.
 pub(crate) const LANES: usize = 8;
-/// Where lanes lie: bytes to a cell's pixels, and the first direction's sum of the sector 0.
-static PLACES: [u16; 2 * LANES] = [0, 4, 8, 12, 16, 20, 24, 28, 32, 33, 34, 35, 36, 37, 38, 39];
+/// Of four cells, pixel by pixel: the first direction's sum of the sector 0 in [`Sectors`]; and where a pixel's bytes are in [`Pixels`].
+static PLACES: [[u8; 16]; 2] = [
+    [32, 32, 32, 32, 33, 33, 33, 33, 34, 34, 34, 34, 35, 35, 35, 35],
+    [0, 24, 48, 72, 1, 25, 49, 73, 2, 26, 50, 74, 3, 27, 51, 75],
+];
+/// What gradients are multiplied by, and other numbers of the search for a sector: the registers r3 to r12.
+static NUMBERS: [i32; 10] = [-4, 31, -12, 1, -8, -10, 9, 6, 11, -3];
 /// Bytes to a cell's features.
 static FEATURES: [u16; LANES] = [0, 10, 20, 30, 40, 50, 60, 70];
 
 /// Sums of eight cells by the sector between two directions: of the sectors 4 to 0, then of those that mirror them, what the first
 /// direction gets; then of all of these what the second one does.
-#[repr(align(16))]
+#[repr(align(4))]
 #[allow(dead_code)] // the assembler reads it
 struct Sectors(MaybeUninit<[[u16; LANES]; 20]>);
+
+/// Gradients of eight cells: of one pixel of each how far up and how far to the right, without sign, and where their sums are; then of
+/// their next pixels in that row.
+#[repr(align(4))]
+#[allow(dead_code)] // the assembler reads it
+struct Pixels(MaybeUninit<[[[u8; LANES]; 3]; 4]>);
+
+/// Gradients of 16 pixels in a row, of which r0 points to the left of the first one, r4 above and r5 below. q1 is where their sums are.
+macro_rules! pixels {
+    ($from:literal, $place:literal, $places:literal) => {
+        concat!(
+            "vldrb.u8 q0, [r0, #",
+            $from,
+            "]\n",
+            "vldrb.u8 q1, [r0, #",
+            $from,
+            " + 2]\n",
+            "vldrb.u8 q2, [r4, #",
+            $from,
+            "]\n",
+            "vldrb.u8 q3, [r5, #",
+            $from,
+            "]\n",
+            "vhsub.u8 q4, q1, q0\n", // the highest bit is the sign
+            "vabd.u8 q0, q0, q1\n",
+            "vhsub.u8 q1, q3, q2\n",
+            "vabd.u8 q2, q2, q3\n",
+            // Mirrored where the signs differ. Where one of the two is 0 the outcome is the same.
+            "veor q4, q4, q1\n",
+            $place,
+            "\n",
+            "vpt.s8 lt, q4, zr\n",
+            "vaddt.i8 q1, q1, r8\n",
+            "vstrb.8 q2, [r1, ",
+            $places,
+            "]\n",
+            "vstrb.8 q0, [r2, ",
+            $places,
+            "]\n",
+            "vstrb.8 q1, [r3, ",
+            $places,
+            "]\n",
+        )
+    };
+}
+
+/// Goes on to a farther direction where the last one, q6, is not beyond the gradient: that was the sector's first one, perhaps. Then t
+/// in q5 and F in q6.
+macro_rules! next {
+    ($first:literal, $second:literal; $third:literal, $fourth:literal) => {
+        concat!(
+            "vptttt.s16 ge, q6, zr\n",
+            "vorrt q4, q6, q6\n",
+            "vaddt.i16 q7, q7, r7\n",
+            $first,
+            "\n",
+            $second,
+            "\n",
+            "vpsttt\n",
+            "vshrt.s16 q6, q5, #6\n",
+            $third,
+            "\n",
+            $fourth,
+            "\n",
+        )
+    };
+}
+
+/// Zeroes, from q0.
+macro_rules! zero {
+    ($($number:literal)*) => {
+        concat!($("vstrw.32 q0, [r1, #16 * ", $number, "]\n",)*)
+    };
+}
 
 /// A sum of the sectors' numbers: where it goes, and its square added to the energies, those of even cells in q2, of odd ones in q3.
 macro_rules! sum {
@@ -38,8 +117,8 @@ macro_rules! sum {
 ///
 /// How far a gradient is beyond a direction, v = cos * up - sin * right, has 19 bits and a sign; all that is asked for is v / 64 and
 /// -v / 64, rounded down. With v = 64 * f + t these are f + (t >> 6), here called F, and -F, less 1 unless v is a multiple of 64: all of
-/// it fits in 16 bits. F never grows from a direction to the next one, so the smallest that is not negative, which is the smallest
-/// without sign, is that of the sector's first direction.
+/// it fits in 16 bits. F never grows from a direction to the next one, so that of the sector's first direction is the last one that is
+/// not negative, and the next one, of which t is needed, too, is the second direction's.
 ///
 /// | direction | cos | sin | t | f |
 /// |---|---|---|---|---|
@@ -61,151 +140,124 @@ pub(crate) fn eight_cells<const COLUMNS: usize, const ROW: usize>(
         return;
     }
     let mut sectors = Sectors(MaybeUninit::uninit());
+    let mut gradients = Pixels(MaybeUninit::uninit());
+    let to = (&raw mut gradients).cast::<u8>();
     // The pixel above and to the left of the first one.
     let pixels = lines.as_ptr().cast::<u8>().wrapping_add(at);
-    // SAFETY: of six lines, COLUMNS bytes apart, 34 pixels are read, which are there. All of `sectors` is written; then the sums 0 to 79
-    // are read and written by way of r1, those from 80 on by way of r2. r6 and r7, which may not be named, are kept on the stack.
+    // SAFETY: all of `sectors` is written.
     unsafe {
         asm!(
-            "push {{r6, r7}}",
             "vmov.i32 q0, #0",
-            "mov r4, r1",
-            "mov lr, #5",
-            "dls lr, lr",
-            "0:",
-            "vstrw.32 q0, [r4], #16",
-            "vstrw.32 q0, [r4], #16",
-            "vstrw.32 q0, [r4], #16",
-            "vstrw.32 q0, [r4], #16",
-            "le lr, 0b",
-            "mov r4, #31",
-            "mvn r5, #11",
-            "mvn r7, #7",
-            "mvn r8, #9",
-            "mov r9, #9",
-            "mov r10, #6",
-            "mov r11, #11",
-            "movs r6, #4",
-            "1:",
-            "mov lr, #4",
-            "dls lr, lr",
-            "2:",
-            "vldrh.u16 q7, [r3]",
-            "add r12, r0, #{right}",
-            "vldrb.u16 q0, [r0, q7]",
-            "vldrb.u16 q1, [r12, q7]",
-            "sub r12, r12, #{above}",
-            "vldrb.u16 q2, [r12, q7]",
-            "add r12, r12, #{below}",
-            "vldrb.u16 q3, [r12, q7]",
-            "vsub.i16 q1, q1, q0",
-            "vsub.i16 q3, q3, q2",
-            // Mirrored where the signs differ. Where one of the two is 0 the outcome is the same.
-            "veor q2, q1, q3",
-            "vabs.s16 q1, q1",
-            "vabs.s16 q0, q3",
-            "vldrh.u16 q7, [r3, #16]",
-            "mov r12, #40",
-            "vpt.s16 lt, q2, zr",
-            "vaddt.i16 q7, q7, r12",
-            // q0 is up, q1 right. Directions 5 and 4: t in q5 and q3, F in q6 and q4.
-            "vadd.i16 q2, q0, q0",
-            "vmul.i16 q3, q1, r4",
-            "vmul.i16 q4, q1, r5",
-            "vsub.i16 q5, q3, q2",
-            "vshr.s16 q6, q5, #6",
-            "vsub.i16 q6, q6, q2",
-            "vadd.i16 q6, q6, q4",
-            "vadd.i16 q3, q3, q2",
-            "vadd.i16 q2, q2, q4",
-            "vshr.s16 q4, q3, #6",
-            "vadd.i16 q4, q4, q2",
-            // Where it is not beyond, that direction may be the sector's second one; else the sector is a farther one.
-            "vptte.s16 lt, q4, zr",
-            "vorrt q5, q3, q3",
-            "vorrt q6, q4, q4",
-            "vadde.i16 q7, q7, r7",
-            // 3
-            "vmul.i16 q2, q0, r8",
-            "vmla.i16 q2, q1, r7",
-            "vshr.s16 q3, q2, #6",
-            "vmla.i16 q3, q0, r10",
-            "vmla.i16 q3, q1, r8",
-            "vmin.u16 q4, q4, q3",
-            "vptte.s16 lt, q3, zr",
-            "vorrt q5, q2, q2",
-            "vorrt q6, q3, q3",
-            "vadde.i16 q7, q7, r7",
-            // 2
-            "mvn r12, #2",
-            "vmul.i16 q2, q1, r4",
-            "vmla.i16 q2, q0, r12",
-            "vshr.s16 q3, q2, #6",
-            "vmla.i16 q3, q0, r9",
-            "vmla.i16 q3, q1, r7",
-            "vmin.u16 q4, q4, q3",
-            "vptte.s16 lt, q3, zr",
-            "vorrt q5, q2, q2",
-            "vorrt q6, q3, q3",
-            "vadde.i16 q7, q7, r7",
-            // 1
-            "mvn r12, #3",
-            "vneg.s16 q2, q0",
-            "vshr.s16 q3, q2, #6",
-            "vmla.i16 q3, q0, r11",
-            "vmla.i16 q3, q1, r12",
-            "vmin.u16 q4, q4, q3",
-            "vptte.s16 lt, q3, zr",
-            "vorrt q5, q2, q2",
-            "vorrt q6, q3, q3",
-            "vadde.i16 q7, q7, r7",
-            // 0
-            "vmul.i16 q2, q0, r11",
-            "vshr.u16 q3, q2, #4",
-            "vadd.i16 q3, q3, q2",
-            "vmin.u16 q4, q4, q3",
-            // q4 is what the second direction gets; q6 what the first one does, -F, less 1 where the lowest six bits are not 0.
-            "vshl.i16 q2, q5, #10",
-            "vpte.i16 ne, q2, zr",
-            "vmvnt q6, q6",
-            "vnege.s16 q6, q6",
-            "vldrh.u16 q0, [r1, q7, uxtw #1]",
-            "vldrh.u16 q1, [r2, q7, uxtw #1]",
-            "vadd.i16 q0, q0, q6",
-            "vadd.i16 q1, q1, q4",
-            "vstrh.16 q0, [r1, q7, uxtw #1]",
-            "vstrh.16 q1, [r2, q7, uxtw #1]",
-            "adds r0, #1",
-            "le lr, 2b",
-            "add r0, r0, #{next}",
-            "subs r6, #1",
-            "bne 1b",
-            "pop {{r6, r7}}",
-            inout("r0") pixels.wrapping_add(COLUMNS) => _,
+            zero!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19),
             in("r1") &raw mut sectors,
-            in("r2") (&raw mut sectors).cast::<[u16; LANES]>().wrapping_add(10),
-            in("r3") &raw const PLACES,
-            out("r4") _,
-            out("r5") _,
-            out("r8") _,
-            out("r9") _,
-            out("r10") _,
-            out("r11") _,
-            out("r12") _,
-            out("lr") _,
             out("q0") _,
-            out("q1") _,
-            out("q2") _,
-            out("q3") _,
-            out("q4") _,
-            out("q5") _,
-            out("q6") _,
-            out("q7") _,
-            right = const 2,
-            above = const COLUMNS + 1,
-            below = const 2 * COLUMNS,
-            next = const COLUMNS - 4,
+            options(nostack),
         );
+    }
+    let (mut line, end) = (pixels.wrapping_add(COLUMNS), pixels.wrapping_add(5 * COLUMNS));
+    while line != end {
+        // SAFETY: of six lines, COLUMNS bytes apart, 34 pixels are read, which are there. Of `gradients` all is written, 16 bytes at a time.
+        unsafe {
+            asm!(
+                "vldrb.u8 q6, [r4]",
+                "vldrb.u8 q7, [r4, #16]",
+                "vadd.i8 q5, q7, r9",
+                "sub r4, r0, #{line} - 1",
+                "add r5, r0, #{line} + 1",
+                pixels!(0, "vorr q1, q6, q6", "q7"),
+                pixels!(16, "vadd.i8 q1, q6, r9", "q5"),
+                "add r0, r0, #{line}", // here, or the loop would be written out
+                inout("r0") line,
+                in("r1") to,
+                in("r2") to.wrapping_add(LANES),
+                in("r3") to.wrapping_add(2 * LANES),
+                inout("r4") &raw const PLACES => _,
+                out("r5") _,
+                in("r8") 40,
+                in("r9") 4,
+                out("q0") _,
+                out("q1") _,
+                out("q2") _,
+                out("q3") _,
+                out("q4") _,
+                out("q5") _,
+                out("q6") _,
+                out("q7") _,
+                line = const COLUMNS,
+                options(nostack),
+            );
+        }
+        // SAFETY: `gradients` and `sectors` were written. The sums 0 to 79 are read and written by way of r1, those from 80 on by way of
+        // r2. r6 and r7, which may not be named, are kept in q3.
+        unsafe {
+            asm!(
+                "vmov d6, r6, r7",
+                "ldm r3, {{r3-r12}}",
+                "mov lr, #4",
+                "dls lr, lr",
+                "2:",
+                // q0 is up, q1 right.
+                "vldrb.u16 q1, [r0, #8]",
+                "vldrb.u16 q7, [r0, #16]",
+                "vldrb.u16 q0, [r0], #24",
+                // 0
+                "vmul.i16 q6, q0, r11",
+                "vshr.u16 q4, q6, #4",
+                "vadd.i16 q4, q4, q6",
+                // 1
+                "vneg.s16 q5, q0",
+                "vshr.s16 q2, q5, #6",
+                "vadd.i16 q6, q6, q2",
+                "vmla.i16 q6, q1, r3",
+                // 2 to 4
+                "vadd.i16 q2, q0, q0",
+                next!("vmult.i16 q5, q1, r4", "vmlat.i16 q5, q0, r12"; "vmlat.i16 q6, q0, r9", "vmlat.i16 q6, q1, r7"),
+                next!("vmult.i16 q5, q0, r8", "vmlat.i16 q5, q1, r7"; "vmlat.i16 q6, q0, r10", "vmlat.i16 q6, q1, r8"),
+                next!("vmult.i16 q5, q1, r4", "vaddt.i16 q5, q5, q2"; "vaddt.i16 q6, q6, q2", "vmlat.i16 q6, q1, r5"),
+                // 5, of which t is 4 up less.
+                "vptttt.s16 ge, q6, zr",
+                "vorrt q4, q6, q6",
+                "vaddt.i16 q7, q7, r7",
+                "vmlat.i16 q5, q0, r3",
+                "vshrt.s16 q6, q5, #6",
+                "vpstt",
+                "vsubt.i16 q6, q6, q2",
+                "vmlat.i16 q6, q1, r5",
+                // q4 is what the second direction gets; the first one -F of it, less 1 where the lowest six bits are not 0.
+                "vshl.i16 q5, q5, #10",
+                "vpt.i16 ne, q5, zr",
+                "vaddt.i16 q6, q6, r6",
+                "vldrh.u16 q0, [r1, q7, uxtw #1]",
+                "vldrh.u16 q1, [r2, q7, uxtw #1]",
+                "vsub.i16 q0, q0, q6",
+                "vadd.i16 q1, q1, q4",
+                "vstrh.16 q0, [r1, q7, uxtw #1]",
+                "vstrh.16 q1, [r2, q7, uxtw #1]",
+                "le lr, 2b",
+                "vmov r6, r7, d6",
+                inout("r0") to => _,
+                in("r1") &raw mut sectors,
+                in("r2") (&raw mut sectors).cast::<[u16; LANES]>().wrapping_add(10),
+                inout("r3") &raw const NUMBERS => _,
+                out("r4") _,
+                out("r5") _,
+                out("r8") _,
+                out("r9") _,
+                out("r10") _,
+                out("r11") _,
+                out("r12") _,
+                out("lr") _,
+                out("q0") _,
+                out("q1") _,
+                out("q2") _,
+                out("q3") _,
+                out("q4") _,
+                out("q5") _,
+                out("q6") _,
+                out("q7") _,
+                options(nostack),
+            );
+        }
     }
     // SAFETY: `sectors` was written. Of each row of sums, 2 * ROW bytes apart, and of the energies eight are written from `first` on, which
     // are there. Of the four inner lines 32 pixels are read.
@@ -225,36 +277,39 @@ pub(crate) fn eight_cells<const COLUMNS: usize, const ROW: usize>(
             "vst20.32 {{q2, q3}}, [r2]",
             "vst21.32 {{q2, q3}}, [r2]",
             // Gray levels: those of four cells are a register; two of them are added, and then two such sums.
-            "movs r4, #2",
-            "2:",
             "vmov.i32 q2, #0",
-            "mov r2, r3",
+            "vmov.i32 q3, #0",
             "mov lr, #4",
             "dls lr, lr",
             "3:",
-            "vldrb.u8 q0, [r2]",
-            "add r2, r2, #{line}",
-            "vmovlb.u8 q1, q0",
+            "vldrb.u8 q1, [r3, #16]",
+            "vldrb.u8 q0, [r3]",
+            "add r3, r3, #{line}",
+            "vmovlb.u8 q4, q1",
+            "vmovlt.u8 q1, q1",
+            "vadd.i16 q3, q3, q4",
+            "vadd.i16 q3, q3, q1",
+            "vmovlb.u8 q4, q0",
             "vmovlt.u8 q0, q0",
-            "vadd.i16 q2, q2, q1",
+            "vadd.i16 q2, q2, q4",
             "vadd.i16 q2, q2, q0",
             "le lr, 3b",
             "vshr.u32 q0, q2, #16",
+            "vshr.u32 q1, q3, #16",
             "vadd.i16 q0, q0, q2",
-            "vstrh.32 q0, [r0], #8",
-            "adds r3, #16",
-            "subs r4, #1",
-            "bne 2b",
+            "vadd.i16 q1, q1, q3",
+            "vstrh.32 q0, [r0]",
+            "vstrh.32 q1, [r0, #8]",
             inout("r0") sums.as_mut_ptr().cast::<u16>().wrapping_add(first) => _,
             in("r1") &raw const sectors,
             inout("r2") energies.as_mut_ptr().wrapping_add(first) => _,
             inout("r3") pixels.wrapping_add(COLUMNS + 1) => _,
-            out("r4") _,
             out("lr") _,
             out("q0") _,
             out("q1") _,
             out("q2") _,
             out("q3") _,
+            out("q4") _,
             row = const 2 * ROW,
             line = const COLUMNS,
             options(nostack),

@@ -13,8 +13,6 @@ use core::ops::Range;
 const STEP: usize = 10;
 /// The most sums side by side.
 const MOST: usize = 7;
-/// Sums side by side that errors are gathered for.
-const BLOCK: usize = 6;
 
 /// Whether a filter of so many weights lies on the cells at all offsets, cell by cell; and its rows.
 fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
@@ -108,10 +106,9 @@ macro_rules! sums {
                     "vldrb.s16 q1, [r1], #8",
                     "vmladava.s16 r0, q0, q1",
                     "letp lr, 3b",
-                    "ldr r9, [r5, #4]",
+                    "ldrd r9, lr, [r5, #4]",
                     "add r1, r1, r9",
-                    "ldr r9, [r5, #8]",
-                    "add r3, r3, r9",
+                    "add r3, r3, lr",
                     "subs r11, r11, #1",
                     "bne 2b",
                     $($end,)*
@@ -155,7 +152,7 @@ impl Rows {
     }
 }
 
-/// Eight errors of a row times the bytes at six offsets.
+/// Eight errors of a row times the bytes at six offsets, or at seven.
 macro_rules! eight {
     () => {
         "vldrh.u16 q0, [r3], #16
@@ -169,27 +166,43 @@ macro_rules! eight {
         vmladava.s16 r10, q0, q1
         vldrb.s16 q1, [r1, #5]
         vmladava.s16 r12, q0, q1
+        .if {seven}
+        vldrb.s16 q1, [r1, #6]
+        vmladava.s16 r6, q0, q1
+        .endif
         vldrb.s16 q1, [r1], #8
         vmladava.s16 r0, q0, q1"
     };
 }
 
 impl Rows {
-    /// As [`Rows::six`] for as many rows of errors as there are errors in each, `N` apart, on bytes `apart` from row to row. Where there are
-    /// one or two times eight errors and one more in each, the last ones are a column of their own: so lanes are not left empty.
+    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for as many rows of errors as there are errors in each, `N` apart, on bytes
+    /// `apart` from row to row. Where there are one or two times eight errors and one more in each, the last ones are a column of their
+    /// own: so lanes are not left empty.
     ///
     /// # Safety
-    /// All these errors can be read, and the bytes under them at the six offsets.
-    unsafe fn errors_at_six<const N: usize>(&self, bytes: *const i8, errors: *const i16, apart: usize) -> [i32; MOST] {
+    /// All these errors can be read, and the bytes under them at seven offsets.
+    #[inline(never)] // one copy in flash
+    unsafe fn errors_at<const N: usize, const SEVEN: usize>(
+        &self,
+        bytes: *const i8,
+        errors: *const i16,
+        apart: usize,
+    ) -> [i32; MOST] {
         let span = self.width;
         if span != 17 && span != 9 {
             // SAFETY: the caller has seen to it.
-            return unsafe { self.six::<1>(bytes, errors, span) };
+            return unsafe {
+                if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) }
+            };
         }
-        let (mut a, mut b, mut c, mut d, mut e, mut f);
-        // SAFETY: the caller has seen to what is read: of each row all errors but the last one; nothing is written.
+        let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
+        // SAFETY: the caller has seen to what is read: of each row all errors but the last one; nothing is written but the stack, which
+        // keeps r6, as it may not be named.
         unsafe {
             asm!(
+                "push {{r6}}",
+                "movs r6, #0",
                 "dls lr, lr",
                 "2:",
                 eight!(),
@@ -199,6 +212,8 @@ impl Rows {
                 "add r1, r1, r9",
                 "add r3, r3, r11",
                 "le lr, 2b",
+                "mov r11, r6",
+                "pop {{r6}}",
                 inout("r0") 0 => a,
                 inout("r2") 0 => b,
                 inout("r4") 0 => c,
@@ -209,21 +224,24 @@ impl Rows {
                 inout("r3") errors => _,
                 in("r5") span / 17,
                 in("r9") apart.wrapping_sub(span - 1),
-                in("r11") 2 * (N.wrapping_sub(span - 1)),
+                inout("r11") 2 * (N.wrapping_sub(span - 1)) => g,
                 inout("lr") span => _,
                 out("q0") _,
                 out("q1") _,
-                options(readonly, nostack),
+                seven = const SEVEN,
             );
         }
-        // SAFETY: the same of the last errors; the last round has as many lanes as there are rows left.
+        // SAFETY: the same of the last errors and of r6; the last round has as many lanes as there are rows left.
         unsafe {
             asm!(
-                "vldrh.u16 q2, [r11]",
+                "push {{r6}}",
+                "movs r6, #0",
+                "vidup.u16 q2, r6, #1",
+                "mov r6, r11",
                 "vmul.i16 q3, q2, r9",
                 "vmul.i16 q2, q2, r5",
                 "lsl r11, r5, #3",
-                "sub r11, r11, #5",
+                "sub r11, r11, #5 + {seven}",
                 "dlstp.16 lr, lr",
                 "2:",
                 "vldrh.u16 q0, [r3, q3]",
@@ -244,9 +262,16 @@ impl Rows {
                 "adds r1, #1",
                 "vldrb.s16 q1, [r1, q2]",
                 "vmladava.s16 r12, q0, q1",
+                ".if {seven}",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r6, q0, q1",
+                ".endif",
                 "add r1, r1, r11",
                 "add r3, r3, r9, lsl #3",
                 "letp lr, 2b",
+                "mov r11, r6",
+                "pop {{r6}}",
                 inout("r0") a,
                 inout("r2") b,
                 inout("r4") c,
@@ -257,21 +282,19 @@ impl Rows {
                 inout("r3") errors.wrapping_add(span - 1) => _,
                 in("r5") apart,
                 in("r9") 2 * N,
-                inout("r11") &raw const ROWS => _,
+                inout("r11") g,
                 inout("lr") span => _,
                 out("q0") _,
                 out("q1") _,
                 out("q2") _,
                 out("q3") _,
-                options(readonly, nostack),
+                seven = const SEVEN,
             );
         }
-        [a, b, c, d, e, f, 0]
+        [a, b, c, d, e, f, g]
     }
 }
 
-/// Numbers of lanes.
-static ROWS: [u16; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 /// Parts that sums are gathered in: channels.
 pub(super) const GATHER_PARTS: usize = STEP;
 /// Bytes to a channel of cells side by side.
@@ -290,7 +313,7 @@ pub(super) fn gather<const N: usize>(
     let width = stride / STEP;
     let count = |down: usize| (down + span - 2) * width + row / STEP + span - 1;
     let room_for = |&down: &usize| {
-        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + BLOCK <= size_of_val(room)
+        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
     let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
         // There a part is a row of errors.
@@ -299,6 +322,9 @@ pub(super) fn gather<const N: usize>(
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
+    // What takes fewer products: a block of seven sums is nine eighths of one of six.
+    let cells_across = row / STEP;
+    let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {
         let plane = room.as_mut_ptr().cast::<i8>();
         // SAFETY: of each cell that the filter lies on, all of which are there, a byte is read; as many are written, for which there is room.
@@ -306,15 +332,21 @@ pub(super) fn gather<const N: usize>(
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             let (of_cells, _) = sums.as_chunks_mut::<STEP>();
             let mut from = plane.cast_const().wrapping_add(y * width);
-            for of_cells in of_cells.chunks_mut(BLOCK) {
+            for of_cells in of_cells.chunks_mut(block) {
                 // SAFETY: the errors lie on bytes that were put there, or, at offsets that nobody asks for, on the room after them.
-                let at_six = unsafe { rows.errors_at_six::<N>(from, errors.as_ptr().cast(), width) };
-                for (of_cell, sum) in of_cells.iter_mut().zip(at_six) {
+                let at_block = unsafe {
+                    if block == MOST {
+                        rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width)
+                    } else {
+                        rows.errors_at::<N, 0>(from, errors.as_ptr().cast(), width)
+                    }
+                };
+                for (of_cell, sum) in of_cells.iter_mut().zip(at_block) {
                     if let Some(of_channel) = of_cell.get_mut(channel) {
                         *of_channel += sum;
                     }
                 }
-                from = from.wrapping_add(BLOCK);
+                from = from.wrapping_add(block);
             }
         }
     }
