@@ -2,7 +2,7 @@
 //! *tracking* was said and wrong.
 //!
 //! A fault is put into a recording at several places. Each is a run of its own: the tracker is locked on the ground truth's box
-//! [`LEAD`] frames before the fault, and is watched for [`WATCHED`] frames after it. Without a fault the same runs are made once more, so
+//! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, so
 //! that what goes wrong anyway can be told apart.
 
 use super::robustness::recording::{self, Recording};

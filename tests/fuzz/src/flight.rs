@@ -36,7 +36,7 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     if u.ratio(15, 16)? {
         number(&mut entries);
     }
-    let mut record: Vec<u8> = entries.iter().flat_map(|entry| sealed(entry)).collect();
+    let mut record: Vec<u8> = entries.iter().flat_map(sealed).collect();
     let cut = u.ratio(1, 8)?;
     if cut {
         record.truncate(u.choose_index(record.len().max(1))?);
