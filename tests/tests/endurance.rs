@@ -125,7 +125,7 @@ fn a_full_disk_is_said_and_leaves_nothing_half_written() {
         &["track", "synthetic", "--frames", "1..5"][..],
         &["eval", "synthetic", "--frames", "1..5", "--json"],
         &["eval", "synthetic", "--fault", "black:1", "--frames", "1..40"],
-        &["check", "periodic", "--frames", "2"],
+        &["check", "periodic", "--frames", "..2"],
         &["soak", "--frames", "20"],
         &["vectors"],
     ] {

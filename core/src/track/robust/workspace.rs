@@ -50,16 +50,17 @@ impl Workspace {
     #[must_use]
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub const fn new() -> Self {
+        // These three as constants, for the same reason.
         Self {
-            strip: Strip::new(),
+            strip: const { Strip::new() },
             cells: Vec::new(),
             responses: Responses { rows: [[0; SPAN]; SPAN], span: 0 },
             aside: Vec::new(),
             desk: Desk::new(),
             view: Vec::new(),
             lit: Vec::new(),
-            table: CutTable::EMPTY,
-            progress: Progress::new(),
+            table: const { CutTable::EMPTY },
+            progress: const { Progress::new() },
             updates: 0,
         }
     }
