@@ -92,4 +92,6 @@ pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
 pub use track::paper::{self, Paper};
 pub use track::record;
 pub use track::robust::{self, Robust};
-pub use track::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, Tracker, Update, UpdateError};
+pub use track::{
+    Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Target, Tracker, Update, UpdateError,
+};

@@ -174,7 +174,7 @@ fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
     let frame = Frame::whole(Image::new(&pixels, 320, 240).unwrap());
     let lock = |config, width| {
         let mut tracker = Box::new(Tracker::<Paper<256, 359>>::new(config).unwrap());
-        tracker.lock(&frame, Rect::new(20, 20, width, 8))
+        tracker.lock(&frame, Rect::new(20, 20, width, 8)).map(|_| ())
     };
     assert_eq!(lock(Config::paper(), 2), Ok(()));
     assert_eq!(lock(Config::paper(), 1), Err(smr_core::LockError::WindowTooLarge));

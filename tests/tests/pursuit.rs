@@ -251,7 +251,7 @@ impl<T: Target> Loop<T> {
         let (right, up) = offset_pixels(self.head(), scene.target);
         let picture = scene.picture(self.head());
         let followed = self.pursuit.follow(&mut self.tracker, &frame(&picture), FRAME_SECONDS as f32);
-        let (answer, _) = followed.expect("pins that cannot fail, and a frame of the same size");
+        let answer = followed.expect("a frame of the same size").answer;
         self.pan.turn();
         self.tilt.turn();
         Step { answer, error_pixels: right.hypot(up), lamp: self.lamp.0.get() == 1 }

@@ -14,7 +14,7 @@
  *
  * smr_config_camera(&config);
  * if (smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker) != SMR_OK) { ... }
- * if (smr_lock(tracker, &first_frame, &target) != SMR_OK) { ... }
+ * if (smr_lock(tracker, &first_frame, &target, NULL) != SMR_OK) { ... }
  * while (next(&frame)) {
  *     if (smr_update(tracker, &frame, &answer) == SMR_OK && answer.state != SMR_LOST) { use(answer.bbox); }
  * }
@@ -25,7 +25,7 @@
  * and looks for it then; it takes more memory and time. All calls are the same.
  *
  * - **Errors.** Every call checks its pointers (NULL, alignment) and sizes and returns an #smr_status;
- *   #smr_status_name names it. A call that fails changes nothing.
+ *   #smr_status_name names it. A call that fails changes nothing, not even an update that is under way.
  * - **What cannot be checked**: a pointer that is neither NULL nor misaligned points to as much memory as its type, or the
  *   size beside it, says; what it points to is initialised where it is read; and nobody else writes there during the
  *   call. A tracker pointer comes from #smr_init, and `method` of an #smr_config is NULL or as it was filled in.
@@ -78,13 +78,16 @@
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 648)
 /** The most bytes that #smr_save writes of one of them. */
-#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 44)
+#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 40)
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (11344 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of them, a constant expression. */
-#define SMR_ROBUST_WORKSPACE_SIZE (39936 + 16 * sizeof(size_t))
+#define SMR_ROBUST_WORKSPACE_SIZE (39872 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes of one of them. */
-#define SMR_ROBUST_SAVED_SIZE 11278
+#define SMR_ROBUST_SAVED_SIZE 11274
+
+/** A target of less quality can hardly be told from what lies beside it: see #smr_lock. */
+#define SMR_POOR_QUALITY 2047
 
 /** Storage for one tracker of the paper, of the right size and alignment: static, on the stack or inside something larger. */
 typedef union smr_paper_target {
@@ -235,7 +238,7 @@ enum smr_status
    */
   SMR_ERROR_NOT_LOCKED = 24,
   /**
-   * The frame is not of the size of the one that was locked on.
+   * The frame is not of the size of the one that was locked on, or by which the lock was begun.
    */
   SMR_ERROR_FRAME_SIZE_CHANGED = 25,
   /**
@@ -243,8 +246,8 @@ enum smr_status
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
   /**
-   * No update of this tracker is under way in its workspace: none was begun, it was finished, the tracker has changed since,
-   * or another one has used the workspace. #smr_begin comes first.
+   * No update, or no lock, of this tracker is under way in its workspace: none was begun, it was finished, the tracker has changed
+   * since, or another one has used the workspace. #smr_begin or #smr_begin_lock comes first.
    */
   SMR_ERROR_NOT_BEGUN = 27,
   /**
@@ -863,18 +866,50 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * Starts on the target in a box, at any time; whatever was followed before is forgotten. Only the pixels in #smr_lock_window are
  * read.
  *
- * Cost: for the paper's tracker a copy of the box, for the robust one as much as 25 updates.
+ * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust one as much as 25
+ * updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in parts.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame; what is in memory covers #smr_lock_window.
  * @param target   The box, wholly inside the frame; of at most #SMR_PIXELS pixels for the paper's tracker.
+ * @param quality  Is set to how well the target can be told from what lies beside it, in units of 1/65535: below #SMR_POOR_QUALITY
+ *                 hardly. Left alone after an error. NULL if you do not ask.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
  *                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or with the box (#SMR_ERROR_BOX_EMPTY to
- *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker goes on with what it had.
+ *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker goes on with what it had, and so does an
+ *                 update that is under way.
  */
 smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_frame *frame,
-                    const struct smr_rect *target);
+                    const struct smr_rect *target,
+                    uint16_t *quality);
+
+/**
+ * Begins a lock that is made in steps of a bounded amount of work, for those who have a deadline: #smr_step as often as it takes,
+ * then #smr_finish_lock. From now on there is no target, until the lock is finished.
+ *
+ * @param tracker  Made by #smr_init.
+ * @param frame    As for #smr_lock. Its pixels must stay as they are until #smr_finish_lock.
+ * @param target   As for #smr_lock.
+ * @return         As #smr_lock.
+ */
+smr_status smr_begin_lock(struct smr_tracker *tracker,
+                          const struct smr_frame *frame,
+                          const struct smr_rect *target);
+
+/**
+ * Does what is left of the lock that #smr_begin_lock has begun. From now on there is a target.
+ *
+ * @param tracker  As for #smr_begin_lock.
+ * @param frame    The same frame, with the same pixels.
+ * @param quality  As for #smr_lock.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the frame
+ *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_BEGUN, #SMR_ERROR_FRAME_SIZE_CHANGED or
+ *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY. After an error the lock is still under way.
+ */
+smr_status smr_finish_lock(struct smr_tracker *tracker,
+                           const struct smr_frame *frame,
+                           uint16_t *quality);
 
 /**
  * Looks for the target in the next frame.
@@ -909,16 +944,16 @@ smr_status smr_begin(struct smr_tracker *tracker,
                      const struct smr_frame *frame);
 
 /**
- * Goes on with the update that #smr_begin has begun.
+ * Goes on with the update that #smr_begin has begun, or with the lock that #smr_begin_lock has.
  *
- * @param tracker  As for #smr_begin.
+ * @param tracker  As for #smr_begin or #smr_begin_lock.
  * @param frame    The same frame, with the same pixels.
  * @param work     Units of work to be done; 0 is taken for 1. For the paper's tracker a unit is a comparison of two bytes; a few
  *                 more are made, to come to a stop: at most the template's pixels or twice the pixels of a row of #smr_window,
  *                 whichever is more, and seven for each of #SMR_SPAN offsets. For the robust tracker it is a product, a
  *                 comparison or a sampled pixel.
- * @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
- * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+ * @param done     Is set to 1 if nothing is left to do but #smr_finish or #smr_finish_lock, else to 0; left alone after an error.
+ * @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
  */
 smr_status smr_step(struct smr_tracker *tracker,
                     const struct smr_frame *frame,
@@ -941,7 +976,7 @@ smr_status smr_finish(struct smr_tracker *tracker,
  * The pixels of the frame that the next #smr_update may read. Firmware may read out just these, and those of #smr_sweep_window.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param window   Is set to the rectangle, always inside the frame; left alone after an error.
+ * @param window   Is set to the rectangle, always inside the frame and never empty; left alone after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
  */
 smr_status smr_window(const struct smr_tracker *tracker,
@@ -1002,7 +1037,7 @@ smr_status smr_saved_size(const struct smr_tracker *tracker,
  * platform.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param bytes    Memory outside of the tracker's own. After #SMR_ERROR_BUFFER_TOO_SMALL what is there means nothing.
+ * @param bytes    Memory outside of the tracker's own; left alone after an error.
  * @param size     Bytes there; #smr_saved_size are always enough.
  * @param written  Is set to how many were written; left alone after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,

@@ -1,7 +1,7 @@
 //! How much a tracker can hold, fixed when the library is built, and the memory which that takes.
 
 use crate::method::{Scratch, Stored};
-use smr_core::{Paper, Robust, Target};
+use smr_core::{Paper, Quality, Robust, Target};
 
 /// The largest area of a box of the paper's tracker, in pixels: `SMR_PIXELS` of the environment of the build, or 4096 (64x64).
 pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
@@ -23,16 +23,20 @@ pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 648;
 
 /// `SMR_PAPER_SAVED_SIZE` of the header.
-pub const PAPER_SAVED_SIZE: usize = PIXELS + 44;
+pub const PAPER_SAVED_SIZE: usize = PIXELS + 40;
 
 /// `SMR_ROBUST_TARGET_SIZE` of the header.
 pub const ROBUST_TARGET_SIZE: usize = 11344 + size_of::<[usize; 6]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` of the header.
-pub const ROBUST_WORKSPACE_SIZE: usize = 39936 + size_of::<[usize; 16]>();
+pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` of the header.
-pub const ROBUST_SAVED_SIZE: usize = 11278;
+pub const ROBUST_SAVED_SIZE: usize = 11274;
+
+/// `SMR_POOR_QUALITY` of the header.
+const POOR_QUALITY: u16 = 2047;
+const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
 
 /// The header promises the size to C on every target; and it shall not promise much more than is used.
 const fn holds<T>(size: usize) -> bool {

@@ -7,15 +7,14 @@ use crate::config::smr_config;
 use crate::frame::smr_image;
 use crate::pointer::{self, Out};
 use crate::status::{
-    SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_BEGUN, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED,
-    SMR_ERROR_OTHER_METHOD, smr_status,
+    SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status,
 };
 use crate::tracker::smr_tracker;
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr;
-use smr_core::{FineRect, Frame, Rect, Robust, State, Target};
+use smr_core::{FineRect, Frame, LockError, Quality, Rect, Robust, State, Target};
 
 /// The code of a tracker.
 pub struct smr_method {
@@ -126,8 +125,6 @@ pub(crate) struct Held<T: Method> {
 pub(crate) struct Scratch<T: Method> {
     /// [`Scratch::mark_of`] its own address, so that other memory is not taken for a workspace.
     mark: usize,
-    /// Whose update is under way: another target may have the same track.
-    user: *const c_void,
     workspace: T::Workspace,
 }
 
@@ -149,8 +146,7 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
         (&raw mut (*storage).held.target).write(target);
         (&raw mut (*storage).held.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
-        (&raw mut (*workspace).workspace).write(T::workspace());
-        (&raw mut (*workspace).user).write(ptr::null());
+        (&raw mut (*workspace).workspace).write(T::Workspace::default());
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
     }
     Ok(())
@@ -161,7 +157,8 @@ pub(crate) trait Tracked {
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
-    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
+    fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
+    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<Quality, smr_status>;
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status>;
     /// Writes the answer where it goes: returned, it would be on the stack twice.
@@ -170,7 +167,8 @@ pub(crate) trait Tracked {
     fn sweep_window(&self) -> Option<Rect>;
     fn last(&self) -> Option<(FineRect, State)>;
     fn moved(&mut self, right: i32, down: i32);
-    fn saved_size(&self) -> usize;
+    fn most_saved_size(&self) -> usize;
+    fn saved_size(&self) -> Result<usize, smr_status>;
     fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status>;
     fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status>;
     fn template(&self) -> Result<Option<smr_image>, smr_status>;
@@ -182,21 +180,14 @@ pub(crate) trait Tracked {
 
 impl<T: Method> Held<T> {
     /// Target and workspace; the latter may be in use by another tracker.
-    fn parts(&mut self) -> Result<(&mut T, &mut Scratch<T>), smr_status> {
+    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let workspace = self.workspace;
         // SAFETY: `make` has put it there; only the mark is read, and every usize is one.
         if unsafe { (&raw const (*workspace).mark).read() } != Scratch::mark_of(workspace) {
             return Err(SMR_ERROR_NOT_INITIALISED);
         }
         // SAFETY: the mark says that a whole workspace is there, and the caller of each call that it is used alone.
-        Ok((&mut self.target, unsafe { &mut *workspace }))
-    }
-
-    /// The same, if the update under way is this target's.
-    fn under_way(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
-        let me = ptr::from_ref(self).cast();
-        let (target, scratch) = self.parts()?;
-        if scratch.user == me { Ok((target, &mut scratch.workspace)) } else { Err(SMR_ERROR_NOT_BEGUN) }
+        Ok((&mut self.target, unsafe { &mut (*workspace).workspace }))
     }
 }
 
@@ -211,27 +202,35 @@ impl<T: Method> Tracked for Held<T> {
         self.target.lock_window(bounds, target)
     }
 
-    fn lock(&mut self, frame: &Frame<'_>, rect: Rect) -> Result<(), smr_status> {
-        let (target, scratch) = self.parts()?;
-        scratch.user = ptr::null();
-        Ok(target.lock(&mut scratch.workspace, frame, rect)?)
+    fn begin_lock(&mut self, frame: &Frame<'_>, rect: Rect) -> Result<(), smr_status> {
+        let (target, workspace) = self.parts()?;
+        target.begin_lock(workspace, frame, rect)?;
+        Ok(())
+    }
+
+    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<Quality, smr_status> {
+        let (target, workspace) = self.parts()?;
+        Ok(target.resume_lock(workspace, frame)?.finish())
     }
 
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        let me = ptr::from_ref(self).cast();
-        let (target, scratch) = self.parts()?;
-        target.begin(&mut scratch.workspace, frame)?;
-        scratch.user = me;
+        let (target, workspace) = self.parts()?;
+        target.begin(workspace, frame)?;
         Ok(())
     }
 
     fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status> {
-        let (target, workspace) = self.under_way()?;
+        let (target, workspace) = self.parts()?;
+        match target.resume_lock(workspace, frame) {
+            Ok(mut lock) => return Ok(lock.step(work)),
+            Err(LockError::NotBegun) => {}
+            Err(error) => return Err(error.into()),
+        }
         Ok(target.resume(workspace, frame)?.step(work))
     }
 
     fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
-        let (target, workspace) = self.under_way()?;
+        let (target, workspace) = self.parts()?;
         out.write(target.resume(workspace, frame)?.finish().into());
         Ok(())
     }
@@ -252,8 +251,12 @@ impl<T: Method> Tracked for Held<T> {
         self.target.moved(right, down);
     }
 
-    fn saved_size(&self) -> usize {
+    fn most_saved_size(&self) -> usize {
         T::SAVED_SIZE
+    }
+
+    fn saved_size(&self) -> Result<usize, smr_status> {
+        Ok(self.target.saved_size()?)
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status> {

@@ -74,12 +74,12 @@ statuses! {
     SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 23,
     /// There is no target yet: #smr_lock comes first.
     SMR_ERROR_NOT_LOCKED = 24,
-    /// The frame is not of the size of the one that was locked on.
+    /// The frame is not of the size of the one that was locked on, or by which the lock was begun.
     SMR_ERROR_FRAME_SIZE_CHANGED = 25,
     /// What is in memory does not cover #smr_window, or #smr_sweep_window where there is one.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
-    /// No update of this tracker is under way in its workspace: none was begun, it was finished, the tracker has changed since,
-    /// or another one has used the workspace. #smr_begin comes first.
+    /// No update, or no lock, of this tracker is under way in its workspace: none was begun, it was finished, the tracker has changed
+    /// since, or another one has used the workspace. #smr_begin or #smr_begin_lock comes first.
     SMR_ERROR_NOT_BEGUN = 27,
     /// The memory is too small for what goes there.
     SMR_ERROR_BUFFER_TOO_SMALL = 28,
@@ -148,7 +148,9 @@ called! {
         BoxOutsideFrame => SMR_ERROR_BOX_OUTSIDE_FRAME,
         BoxTooLarge => SMR_ERROR_BOX_TOO_LARGE,
         WindowTooLarge => SMR_ERROR_WINDOW_TOO_LARGE,
-        LockWindowNotInMemory => SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY, .._
+        LockWindowNotInMemory => SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY,
+        FrameSizeChanged => SMR_ERROR_FRAME_SIZE_CHANGED,
+        NotBegun => SMR_ERROR_NOT_BEGUN, .._
     }
     UpdateError {
         NotLocked => SMR_ERROR_NOT_LOCKED,

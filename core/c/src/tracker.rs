@@ -7,8 +7,8 @@ use crate::frame::{smr_fine_rect, smr_frame, smr_image, smr_rect};
 use crate::method::{Tracked, smr_method};
 use crate::pointer::{self, Out};
 use crate::status::{
-    SMR_ERROR_BOX_EMPTY, SMR_ERROR_BOX_OUTSIDE_FRAME, SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_INITIALISED,
-    SMR_ERROR_NOT_LOCKED, SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL,
+    SMR_ERROR_BOX_EMPTY, SMR_ERROR_BOX_OUTSIDE_FRAME, SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_MISALIGNED,
+    SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL,
     SMR_ERROR_WORKSPACE_TOO_SMALL, smr_status, status_of,
 };
 use core::ffi::c_void;
@@ -176,23 +176,78 @@ pub unsafe extern "C" fn smr_lock_window(
 /// Starts on the target in a box, at any time; whatever was followed before is forgotten. Only the pixels in #smr_lock_window are
 /// read.
 ///
-/// Cost: for the paper's tracker a copy of the box, for the robust one as much as 25 updates.
+/// Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust one as much as 25
+/// updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in parts.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    The frame; what is in memory covers #smr_lock_window.
 /// @param target   The box, wholly inside the frame; of at most #SMR_PIXELS pixels for the paper's tracker.
+/// @param quality  Is set to how well the target can be told from what lies beside it, in units of 1/65535: below #SMR_POOR_QUALITY
+///                 hardly. Left alone after an error. NULL if you do not ask.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
 ///                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or with the box (#SMR_ERROR_BOX_EMPTY to
-///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker goes on with what it had.
+///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker goes on with what it had, and so does an
+///                 update that is under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_lock(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    target: *const smr_rect,
+    quality: *mut u16,
+) -> smr_status {
+    // SAFETY: as the header asks of the caller, of each.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::unless_null(quality)?;
+            tracker.begin_lock(frame, pointer::read(target)?.into())?;
+            let locked = tracker.finish_lock(frame)?;
+            out.into_iter().for_each(|out| out.write(locked.value()));
+            Ok(())
+        })
+    })
+}
+
+/// Begins a lock that is made in steps of a bounded amount of work, for those who have a deadline: #smr_step as often as it takes,
+/// then #smr_finish_lock. From now on there is no target, until the lock is finished.
+///
+/// @param tracker  Made by #smr_init.
+/// @param frame    As for #smr_lock. Its pixels must stay as they are until #smr_finish_lock.
+/// @param target   As for #smr_lock.
+/// @return         As #smr_lock.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_begin_lock(
     tracker: *mut smr_tracker,
     frame: *const smr_frame,
     target: *const smr_rect,
 ) -> smr_status {
     // SAFETY: as the header asks of the caller, of each.
     status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| tracker.lock(frame, pointer::read(target)?.into()))
+        with_frame(tracker, frame, |tracker, frame| tracker.begin_lock(frame, pointer::read(target)?.into()))
+    })
+}
+
+/// Does what is left of the lock that #smr_begin_lock has begun. From now on there is a target.
+///
+/// @param tracker  As for #smr_begin_lock.
+/// @param frame    The same frame, with the same pixels.
+/// @param quality  As for #smr_lock.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the frame
+///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_BEGUN, #SMR_ERROR_FRAME_SIZE_CHANGED or
+///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY. After an error the lock is still under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_finish_lock(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    quality: *mut u16,
+) -> smr_status {
+    // SAFETY: as the header asks of the caller, of each.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::unless_null(quality)?;
+            let locked = tracker.finish_lock(frame)?;
+            out.into_iter().for_each(|out| out.write(locked.value()));
+            Ok(())
+        })
     })
 }
 
@@ -239,16 +294,16 @@ pub unsafe extern "C" fn smr_begin(tracker: *mut smr_tracker, frame: *const smr_
     status_of(unsafe { with_frame(tracker, frame, |tracker, frame| tracker.begin(frame)) })
 }
 
-/// Goes on with the update that #smr_begin has begun.
+/// Goes on with the update that #smr_begin has begun, or with the lock that #smr_begin_lock has.
 ///
-/// @param tracker  As for #smr_begin.
+/// @param tracker  As for #smr_begin or #smr_begin_lock.
 /// @param frame    The same frame, with the same pixels.
 /// @param work     Units of work to be done; 0 is taken for 1. For the paper's tracker a unit is a comparison of two bytes; a few
 ///                 more are made, to come to a stop: at most the template's pixels or twice the pixels of a row of #smr_window,
 ///                 whichever is more, and seven for each of #SMR_SPAN offsets. For the robust tracker it is a product, a
 ///                 comparison or a sampled pixel.
-/// @param done     Is set to 1 if nothing is left to do but #smr_finish, else to 0; left alone after an error.
-/// @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+/// @param done     Is set to 1 if nothing is left to do but #smr_finish or #smr_finish_lock, else to 0; left alone after an error.
+/// @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_step(
     tracker: *mut smr_tracker,
@@ -285,7 +340,7 @@ pub unsafe extern "C" fn smr_finish(
 /// The pixels of the frame that the next #smr_update may read. Firmware may read out just these, and those of #smr_sweep_window.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param window   Is set to the rectangle, always inside the frame; left alone after an error.
+/// @param window   Is set to the rectangle, always inside the frame and never empty; left alone after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
@@ -358,14 +413,14 @@ pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut usize) -> smr_status {
     // SAFETY: as the header asks of the caller, of each.
-    status_of(unsafe { answer_to(tracker, size, |tracker| Ok(tracker.saved_size())) })
+    status_of(unsafe { answer_to(tracker, size, |tracker| Ok(tracker.most_saved_size())) })
 }
 
 /// Writes the target to memory: template and track, and of the configuration a checksum. The bytes are the same on every
 /// platform.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param bytes    Memory outside of the tracker's own. After #SMR_ERROR_BUFFER_TOO_SMALL what is there means nothing.
+/// @param bytes    Memory outside of the tracker's own; left alone after an error.
 /// @param size     Bytes there; #smr_saved_size are always enough.
 /// @param written  Is set to how many were written; left alone after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
@@ -382,8 +437,12 @@ pub unsafe extern "C" fn smr_save(
     status_of(unsafe {
         answer_to(tracker, written, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            bytes.write_bytes(0, size); // a slice holds initialised bytes
-            tracker.save(core::slice::from_raw_parts_mut(bytes, size))
+            let needed = tracker.saved_size()?;
+            if size < needed {
+                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
+            }
+            bytes.write_bytes(0, needed); // a slice holds initialised bytes
+            tracker.save(core::slice::from_raw_parts_mut(bytes, needed))
         })
     })
 }

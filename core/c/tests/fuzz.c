@@ -166,7 +166,7 @@ static void one(uint32_t start)
     size_t storage_size, workspace_size, size = 0, written = 0;
     void *storage, *workspace;
     uint8_t *saved;
-    uint16_t width = (uint16_t)(16 + below(40)), height = (uint16_t)(16 + below(30)), alpha;
+    uint16_t width = (uint16_t)(16 + below(40)), height = (uint16_t)(16 + below(30)), alpha, quality;
     unsigned call;
 
     seed = start ? start : 1;
@@ -217,7 +217,7 @@ static void one(uint32_t start)
         }
         switch (call == 0 ? 0 : below(16)) {
         case 0:
-            status = smr_lock(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target);
+            status = smr_lock(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target, rarely() ? NULL : &quality);
             locked += status == SMR_OK;
             break;
         case 1:
@@ -251,6 +251,13 @@ static void one(uint32_t start)
                 status = smr_step(tracker, &frame, any() >> below(32), rarely() ? NULL : &over);
             }
             status = rarely() ? status : smr_finish(tracker, &frame, &answer);
+            break;
+        case 12:
+            status = smr_begin_lock(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target);
+            while (status == SMR_OK && !over && !rarely()) {
+                status = smr_step(tracker, &frame, any() >> below(32), &over);
+            }
+            status = rarely() ? status : smr_finish_lock(tracker, &frame, rarely() ? NULL : &quality);
             break;
         case 10:
             status = smr_step(tracker, &frame, any(), &over);

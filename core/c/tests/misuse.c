@@ -134,7 +134,7 @@ static smr_tracker *locked_tracker(void)
     smr_tracker *tracker = good_tracker();
     smr_frame frame = good_frame();
     smr_rect box = rect(26, 22, 8, 8);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
     return tracker;
 }
 
@@ -285,7 +285,7 @@ static void no_updates(smr_tracker *tracker, smr_status wanted)
     smr_rect box = rect(10, 10, 12, 12);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(tracker, &frame, &box), wanted);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), wanted);
     EXPECT(smr_update(tracker, &frame, &answer), wanted);
     EXPECT(smr_begin(tracker, &frame), wanted);
     EXPECT(smr_step(tracker, &frame, 1, &done), wanted);
@@ -340,7 +340,7 @@ static void shared_workspaces(void)
     smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(two, &frame, &box), SMR_OK); /* on the same box: only their addresses tell them apart */
+    EXPECT(smr_lock(two, &frame, &box, NULL), SMR_OK); /* on the same box: only their addresses tell them apart */
     EXPECT(smr_begin(one, &frame), SMR_OK);
     EXPECT(smr_step(two, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_finish(two, &frame, &answer), SMR_ERROR_NOT_BEGUN);
@@ -395,11 +395,11 @@ static void pointers(void)
     uint8_t done;
     frames[0] = good_frame();
     rects[0] = rect(26, 22, 8, 8);
-    EXPECT(smr_lock(tracker, NULL, rects), SMR_ERROR_NULL);
-    EXPECT(smr_lock(tracker, frames, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_lock(tracker, (smr_frame *)askew(frames), rects), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock(tracker, frames, rects), SMR_OK);
+    EXPECT(smr_lock(tracker, NULL, rects, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_lock(tracker, frames, NULL, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_lock(tracker, (smr_frame *)askew(frames), rects, NULL), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects), NULL), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock(tracker, frames, rects, NULL), SMR_OK);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, NULL, rects), SMR_ERROR_NULL);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, rects, NULL), SMR_ERROR_NULL);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, (smr_rect *)askew(rects), rects + 1), SMR_ERROR_MISALIGNED);
@@ -443,7 +443,7 @@ static void refused(smr_tracker *tracker, const smr_frame *frame, smr_status wan
     smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(tracker, frame, &box), wanted);
+    EXPECT(smr_lock(tracker, frame, &box, NULL), wanted);
     EXPECT(smr_update(tracker, frame, &answer), wanted);
     EXPECT(smr_begin(tracker, frame), wanted);
     EXPECT(smr_step(tracker, frame, 1, &done), wanted);
@@ -503,7 +503,7 @@ static void boxes(void)
     window = rect(-7, -7, 7, 7); \
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), wanted); \
     HOLD((window.x == -7) == ((wanted) != SMR_OK)); \
-    EXPECT(smr_lock(tracker, &frame, &box), wanted)
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), wanted)
     REFUSED_BOX(5, 5, 0, 6, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(5, 5, 6, 0, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(-1, 5, 6, 6, SMR_ERROR_BOX_OUTSIDE_FRAME);
@@ -524,14 +524,14 @@ static void capacities(void)
     frame.parts[0].size = frame.parts[0].stride = sizeof wide;
     frame.width = frame.parts[0].width = sizeof wide;
     frame.height = frame.parts[0].height = 1;
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_BOX_TOO_LARGE);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_ERROR_BOX_TOO_LARGE);
     box.width = SMR_PIXELS;
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
     box.width = 1;
     config.paper.window_limit.x = SMR_SPAN / 2 + 1;
-    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_ERROR_WINDOW_TOO_LARGE);
+    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box, NULL), SMR_ERROR_WINDOW_TOO_LARGE);
     config.paper.window_limit.x = (SMR_SPAN - 1) / 2;
-    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
+    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box, NULL), SMR_OK);
 }
 
 /* The windows are what is read: with them it goes, with a column or a row less it does not. */
@@ -546,14 +546,14 @@ static void windows(void)
     less = window;
     less.width--;
     frame = part_of_frame(&less);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
     less = window;
     less.y++;
     less.height--;
     frame = part_of_frame(&less);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
     frame = part_of_frame(&window);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
 
     EXPECT(smr_window(tracker, &window), SMR_OK);
     HOLD(robust || (window.x == 21 && window.y == 17 && window.width == 18 && window.height == 18));
@@ -599,7 +599,7 @@ static void order(void)
     EXPECT(smr_moved(tracker, 1, 1), SMR_OK);
     HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && fine.x == -7 && state == SMR_LOST && done == 7 && written == 777);
 
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
     EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
     HOLD(fine.x == 26 * 256 && fine.y == 22 * 256 && fine.width == 8 * 256 && state == SMR_TRACKING);
     other.height = other.parts[0].height = HEIGHT - 1;
@@ -613,7 +613,7 @@ static void order(void)
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
     EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
     EXPECT(smr_moved(tracker, 2 * 256, -3 * 256), SMR_OK);
@@ -622,6 +622,93 @@ static void order(void)
     HOLD(fine.x == 28 * 256 && fine.y == 19 * 256);
     EXPECT(smr_moved(tracker, INT32_MAX, INT32_MIN), SMR_OK);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+}
+
+/* A call that fails changes nothing: neither the caller's last copy nor the update that is under way. */
+static void failures(void)
+{
+    static target second;
+    smr_config config = good_config();
+    smr_tracker *tracker = good_tracker();
+    smr_frame frame = good_frame();
+    smr_rect none = rect(26, 22, 0, 8), outside = rect(-1, 22, 8, 8), box = rect(26, 22, 8, 8);
+    smr_answer answer;
+    uint16_t quality = 777;
+    uint8_t done;
+    size_t written = 777, at;
+    memset(bytes, 0xA5, sizeof bytes);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_save(tracker, bytes, 40, &written), SMR_ERROR_BUFFER_TOO_SMALL);
+    for (at = 0; at < sizeof bytes; at++) {
+        HOLD(bytes[at] == 0xA5);
+    }
+    HOLD(written == 777);
+
+    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &none, &quality), SMR_ERROR_BOX_EMPTY);
+    EXPECT(smr_lock(tracker, &frame, &outside, &quality), SMR_ERROR_BOX_OUTSIDE_FRAME);
+    EXPECT(smr_lock(tracker, &frame, &box, (uint16_t *)(void *)((char *)&quality + 1)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_begin_lock(tracker, &frame, &none), SMR_ERROR_BOX_EMPTY);
+    EXPECT(smr_finish_lock(tracker, &frame, &quality), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_restore(tracker, bytes, sizeof bytes), SMR_ERROR_NOT_SAVED);
+    HOLD(quality == 777);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
+    /* Another target, locked on the same box, is in the tracker now. */
+    EXPECT(smr_restore(tracker, bytes, written), SMR_OK);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+
+    /* In storage that is made anew there is nothing under way, whatever the workspace says. */
+    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_init(&second, sizeof second, &scratch, sizeof scratch, &config, &tracker), SMR_OK);
+    EXPECT(smr_restore(tracker, bytes, written), SMR_OK);
+    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
+}
+
+/* A lock in steps is the same as one at once. */
+static void locks_in_steps(void)
+{
+    static uint8_t at_once[sizeof bytes], flat[sizeof pixels];
+    smr_tracker *tracker = locked_tracker();
+    smr_frame frame = good_frame(), other = good_frame();
+    smr_rect box = rect(26, 22, 8, 8), window;
+    smr_fine_rect fine;
+    smr_state state;
+    smr_answer answer;
+    uint16_t first = 777, quality = 777;
+    uint8_t done = 0;
+    size_t size, written;
+    unsigned steps = 0;
+    EXPECT(smr_lock(tracker, &frame, &box, &first), SMR_OK);
+    HOLD(first >= SMR_POOR_QUALITY);
+    EXPECT(smr_save(tracker, at_once, sizeof at_once, &size), SMR_OK);
+
+    EXPECT(smr_begin_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    other.height = other.parts[0].height = HEIGHT - 1;
+    EXPECT(smr_step(tracker, &other, 1, &done), SMR_ERROR_FRAME_SIZE_CHANGED);
+    while (!done) {
+        EXPECT(smr_step(tracker, &frame, 100000, &done), SMR_OK);
+        steps++;
+    }
+    HOLD(robust ? steps > 20 : steps == 1);
+    EXPECT(smr_finish_lock(tracker, &frame, &quality), SMR_OK);
+    HOLD(quality == first);
+    EXPECT(smr_finish_lock(tracker, &frame, &quality), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
+    HOLD(written == size && memcmp(bytes, at_once, size) == 0);
+
+    /* A frame without texture: locked on, but poor. */
+    memset(flat, 90, sizeof flat);
+    frame.parts[0].pixels = flat;
+    EXPECT(smr_lock(tracker, &frame, &box, &quality), SMR_OK);
+    HOLD(quality == 0);
 }
 
 static void saved(void)
@@ -677,8 +764,8 @@ static void power(void)
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
     EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
     HOLD(second == size && memcmp(older, newer, size) == 0); /* an update under way has changed nothing */
-    EXPECT(smr_moved(tracker, 512, 256), SMR_OK);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+    EXPECT(smr_moved(tracker, 512, 256), SMR_OK);
     EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
     HOLD(second == size && memcmp(older, newer, size) != 0);
     for (cut = 0; cut <= size; cut += cut < 40 || cut + 40 > size ? 1 : 13) {
@@ -742,6 +829,8 @@ int main(void)
         boxes();
         windows();
         order();
+        failures();
+        locks_in_steps();
         saved();
         power();
         templates();

@@ -47,8 +47,9 @@
 //! tracker.lock(&frame, Rect::new(34, 16, 12, 12))?;
 //!
 //! // In each frame, 1/30 of a second after the last one:
-//! let (answer, command) = pursuit.follow(&mut tracker, &frame, 1.0 / 30.0)?;
-//! assert_eq!(answer.bbox.x, 34);
+//! let followed = pursuit.follow(&mut tracker, &frame, 1.0 / 30.0)?;
+//! assert_eq!(followed.answer.bbox.x, 34);
+//! let command = followed.commanded?; // or the error of a pin
 //! // The target stands 8 pixels to the right of the middle and 2 above it: a third of the way in this frame.
 //! assert!((command.pan_radians - 0.041).abs() < 0.002 && (command.tilt_radians - 0.010).abs() < 0.001);
 //! # pan_mock.done();
@@ -131,11 +132,14 @@ pub type Commanded<P, T, L> = Result<
     PursuitError<<P as pwm::ErrorType>::Error, <T as pwm::ErrorType>::Error, <L as digital::ErrorType>::Error>,
 >;
 
-/// The tracker's answer and the command that was given, or the first error.
-pub type Followed<P, T, L> = Result<
-    (Answer, Command),
-    PursuitError<<P as pwm::ErrorType>::Error, <T as pwm::ErrorType>::Error, <L as digital::ErrorType>::Error>,
->;
+/// What was found in a frame, and what was done about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Followed<C> {
+    /// The tracker's answer.
+    pub answer: Answer,
+    /// The command that was given, or the first error of a pin: see [`Pursuit::steer`].
+    pub commanded: C,
+}
 
 /// Keeps the target centred: owns the pins of the pan servo, of the tilt servo and of the lock indicator.
 ///
@@ -177,21 +181,24 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// What there is to do in a frame, `elapsed_seconds` after the last one: finds the target, steers by the answer, and tells
     /// the tracker how far the picture moves because the head turns.
     ///
+    /// If a pin fails, the answer is still there, beside the error, and the tracker is told of the turn that the others have made.
+    ///
     /// # Errors
-    /// [`PursuitError::Update`] if the frame could not be searched; no pin was touched then. The others as for
-    /// [`Pursuit::steer`].
+    /// [`FollowError`]; no pin was touched then, and the tracker is as it was before.
     pub fn follow<F: Target>(
         &mut self,
         tracker: &mut Tracker<F>,
         frame: &Frame<'_>,
         elapsed_seconds: f32,
-    ) -> Followed<P, T, L> {
-        check_elapsed(elapsed_seconds)?;
-        let answer = tracker.update(frame).map_err(PursuitError::Update)?;
-        let command = self.steer(&answer, elapsed_seconds)?;
+    ) -> Result<Followed<Commanded<P, T, L>>, FollowError> {
+        if !can_elapse(elapsed_seconds) {
+            return Err(FollowError::ElapsedTime);
+        }
+        let answer = tracker.update(frame).map_err(FollowError::Update)?;
+        let commanded = self.steer(&answer, elapsed_seconds);
         let (right, down) = self.picture_motion();
         tracker.moved(right, down);
-        Ok((answer, command))
+        Ok(Followed { answer, commanded })
     }
 
     /// Steers by the tracker's answer to a frame, `elapsed_seconds` after the last call. For those who update the tracker
@@ -284,8 +291,12 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
 }
 
 /// A time that is negative or not a number must not get into an angle.
+fn can_elapse(elapsed_seconds: f32) -> bool {
+    elapsed_seconds.is_finite() && elapsed_seconds >= 0.0
+}
+
 fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T, L>> {
-    if elapsed_seconds.is_finite() && elapsed_seconds >= 0.0 { Ok(()) } else { Err(PursuitError::ElapsedTime) }
+    if can_elapse(elapsed_seconds) { Ok(()) } else { Err(PursuitError::ElapsedTime) }
 }
 
 /// Why a [`PursuitConfig`] cannot be used.
@@ -333,7 +344,29 @@ impl fmt::Display for PursuitConfigError {
 
 impl core::error::Error for PursuitConfigError {}
 
-/// Why the target was not followed: the tracker's error, or those of the pan pin, the tilt pin and the indicator's pin, as they came.
+/// Why a frame was not looked at. No pin was touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum FollowError {
+    /// The elapsed time is negative, infinite or not a number.
+    ElapsedTime,
+    /// The frame could not be searched.
+    Update(UpdateError),
+}
+
+impl fmt::Display for FollowError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ElapsedTime => f.write_str("the elapsed time is negative, infinite or not a number"),
+            Self::Update(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for FollowError {}
+
+/// Why the head was not turned: the errors of the pan pin, the tilt pin and the indicator's pin, as they came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PursuitError<P, T, L> {
@@ -345,8 +378,6 @@ pub enum PursuitError<P, T, L> {
     Indicator(L),
     /// The elapsed time is negative, infinite or not a number. No pin was touched.
     ElapsedTime,
-    /// The frame could not be searched. No pin was touched.
-    Update(UpdateError),
 }
 
 impl<P: fmt::Debug, T: fmt::Debug, L: fmt::Debug> fmt::Display for PursuitError<P, T, L> {
@@ -356,7 +387,6 @@ impl<P: fmt::Debug, T: fmt::Debug, L: fmt::Debug> fmt::Display for PursuitError<
             Self::Tilt(error) => write!(f, "the tilt servo's pin failed: {error:?}"),
             Self::Indicator(error) => write!(f, "the lock indicator's pin failed: {error:?}"),
             Self::ElapsedTime => f.write_str("the elapsed time is negative, infinite or not a number"),
-            Self::Update(error) => error.fmt(f),
         }
     }
 }

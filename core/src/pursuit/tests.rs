@@ -257,13 +257,14 @@ fn follows<T: Target>(target: T::Config, delay_frames: u8) {
     let first = seen(100, 30);
     let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
     let error = pursuit.follow(&mut tracker, &frame, 0.03).unwrap_err();
-    assert_eq!(error, PursuitError::Update(UpdateError::NotLocked));
+    assert_eq!(error, FollowError::Update(UpdateError::NotLocked));
     assert_eq!(error.to_string(), "there is no target yet: lock first");
     tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
     let before = tracker.window().unwrap();
     let mut expected = (0, 0);
     for number in 0..=delay_frames {
-        let (answer, command) = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
+        let Followed { answer, commanded } = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
+        let command = commanded.unwrap();
         if number == 0 {
             assert_eq!((answer.bbox, answer.state), (Rect::new(100, 30, 24, 24), State::Tracking));
             assert!(command.pan_radians > 0.05 && command.tilt_radians > 0.02, "{command:?}");
@@ -283,6 +284,81 @@ fn the_tracker_is_told_how_far_the_picture_moves() {
     for delay_frames in [0, 1, 3] {
         follows::<Paper<1024, 161>>(small, delay_frames);
         follows::<Robust>(robust::Config::robust(), delay_frames);
+    }
+}
+
+/// If a pin fails, the others have turned the head: the tracker is told, and the answer is there.
+#[test]
+fn a_pin_that_fails_hides_neither_the_turn_nor_the_answer() {
+    let config = PursuitConfig { delay_frames: 0, ..config() };
+    let first = seen(100, 30);
+    let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
+    let follow = |pan: Option<Pin>, led: Option<Pin>| {
+        let pins = (Fallible(pan), Pin::default(), Fallible(led));
+        let mut pursuit = Pursuit::new(config, pins.0, pins.1, pins.2).unwrap();
+        let mut small = paper::Config::camera();
+        small.window = paper::Radius { x: 8, y: 8 };
+        let mut tracker = Tracker::<Paper<1024, 161>>::new(small).unwrap();
+        tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
+        let followed = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
+        assert_eq!(followed.answer.bbox, Rect::new(100, 30, 24, 24));
+        (followed.commanded.is_ok(), pursuit.command(), tracker.window().unwrap())
+    };
+    let (good, command, window) = follow(Some(Pin::default()), Some(Pin::default()));
+    assert!(good);
+    assert_eq!(follow(Some(Pin::default()), None), (false, command, window), "the LED");
+    // Without pan the picture moves down alone.
+    let (good, tilted, moved) = follow(None, Some(Pin::default()));
+    assert_eq!((good, tilted), (false, Command { pan_radians: 0.0, ..command }));
+    assert_eq!(moved, Rect { x: 92, ..window });
+    assert!(window.x < 92 && window.y > 22, "{window:?}");
+}
+
+/// A pin that may be missing.
+struct Fallible(Option<Pin>);
+
+#[derive(Debug)]
+struct Missing;
+
+impl pwm::Error for Missing {
+    fn kind(&self) -> pwm::ErrorKind {
+        pwm::ErrorKind::Other
+    }
+}
+
+impl digital::Error for Missing {
+    fn kind(&self) -> digital::ErrorKind {
+        digital::ErrorKind::Other
+    }
+}
+
+impl pwm::ErrorType for Fallible {
+    type Error = Missing;
+}
+
+impl digital::ErrorType for Fallible {
+    type Error = Missing;
+}
+
+impl SetDutyCycle for Fallible {
+    fn max_duty_cycle(&self) -> u16 {
+        20_000
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Missing> {
+        let pin = self.0.as_mut().ok_or(Missing)?;
+        let Ok(()) = pin.set_duty_cycle(duty);
+        Ok(())
+    }
+}
+
+impl OutputPin for Fallible {
+    fn set_low(&mut self) -> Result<(), Missing> {
+        self.0.as_ref().map(|_| ()).ok_or(Missing)
+    }
+
+    fn set_high(&mut self) -> Result<(), Missing> {
+        self.set_low()
     }
 }
 

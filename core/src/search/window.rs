@@ -89,18 +89,22 @@ impl Window {
         (most(radius.x, bounds.width, target.width), most(radius.y, bounds.height, target.height))
     }
 
-    /// Every pixel of the frame that a box of `width` x `height` covers at one position or another.
+    /// Every pixel of the frame that a box of `width` x `height` covers at one position or another. It is never empty, so that it can
+    /// always be read out: on an axis on which no box reaches the frame, it is the row or column at the frame's edge.
     pub(crate) fn pixels(&self, width: u16, height: u16, bounds: Rect) -> Rect {
-        // Corners first, sizes by difference: a window's extent need not fit the u16 of a Rect before it is cut.
-        let left = self.left.max(0);
-        let top = self.top.max(0);
-        let right = self.right.saturating_add(i32::from(width)).min(bounds.right());
-        let bottom = self.bottom.saturating_add(i32::from(height)).min(bounds.bottom());
-        match (u16::try_from(right.saturating_sub(left)), u16::try_from(bottom.saturating_sub(top))) {
-            (Ok(width), Ok(height)) if width > 0 && height > 0 => Rect::new(left, top, width, height),
-            _ => Rect::default(),
-        }
+        let (x, width) = pixels(self.left, self.right, width, bounds.width);
+        let (y, height) = pixels(self.top, self.bottom, height, bounds.height);
+        Rect::new(x, y, width, height)
     }
+}
+
+/// First pixel and number of pixels on one axis: at least one of a frame that has any.
+fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
+    let frame = i32::from(frame);
+    let from = first.min(frame - 1).max(0);
+    // The extent of a window need not fit a u16 before it is cut.
+    let end = last.saturating_add(size.into()).min(frame).max(from + 1);
+    (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
 /// First and last position on one axis. `at` may be anything; the result is never empty and never beyond the padding.
@@ -166,10 +170,16 @@ mod tests {
             let covered = |px: i32, py: i32| {
                 window.ys().any(|y| window.xs().any(|x| Rect { x, y, ..target }.contains(Rect::new(px, py, 1, 1))))
             };
-            for py in 0..i32::from(frame_height) {
-                for px in 0..i32::from(frame_width) {
-                    prop_assert_eq!(pixels.contains(Rect::new(px, py, 1, 1)), covered(px, py), "({}, {})", px, py);
-                }
+            prop_assert!(bounds.contains(pixels), "{:?}", pixels);
+            let mut any = false;
+            let places = || (0..i32::from(frame_height)).flat_map(|y| (0..i32::from(frame_width)).map(move |x| (x, y)));
+            for (px, py) in places() {
+                let is_covered = covered(px, py);
+                any |= is_covered;
+                prop_assert!(!is_covered || pixels.contains(Rect::new(px, py, 1, 1)), "({}, {})", px, py);
+            }
+            for (px, py) in places().filter(|_| any) {
+                prop_assert_eq!(pixels.contains(Rect::new(px, py, 1, 1)), covered(px, py), "({}, {})", px, py);
             }
         }
     }

@@ -46,6 +46,11 @@ pub enum LockError {
     WindowTooLarge,
     /// The frame in memory does not cover [`Target::lock_window`](crate::Target::lock_window).
     LockWindowNotInMemory,
+    /// The frame is not of the size of the one by which the lock was begun.
+    FrameSizeChanged,
+    /// No lock of this target is under way in this workspace: none was begun, it was finished, the target has changed since, the
+    /// workspace has served another one, or one of them has been moved in memory.
+    NotBegun,
 }
 
 impl fmt::Display for LockError {
@@ -56,6 +61,8 @@ impl fmt::Display for LockError {
             Self::BoxTooLarge => "the box has more pixels than this tracker's template has room for",
             Self::WindowTooLarge => "the window could grow to more offsets on an axis than this tracker has room for",
             Self::LockWindowNotInMemory => "the frame in memory does not cover what lock reads (the lock window)",
+            Self::FrameSizeChanged => "the frame is not of the size of the one by which the lock was begun",
+            Self::NotBegun => "no lock was begun",
         })
     }
 }
@@ -74,8 +81,8 @@ pub enum UpdateError {
     /// The frame in memory does not cover [`Target::window`](crate::Target::window), or
     /// [`Target::sweep_window`](crate::Target::sweep_window) where there is one.
     WindowNotInMemory,
-    /// No update of this target is under way in this workspace: none was begun, it was finished, the target has changed since, or
-    /// the workspace has served another one.
+    /// No update of this target is under way in this workspace: none was begun, it was finished, the target has changed since, the
+    /// workspace has served another one, or one of them has been moved in memory.
     NotBegun,
 }
 

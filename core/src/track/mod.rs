@@ -5,8 +5,8 @@
 //! |---|---|
 //! | `target.rs` | the trait that both trackers implement |
 //! | `tracker.rs` | a target with its workspace, in one |
-//! | `update.rs` | an update in steps |
-//! | `answer.rs`, `error.rs` | what comes back |
+//! | `update.rs` | updates and locks in steps |
+//! | `answer.rs`, `error.rs`, `quality.rs` | what comes back |
 //! | `saved.rs` | a target as bytes |
 //! | `record.rs` | a flight record: all that a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the checksum of both |
@@ -16,6 +16,7 @@ mod answer;
 mod checksum;
 mod error;
 pub mod paper;
+mod quality;
 pub mod record;
 pub mod robust;
 mod saved;
@@ -28,7 +29,8 @@ mod tests;
 
 pub use answer::{Answer, State};
 pub use error::{ConfigError, LockError, UpdateError};
+pub use quality::Quality;
 pub use saved::{RestoreError, SaveError};
 pub use target::Target;
 pub use tracker::Tracker;
-pub use update::Update;
+pub use update::{Lock, Update};

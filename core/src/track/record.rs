@@ -63,6 +63,7 @@
 
 use super::checksum::Crc;
 use super::saved::Kind;
+use super::update::SEAL;
 use super::{Answer, State, Target, paper, robust};
 use crate::image::{Frame, Image, Rect};
 use crate::{Paper, Robust};
@@ -212,12 +213,10 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn window<T: Recorded>(&mut self, target: &T, frame: &Frame<'_>) -> Result<(), E> {
-        if target.check(frame).is_err() {
+        if target.check(frame, SEAL).is_err() {
             return Ok(());
         }
         let window = target.window().unwrap_or_default();
-        // A window wholly on the padding has no pixels.
-        let window = if window.is_empty() { Rect::default() } else { window };
         let sweep = target.sweep_window().unwrap_or_default();
         let Rect { width, height, .. } = frame.bounds();
         self.entry(Tag::Window, 20 + window.area() + sweep.area(), |entry| {

@@ -17,7 +17,7 @@ use super::checksum::Crc;
 use core::fmt;
 
 const MAGIC: [u8; 3] = *b"SMR";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 const HEAD: usize = 14;
 /// Bytes beside what a tracker remembers.
 pub(super) const AROUND: usize = HEAD + 4;
@@ -47,21 +47,23 @@ impl ConfigSum {
     }
 }
 
-/// Writes numbers one after the other; what has no room is counted all the same.
+/// Writes numbers one after the other.
 pub(super) struct Writer<'a> {
     bytes: &'a mut [u8],
     at: usize,
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(bytes: &'a mut [u8], kind: Kind, config: u32) -> Self {
+    /// For a target of so many bytes in all. Nothing is written if there is no room for them.
+    pub(super) fn new(bytes: &'a mut [u8], size: usize, kind: Kind, config: u32) -> Result<Self, SaveError> {
+        let bytes = bytes.get_mut(..size).ok_or(SaveError::BufferTooSmall)?;
         let mut writer = Self { bytes, at: 0 };
         writer.put(&MAGIC);
         writer.put(&[kind as u8]);
         writer.u16(VERSION);
         writer.u32(config);
-        writer.u32(0); // the length, when it is known
-        writer
+        writer.u32(u32::try_from(size).unwrap_or(u32::MAX));
+        Ok(writer)
     }
 
     #[inline(never)] // one copy in flash
@@ -89,17 +91,11 @@ impl<'a> Writer<'a> {
         self.put(&number.to_le_bytes());
     }
 
-    /// Length and checksum; says how many bytes there are in all.
-    pub(super) fn finish(self) -> Result<usize, SaveError> {
-        let Self { bytes, at } = self;
-        let length = u32::try_from(at + 4).unwrap_or(u32::MAX);
-        if let Some(place) = bytes.get_mut(10..HEAD) {
-            place.iter_mut().zip(length.to_le_bytes()).for_each(|(place, byte)| *place = byte);
-        }
-        let sum = Crc::of(bytes.get(..at).unwrap_or_default());
-        let mut rest = Writer { bytes, at };
-        rest.u32(sum);
-        if rest.at <= rest.bytes.len() { Ok(rest.at) } else { Err(SaveError::BufferTooSmall) }
+    /// The checksum; says how many bytes there are in all.
+    pub(super) fn finish(mut self) -> usize {
+        let sum = Crc::of(self.bytes.get(..self.at).unwrap_or_default());
+        self.u32(sum);
+        self.at
     }
 }
 
@@ -187,7 +183,8 @@ impl<'a> Reader<'a> {
 pub enum SaveError {
     /// There is no target yet: lock first.
     NotLocked,
-    /// There is no room for the target; [`Target::SAVED_SIZE`](crate::Target::SAVED_SIZE) bytes are always enough.
+    /// There is no room for the target: [`Target::saved_size`](crate::Target::saved_size) bytes.
+    /// [`Target::SAVED_SIZE`](crate::Target::SAVED_SIZE) are always enough.
     BufferTooSmall,
 }
 

@@ -1,7 +1,7 @@
 //! What both trackers can do: the trait that generic code takes.
 
 use super::update::Steps;
-use super::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Update, UpdateError};
+use super::{Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Update, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
 
 /// A target, as a tracker remembers it: its configuration, its templates and its track. Plain data, and no more than that.
@@ -64,17 +64,50 @@ pub trait Target: Steps {
     /// that cannot be locked on it is empty.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
 
-    /// Starts on the target in `target`, at any time; whatever was followed before is forgotten.
+    /// Starts on the target in `target`, at any time; whatever was followed before is forgotten. Says how well the target can be told from
+    /// what lies beside it.
     ///
-    /// Of the frame only the pixels in [`Target::lock_window`] are read. Cost of [`Paper`](crate::Paper): a copy of the box. Of
-    /// [`Robust`](crate::Robust): 75 products for each of at most 2000 weights and 289 offsets, as much as 25 updates.
+    /// Of the frame only the pixels in [`Target::lock_window`] are read. Cost of [`Paper`](crate::Paper): a copy of the box, and two
+    /// comparisons for each of its pixels. Of [`Robust`](crate::Robust): as much as 25 updates.
     ///
     /// # Errors
-    /// [`LockError`]; the target is then as it was before.
-    fn lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, target: Rect) -> Result<(), LockError>;
+    /// [`LockError`]; the target is then as it was before, and so is an update that is under way.
+    fn lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
+        Ok(self.begin_lock(workspace, frame, target)?.finish())
+    }
+
+    /// The same lock in steps of a bounded amount of work. See [`Lock`].
+    ///
+    /// From now on there is no target, until the lock is finished.
+    ///
+    /// # Errors
+    /// As [`Target::lock`].
+    fn begin_lock<'a>(
+        &'a mut self,
+        workspace: &'a mut Self::Workspace,
+        frame: &Frame<'a>,
+        target: Rect,
+    ) -> Result<Lock<'a, Self>, LockError> {
+        Lock::begin(self, workspace, frame, target)
+    }
+
+    /// Takes up a lock that was begun and dropped before it was finished.
+    ///
+    /// # Errors
+    /// [`LockError::NotBegun`] if there is none, [`LockError::FrameSizeChanged`], [`LockError::LockWindowNotInMemory`]. That `frame` holds the
+    /// same pixels as before is up to the caller.
+    fn resume_lock<'a>(
+        &'a mut self,
+        workspace: &'a mut Self::Workspace,
+        frame: &Frame<'a>,
+    ) -> Result<Lock<'a, Self>, LockError> {
+        Lock::resume(self, workspace, frame)
+    }
 
     /// The pixels of the frame that the next update may read; `None` before the first lock. Firmware may deliver just these, as a
     /// [`Frame::part`], and those of [`Target::sweep_window`] beside them.
+    ///
+    /// It is never empty: where the box of [`Paper`](crate::Paper) lies beyond the edge of the frame, it is the pixels at that edge.
     fn window(&self) -> Option<Rect>;
 
     /// The pixels of a second place that the next update may read, where it looks for a lost target; `None` in most frames, and
@@ -94,13 +127,19 @@ pub trait Target: Steps {
     /// frame. [`Paper`](crate::Paper) rounds to whole pixels.
     fn moved(&mut self, right: i32, down: i32);
 
-    /// Writes the target into `bytes`, and says how many were written: at most [`Target::SAVED_SIZE`].
+    /// How many bytes [`Target::save`] writes: at most [`Target::SAVED_SIZE`].
+    ///
+    /// # Errors
+    /// [`SaveError::NotLocked`].
+    fn saved_size(&self) -> Result<usize, SaveError>;
+
+    /// Writes the target into `bytes`, and says how many were written: [`Target::saved_size`].
     ///
     /// The bytes are the same on every platform. They hold template and track; of the configuration only a checksum, for
     /// [`Target::restore`] to compare.
     ///
     /// # Errors
-    /// [`SaveError`].
+    /// [`SaveError`]; `bytes` are then as they were before.
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError>;
 
     /// Goes on with a target that [`Target::save`] wrote: with identical answers, or not at all.
@@ -134,9 +173,7 @@ pub trait Target: Steps {
         workspace: &'a mut Self::Workspace,
         frame: &Frame<'a>,
     ) -> Result<Update<'a, Self>, UpdateError> {
-        self.check(frame)?;
-        self.start(workspace);
-        Ok(Update { target: self, workspace, frame: *frame })
+        Update::begin(self, workspace, frame)
     }
 
     /// Takes up an update that was begun and dropped before it was finished: for code that cannot keep it, such as C.
@@ -149,12 +186,7 @@ pub trait Target: Steps {
         workspace: &'a mut Self::Workspace,
         frame: &Frame<'a>,
     ) -> Result<Update<'a, Self>, UpdateError> {
-        self.check(frame)?;
-        if self.is_under_way(workspace) {
-            Ok(Update { target: self, workspace, frame: *frame })
-        } else {
-            Err(UpdateError::NotBegun)
-        }
+        Update::resume(self, workspace, frame)
     }
 }
 
@@ -164,4 +196,12 @@ pub(super) fn lockable(bounds: Rect, target: Rect) -> Result<(), LockError> {
         return Err(LockError::BoxEmpty);
     }
     if bounds.contains(target) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
+}
+
+/// Refuses a frame by which a lock that was begun on another one cannot go on; `window` is what it reads.
+pub(super) fn lock_goes_on(frame: &Frame<'_>, bounds: Rect, window: Rect) -> Result<(), LockError> {
+    if frame.bounds() != bounds {
+        return Err(LockError::FrameSizeChanged);
+    }
+    if frame.covers(window) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
 }

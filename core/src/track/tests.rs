@@ -1,7 +1,6 @@
 //! What both trackers promise, tested by the same code: parts of frames, steps, shared workspaces, motion of the camera, saved
 //! targets, misuse.
 
-use super::update::Steps;
 use super::{Answer, LockError, RestoreError, SaveError, State, Target, Tracker, UpdateError, paper, robust};
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use std::{boxed::Box, vec, vec::Vec};
@@ -103,6 +102,12 @@ for_both! {
     an_update_that_was_given_up_leaves_nothing_behind,
     one_workspace_serves_many_targets,
     a_step_in_a_workspace_that_served_another_is_refused,
+    an_update_goes_on_in_its_own_workspace_alone,
+    an_update_does_not_outlive_the_target_that_began_it,
+    a_lock_that_is_refused_leaves_the_update_under_way,
+    a_lock_in_steps_is_that_at_once,
+    what_is_under_way_is_either_a_lock_or_an_update,
+    a_flat_target_is_said_to_be_poor,
     a_turn_of_the_camera_is_followed,
     however_far_the_camera_turns_nothing_overflows,
     a_saved_target_goes_on_with_identical_answers,
@@ -234,13 +239,140 @@ fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Co
     // Two that know the same of their tracks, in one workspace and in two.
     let first = picture(TARGET.x, TARGET.y);
     let mut twin = T::new(config).unwrap();
-    let mut own = T::workspace();
+    let mut own = T::Workspace::default();
     let mut fresh = locked::<T>(config);
     twin.lock(&mut own, &whole(&first), TARGET).unwrap();
     fresh.begin(&frame).unwrap().step(100);
     assert_eq!(twin.resume(fresh.parts().1, &frame).err(), Some(UpdateError::NotBegun));
     twin.begin(fresh.parts().1, &frame).unwrap().step(100);
     assert_eq!(fresh.resume(&frame).err(), Some(UpdateError::NotBegun));
+}
+
+/// Two cameras that see the same, so that the two targets are equal to the last bit.
+fn an_update_goes_on_in_its_own_workspace_alone<T: Target>(config: T::Config) {
+    let (mut left, mut right) = (locked::<T>(config), locked::<T>(config));
+    let (a, b) = (picture(62, 42), picture(58, 47));
+    let (a, b) = (whole(&a), whole(&b));
+    left.begin(&a).unwrap().step(3000);
+    right.begin(&b).unwrap().step(3000);
+    assert_eq!(left.parts().0.resume(right.parts().1, &a).err(), Some(UpdateError::NotBegun));
+    assert_eq!(right.parts().0.resume(left.parts().1, &b).err(), Some(UpdateError::NotBegun));
+    let own = [left.resume(&a).unwrap().finish(), right.resume(&b).unwrap().finish()];
+    let expected = [&a, &b].map(|frame| locked::<T>(config).update(frame).unwrap());
+    assert_eq!(own, expected);
+    // Each begun in the other's workspace, and then in its own again.
+    left.parts().0.begin(right.parts().1, &a).unwrap().step(3000);
+    left.begin(&a).unwrap().step(3000);
+    assert_eq!(left.parts().0.resume(right.parts().1, &a).err(), Some(UpdateError::NotBegun));
+    assert!(left.resume(&a).is_ok());
+}
+
+/// Whatever takes its place, and if it has as many changes behind it.
+fn an_update_does_not_outlive_the_target_that_began_it<T: Target>(config: T::Config) {
+    let pixels = picture(62, 42);
+    let frame = whole(&pixels);
+    let other = saved(locked::<T>(config).target());
+    let changes: [fn(&mut Tracker<T>, &[u8], T::Config); 5] = [
+        |tracker, other, _| tracker.restore(other).unwrap(),
+        |tracker, _, _| tracker.moved(0, 0),
+        |tracker, other, config| {
+            *tracker.parts().0 = T::new(config).unwrap();
+            tracker.restore(other).unwrap();
+        },
+        |tracker, _, _| assert!(tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).is_ok()),
+        |tracker, _, _| *tracker.parts().1 = T::Workspace::default(),
+    ];
+    for (number, change) in changes.into_iter().enumerate() {
+        let mut tracker = locked::<T>(config);
+        tracker.begin(&frame).unwrap().step(u32::MAX);
+        change(&mut tracker, &other, config);
+        assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun), "{number}");
+        assert!(tracker.update(&frame).is_ok());
+    }
+    // Moved in memory, both are taken for others; an update can be begun again.
+    let mut tracker = locked::<T>(config);
+    tracker.begin(&frame).unwrap().step(100);
+    let mut elsewhere = Box::new(*tracker);
+    assert_eq!(elsewhere.resume(&frame).err(), Some(UpdateError::NotBegun));
+    assert_eq!(elsewhere.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
+}
+
+fn a_lock_that_is_refused_leaves_the_update_under_way<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    let pixels = picture(62, 42);
+    let frame = whole(&pixels);
+    let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
+    tracker.begin(&frame).unwrap().step(3000);
+    for (frame, rect) in [(&frame, Rect::new(5, 5, 0, 7)), (&frame, Rect::new(-1, 5, 7, 7)), (&part, TARGET)] {
+        assert!(tracker.lock(frame, rect).is_err());
+        assert!(tracker.begin_lock(frame, rect).is_err());
+    }
+    assert!(tracker.restore(b"SMR").is_err());
+    assert!(tracker.begin(&part).is_err());
+    let answer = tracker.resume(&frame).unwrap().finish();
+    assert_eq!(answer, locked::<T>(config).update(&frame).unwrap());
+}
+
+fn a_lock_in_steps_is_that_at_once<T: Target>(config: T::Config) {
+    let pixels = picture(TARGET.x, TARGET.y);
+    let frame = whole(&pixels);
+    let at_once = locked::<T>(config);
+    let quality = Tracker::<T>::new(config).unwrap().lock(&frame, TARGET).unwrap();
+    for work in [0, 3000, 400_000] {
+        let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+        tracker.lock(&frame, Rect::new(20, 20, 10, 10)).unwrap();
+        let mut lock = tracker.begin_lock(&frame, TARGET).unwrap();
+        let mut before = 0;
+        while !lock.step(work) {
+            assert!(lock.work() > before, "every step does something");
+            before = lock.work();
+        }
+        assert_eq!(lock.finish(), quality);
+        assert_eq!(saved(tracker.target()), saved(at_once.target()));
+
+        let mut done = tracker.begin_lock(&frame, TARGET).unwrap().step(work);
+        while !done {
+            done = tracker.resume_lock(&frame).unwrap().step(work);
+        }
+        assert_eq!(tracker.resume_lock(&frame).unwrap().finish(), quality);
+        assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+        assert_eq!(saved(tracker.target()), saved(at_once.target()));
+    }
+}
+
+fn what_is_under_way_is_either_a_lock_or_an_update<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    let pixels = picture(62, 42);
+    let frame = whole(&pixels);
+    tracker.begin(&frame).unwrap().step(100);
+    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+    tracker.begin_lock(&frame, TARGET).unwrap().step(100);
+    assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun));
+    // Until the lock is finished there is no target.
+    assert_eq!((tracker.bbox(), tracker.state(), tracker.window()), (None, None, None));
+    assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
+    assert_eq!(tracker.save(&mut []).err(), Some(SaveError::NotLocked));
+    let turned = Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap());
+    assert_eq!(tracker.resume_lock(&turned).err(), Some(LockError::FrameSizeChanged));
+    let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
+    assert_eq!(tracker.resume_lock(&part).err(), Some(LockError::LockWindowNotInMemory));
+    tracker.resume_lock(&frame).unwrap().finish();
+    assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
+    // Other targets take the workspace away, and a change the target.
+    let mut other = T::new(config).unwrap();
+    tracker.begin_lock(&frame, TARGET).unwrap().step(100);
+    other.lock(tracker.parts().1, &frame, TARGET).unwrap();
+    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+    tracker.begin_lock(&frame, TARGET).unwrap().step(100);
+    tracker.moved(0, 0);
+    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+}
+
+fn a_flat_target_is_said_to_be_poor<T: Target>(config: T::Config) {
+    let (flat, textured) = (vec![90; 160 * 120], picture(TARGET.x, TARGET.y));
+    let lock = |pixels, target| Tracker::<T>::new(config).unwrap().lock(&whole(pixels), target).unwrap();
+    assert!(!lock(&textured, TARGET).is_poor(), "{:?}", lock(&textured, TARGET));
+    assert_eq!([lock(&flat, TARGET), lock(&flat, Rect::new(7, 7, 1, 1))].map(|quality| quality.value()), [0, 0]);
 }
 
 fn a_turn_of_the_camera_is_followed<T: Target>(config: T::Config) {
@@ -264,7 +396,7 @@ fn however_far_the_camera_turns_nothing_overflows<T: Target>(config: T::Config) 
         tracker.moved(right, down);
         tracker.moved(right, down);
         let window = tracker.window().unwrap();
-        assert!(window.is_empty() || whole(&pixels).bounds().contains(window), "{window:?}");
+        assert!(whole(&pixels).bounds().contains(window), "{window:?}");
         tracker.update(&whole(&pixels)).unwrap();
     }
     let mut empty = T::new(config).unwrap();
@@ -312,7 +444,8 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
     let pixels = picture(TARGET.x, TARGET.y);
     let frame = whole(&pixels);
     assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
-    assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotLocked));
+    assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun));
+    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
     assert_eq!(tracker.save(&mut [0; 64]), Err(SaveError::NotLocked));
     assert_eq!((tracker.window(), tracker.sweep_window(), tracker.bbox(), tracker.state()), (None, None, None, None));
 
@@ -331,7 +464,10 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
     assert_eq!(tracker.lock(&turned, Rect::new(100, 1, 30, 30)), Err(LockError::BoxOutsideFrame));
     let inside = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
     assert_eq!(tracker.lock(&inside, TARGET), Err(LockError::LockWindowNotInMemory));
-    assert_eq!(tracker.save(&mut [0; 40]), Err(SaveError::BufferTooSmall));
+    let (size, mut bytes) = (tracker.saved_size().unwrap(), vec![0xA5; T::SAVED_SIZE]);
+    assert_eq!(tracker.save(&mut bytes[..size - 1]), Err(SaveError::BufferTooSmall));
+    assert!(bytes.iter().all(|&byte| byte == 0xA5), "a save that is refused writes nothing");
+    assert_eq!(tracker.save(&mut bytes), Ok(size));
     assert_eq!(tracker.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap(), "nothing has changed");
     tracker.lock(&turned, Rect::new(10, 10, 20, 20)).unwrap();
     assert!(tracker.update(&turned).is_ok(), "locking again may change the frame's size");
@@ -359,7 +495,7 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
 #[test]
 fn a_second_target_takes_no_scratch() {
     let (paper, robust) = (size_of::<SmallPaper>(), size_of::<Robust>());
-    std::println!("Paper<1024, 161> {paper}, workspace {}", size_of::<<SmallPaper as Steps>::Workspace>());
+    std::println!("Paper<1024, 161> {paper}, workspace {}", size_of::<paper::Workspace<1024, 161>>());
     std::println!("Robust {robust}, workspace {}", size_of::<robust::Workspace>());
     assert!(paper <= 1024 + 200 && robust <= 12 * 1024, "{paper} {robust}");
 }

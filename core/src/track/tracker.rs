@@ -1,6 +1,9 @@
 //! A target with a workspace of its own: the usual way to follow one target.
 
-use super::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, Update, UpdateError};
+use super::update::SEAL;
+use super::{
+    Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Target, Update, UpdateError,
+};
 use crate::image::{FineRect, Frame, Rect};
 
 /// Follows one target: a [`Target`] and its workspace in one. All memory is in here; there is no heap.
@@ -48,7 +51,7 @@ impl<T: Target> Tracker<T> {
     /// [`ConfigError`], if a number of the configuration cannot be used.
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub fn new(config: T::Config) -> Result<Self, ConfigError> {
-        Ok(Self { target: T::new(config)?, workspace: T::workspace() })
+        Ok(Self { target: T::new(config)?, workspace: T::Workspace::default() })
     }
 
     /// What is remembered.
@@ -82,8 +85,24 @@ impl<T: Target> Tracker<T> {
     ///
     /// # Errors
     /// [`LockError`]; the tracker then goes on with what it had.
-    pub fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), LockError> {
+    pub fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
         self.target.lock(&mut self.workspace, frame, target)
+    }
+
+    /// As [`Target::begin_lock`].
+    ///
+    /// # Errors
+    /// [`LockError`]; the tracker then goes on with what it had.
+    pub fn begin_lock<'a>(&'a mut self, frame: &Frame<'a>, target: Rect) -> Result<Lock<'a, T>, LockError> {
+        self.target.begin_lock(&mut self.workspace, frame, target)
+    }
+
+    /// As [`Target::resume_lock`].
+    ///
+    /// # Errors
+    /// As [`Target::resume_lock`].
+    pub fn resume_lock<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Lock<'a, T>, LockError> {
+        self.target.resume_lock(&mut self.workspace, frame)
     }
 
     /// As [`Target::window`].
@@ -119,9 +138,9 @@ impl<T: Target> Tracker<T> {
         self.target.update(&mut self.workspace, frame)
     }
 
-    /// The work of the last update, in the units of [`Update::step`]; how it was cut may change it by a little.
-    pub fn work(&self) -> u32 {
-        T::work(&self.workspace)
+    /// The work of the last update or lock, in the units of [`Update::step`]; how it was cut may change it by a little.
+    pub fn work(&self) -> u64 {
+        T::work(&self.workspace, SEAL)
     }
 
     /// As [`Target::begin`].
@@ -138,6 +157,14 @@ impl<T: Target> Tracker<T> {
     /// As [`Target::resume`].
     pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
         self.target.resume(&mut self.workspace, frame)
+    }
+
+    /// As [`Target::saved_size`].
+    ///
+    /// # Errors
+    /// [`SaveError::NotLocked`].
+    pub fn saved_size(&self) -> Result<usize, SaveError> {
+        self.target.saved_size()
     }
 
     /// As [`Target::save`].

@@ -182,7 +182,8 @@ trait Follows {
 
 impl<T: Target> Follows for Tracker<T> {
     fn lock(&mut self, frame: &GrayFrame, target: Rect) -> Result<()> {
-        Ok(Self::lock(self, &frame.frame(), target)?)
+        Self::lock(self, &frame.frame(), target)?;
+        Ok(())
     }
 
     fn update(&mut self, frame: &GrayFrame) -> Result<Remembered> {

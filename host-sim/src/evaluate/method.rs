@@ -35,7 +35,7 @@ pub struct Report {
     /// What smr-core decided on; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
     /// The work that the answer took, at most, in units of [`Update::step`](smr_core::Update::step); `None` from the baselines.
-    pub work: Option<u32>,
+    pub work: Option<u64>,
 }
 
 /// The figures behind an answer of smr-core, with 1.0 as 1.0: see [`Answer`].
@@ -176,14 +176,15 @@ impl<T: Target> Stepped<T> {
 
 impl<T: Target> Method for Stepped<T> {
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        self.tracker.lock(frame, target).map_err(|error| match error {
+        let locked = self.tracker.lock(frame, target).map_err(|error| match error {
             LockError::BoxTooLarge => anyhow!(
                 "{error}: expected at most {}, as a score has 32 bits; --method robust has no such bound",
                 crate::MOST_PIXELS
             ),
             LockError::WindowTooLarge => anyhow!("{error}: expected at most {} on an axis", crate::MOST_OFFSETS),
             error => error.into(),
-        })
+        });
+        locked.map(|_| ())
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {

@@ -93,7 +93,7 @@ fn follow<T: Fuzzed>(tracker: &mut Tracker<T>, scene: &mut Scene, u: &mut Unstru
         let first: Option<Part> = part(tracker.window()).or_else(|| scene.part(Rect::new(0, 0, 1, 1), 0));
         let Some(first) = first else { return Ok(()) };
         let second = part(tracker.sweep_window());
-        let enough = tracker.window().is_none_or(|window| window.is_empty() || first.rect == window)
+        let enough = tracker.window().is_none_or(|window| first.rect == window)
             && tracker.sweep_window().is_some() == second.is_some();
         let answer = tracker.update(&frame(scene, &first, second.as_ref()));
         assert!(!enough || answer.is_ok(), "what it asked for is in memory: {answer:?}");

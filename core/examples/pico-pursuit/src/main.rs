@@ -120,7 +120,7 @@ fn run() -> Option<Infallible> {
         before = now;
         let frame = pixels.and_then(|pixels| frame_to_search(&mut tracker, pixels, pressed));
         match frame {
-            Some(frame) => pursuit.follow(&mut tracker, &frame, elapsed_seconds).ok()?.1,
+            Some(frame) => pursuit.follow(&mut tracker, &frame, elapsed_seconds).ok()?.commanded.ok()?,
             None => pursuit.wait(elapsed_seconds).ok()?,
         };
     }

@@ -17,13 +17,11 @@ pub(super) struct Track {
     pub(super) edge: bool,
     /// Frames since the target was last believed.
     pub(super) lost_for: u16,
-    /// Changes since the first lock: tells one update from another.
-    pub(super) age: u32,
 }
 
 impl Track {
-    pub(super) const fn new(bounds: Rect, target: Rect, age: u32) -> Self {
-        Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, age }
+    pub(super) const fn new(bounds: Rect, target: Rect) -> Self {
+        Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0 }
     }
 
     /// Where it is looked for in the next frame: the window grows with every frame that the target stays lost.
@@ -41,7 +39,6 @@ impl Track {
         let (x, y) = (self.target.x.saturating_add(by(right)), self.target.y.saturating_add(by(down)));
         self.target = Rect { x, y, ..self.target };
         self.target = self.nearest_on(padding);
-        self.age = self.age.wrapping_add(1);
     }
 
     /// The box, moved into the padded frame.
@@ -58,13 +55,12 @@ impl Track {
     /// What is known after a frame in which `found` was found.
     pub(super) fn after(self, found: &Found, config: &Config) -> Self {
         let (target, state) = self.at(&found.peak);
-        let age = self.age.wrapping_add(1);
         let was_lost = self.state == State::Lost;
         let edge = self.edge || (!was_lost && state == State::Leaving);
         if self.believes(found, state, config) {
-            Self { target, state, edge: edge && !was_lost, lost_for: 0, age, ..self }
+            Self { target, state, edge: edge && !was_lost, lost_for: 0, ..self }
         } else {
-            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), age, ..self }
+            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..self }
         }
     }
 

@@ -8,11 +8,19 @@ use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
 use crate::track::{LockError, RestoreError, SaveError, State};
 
 /// Bytes of the track, and of the template's threshold.
-const TRACK: usize = 26;
+const TRACK: usize = 22;
 
 /// The most bytes that there can be.
 pub(super) const fn size(pixels: usize) -> usize {
     AROUND + TRACK + pixels
+}
+
+/// The bytes of this target.
+pub(super) fn saved_size<const PIXELS: usize, const SPAN: usize>(
+    paper: &Paper<PIXELS, SPAN>,
+) -> Result<usize, SaveError> {
+    let track = paper.track.ok_or(SaveError::NotLocked)?;
+    Ok(size(usize::from(track.target.width) * usize::from(track.target.height)))
 }
 
 pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
@@ -22,7 +30,7 @@ pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
     let (Some(track), Some(template)) = (paper.track, paper.template.image()) else {
         return Err(SaveError::NotLocked);
     };
-    let mut to = Writer::new(bytes, Kind::Paper, sum(&paper.config));
+    let mut to = Writer::new(bytes, saved_size(paper)?, Kind::Paper, sum(&paper.config))?;
     to.i32(track.target.x);
     to.i32(track.target.y);
     for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
@@ -30,11 +38,10 @@ pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
     }
     to.u16(track.lost_for);
     to.put(&[number_of(track.state), track.edge.into()]);
-    to.u32(track.age);
     to.u16(paper.template.threshold());
     // Not by `rows`, where the compiler keeps a division by the stride, and its panic.
     (0..template.height()).for_each(|y| to.put(template.row(y)));
-    to.finish()
+    Ok(to.finish())
 }
 
 pub(super) fn restore<const PIXELS: usize, const SPAN: usize>(
@@ -52,6 +59,7 @@ pub(super) fn restore<const PIXELS: usize, const SPAN: usize>(
     let pixels = from.slice(area).filter(|_| from.is_empty()).ok_or(RestoreError::Damaged)?;
     paper.template.restore(pixels, (track.target.width, track.target.height), threshold);
     paper.track = Some(track);
+    paper.ticket.change();
     Ok(())
 }
 
@@ -67,8 +75,8 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
         1 => true,
         _ => return None,
     };
-    let (age, threshold) = (from.u32()?, from.u16()?);
-    let track = Track { target, bounds, state, edge, lost_for, age };
+    let threshold = from.u16()?;
+    let track = Track { target, bounds, state, edge, lost_for };
     let fits = !target.is_empty() && target.width <= bounds.width && target.height <= bounds.height;
     let reachable = track.nearest_on(padding) == target;
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))

@@ -8,8 +8,9 @@ use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Found, Peak, Scene, Window};
 use crate::similarity::{self, Backend, CutTable, Scorer};
-use crate::track::update::Steps;
-use crate::track::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, UpdateError};
+use crate::track::target::{lock_goes_on, lockable};
+use crate::track::update::{Seal, Steps, Ticket, UnderWay};
+use crate::track::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
 
 /// A target of the paper's tracker. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an axis; the
 /// target takes `PIXELS` bytes, its [`Workspace`] as many again and `20 * SPAN` bytes.
@@ -39,8 +40,7 @@ pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Config,
     pub(super) template: Template<PIXELS>,
     pub(super) track: Option<Track>,
-    /// The number of the update that was begun last, in its workspace.
-    pub(super) update: u32,
+    pub(super) ticket: Ticket,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
@@ -119,7 +119,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Self { config, template: Template::new(), track: None, update: 0 })
+        Ok(Self { config, template: Template::new(), track: None, ticket: Ticket::NEW })
     }
 
     fn config(&self) -> &Config {
@@ -129,17 +129,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     /// The box itself.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) { target } else { Rect::default() }
-    }
-
-    fn lock(&mut self, _: &mut Workspace<PIXELS, SPAN>, frame: &Frame<'_>, target: Rect) -> Result<(), LockError> {
-        let bounds = frame.bounds();
-        crate::track::target::lockable(bounds, target)?;
-        Self::holds(target, bounds, &self.config)?;
-        let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
-        self.template.start(patch, &self.config);
-        let age = self.track.map_or(0, |track| track.age.wrapping_add(1));
-        self.track = Some(Track::new(bounds, target, age));
-        Ok(())
     }
 
     fn window(&self) -> Option<Rect> {
@@ -161,9 +150,14 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
+        self.ticket.change();
         if let Some(track) = &mut self.track {
             track.moved(right, down, self.config.padding);
         }
+    }
+
+    fn saved_size(&self) -> Result<usize, SaveError> {
+        saved::saved_size(self)
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
@@ -178,46 +172,62 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
 
-    #[inline(always)] // made where it stays
-    fn workspace() -> Self::Workspace {
-        Workspace::new()
+    fn ticket(&mut self, _: &Seal) -> &mut Ticket {
+        &mut self.ticket
+    }
+
+    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
+        &mut workspace.under_way
+    }
+
+    fn work(workspace: &Self::Workspace, _: &Seal) -> u64 {
+        workspace.under_way.done()
     }
 
     #[inline(never)] // one copy in flash
-    fn check(&self, frame: &Frame<'_>) -> Result<(), UpdateError> {
+    fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
         let track = self.track.ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
         let window = track.search_window(&self.config);
         let pixels = window.pixels(track.target.width, track.target.height, track.bounds);
-        // A window wholly on the padding reads nothing.
-        if pixels.is_empty() || frame.covers(pixels) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
+        if frame.covers(pixels) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
-    fn start(&mut self, workspace: &mut Self::Workspace) {
+    fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError> {
+        let bounds = frame.bounds();
+        lockable(bounds, target)?;
+        Self::holds(target, bounds, &self.config)?;
+        if frame.covers(target) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
+    }
+
+    fn check_lock_under_way(&self, workspace: &Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
+        lock_goes_on(frame, workspace.locking.bounds, workspace.locking.target)
+    }
+
+    fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
         let Some(track) = self.track else { return };
         let wanted = track.wanted(State::Tracking, &self.config);
         workspace.search.begin(&track.search_window(&self.config), self.config.pruning, wanted);
         workspace.table.set(self.config.table, self.template.threshold());
-        workspace.updates = workspace.updates.wrapping_add(1);
-        self.update = workspace.updates;
-        (workspace.begun, workspace.work) = (Some((track, self.update)), 0);
     }
 
-    fn is_under_way(&self, workspace: &Self::Workspace) -> bool {
-        workspace.begun.is_some() && workspace.begun == self.track.map(|track| (track, self.update))
+    fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal) {
+        self.track = None;
+        workspace.locking = Track::new(bounds, target);
     }
 
     #[inline(never)] // one copy in flash
-    fn advance(&self, workspace: &mut Self::Workspace, frame: &Frame<'_>, work: u32) -> bool {
+    fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Self { template, config, .. } = self;
+        // A lock is made at its end.
         let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
-        let Workspace { search, table, work: done, .. } = workspace;
+        let Workspace { search, table, under_way, .. } = workspace;
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
         let window = track.search_window(config);
         let scene = Scene { frame: *frame, template: image, window, scorer: &scorer };
-        *done = done.saturating_add(search.step(&scene, work).into());
+        under_way.spend(search.step(&scene, under_way.granted()));
         if !search.is_done() {
             return false;
         }
@@ -230,16 +240,22 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         }
     }
 
-    fn work(workspace: &Self::Workspace) -> u32 {
-        u32::try_from(workspace.work).unwrap_or(u32::MAX)
-    }
-
-    fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Answer {
-        while !self.advance(workspace, frame, u32::MAX) {}
-        workspace.begun = None;
-        let track = self.track.unwrap_or(Track::new(frame.bounds(), Rect::default(), 0));
+    fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
+        let track = self.track.unwrap_or(Track::new(frame.bounds(), Rect::default()));
         workspace.found = workspace.search.found(&track.search_window(&self.config));
         self.decide(frame, track, workspace.found.unwrap_or(NOTHING))
+    }
+
+    fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
+        let Workspace { locking, table, under_way, .. } = workspace;
+        if let Some(patch) = frame.patch(locking.target) {
+            self.template.start(patch, &self.config);
+        }
+        self.track = Some(*locking);
+        under_way.spend(3 * locking.target.area());
+        table.set(self.config.table, self.template.threshold());
+        let scorer = Scorer::new(self.config.backend.unwrap_or_else(Backend::best), table);
+        self.template.image().map_or(Quality::NONE, |image| Quality::of(image, &scorer))
     }
 }
 

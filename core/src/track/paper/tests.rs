@@ -156,7 +156,7 @@ fn a_step_does_no_more_than_it_promises() {
             let row = u32::from(tracker.window().unwrap().width);
             let template = u32::from(width) * u32::from(height);
             for asked in [0, 1, 5000] {
-                let most = asked.max(1) + template.max(2 * row) + 7 * SPAN as u32;
+                let most = u64::from(asked.max(1) + template.max(2 * row) + 7 * SPAN as u32);
                 let frame = second.frame();
                 let mut update = tracker.begin(&frame).unwrap();
                 let mut before = 0;
@@ -282,13 +282,13 @@ fn misuse_is_an_error_and_changes_nothing() {
     assert_eq!(lock(58, 5, 7, 7), Err(LockError::BoxOutsideFrame));
     assert_eq!(lock(i32::MAX, i32::MIN, u16::MAX, u16::MAX), Err(LockError::BoxOutsideFrame));
     assert_eq!(lock(5, 5, 17, 16), Err(LockError::BoxTooLarge));
-    assert_eq!(lock(5, 5, 16, 16), Ok(()));
+    assert!(lock(5, 5, 16, 16).is_ok());
 
     let other = Picture::noise(48, 64, 1);
     assert_eq!(tracker.update(&other.frame()), Err(UpdateError::FrameSizeChanged));
     assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 60, 3)), Err(LockError::BoxOutsideFrame));
     assert!(tracker.update(&frame).is_ok(), "a refused lock leaves the former target");
-    assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 6, 3)), Ok(()));
+    assert!(tracker.lock(&other.frame(), Rect::new(1, 1, 6, 3)).is_ok());
     assert!(tracker.update(&other.frame()).is_ok(), "locking again may change the frame's size");
 }
 
@@ -298,7 +298,7 @@ fn locking_reads_only_the_box() {
     let target = Rect::new(20, 20, 12, 12);
     let frame = Frame::part(scene.image().crop(target).unwrap(), 20, 20, 64, 48).unwrap();
     let mut tracker = Small::new(small_config()).unwrap();
-    assert_eq!(tracker.lock(&frame, target), Ok(()));
+    assert!(tracker.lock(&frame, target).is_ok());
     assert_eq!(tracker.lock(&frame, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
 }
 
@@ -324,7 +324,7 @@ fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
         let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
         Small::new(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
     };
-    assert_eq!(lock(20), Ok(()));
+    assert!(lock(20).is_ok());
     assert_eq!(lock(21), Err(LockError::WindowTooLarge));
 }
 

@@ -1,8 +1,10 @@
 //! Scratch memory of the paper's tracker: one serves any number of targets.
 
 use super::gate::Track;
+use crate::image::Rect;
 use crate::search::{Found, Search};
 use crate::similarity::CutTable;
+use crate::track::update::UnderWay;
 
 /// What an update needs beside the target: `PIXELS` bytes for ranges, five words for each of `SPAN` offsets, and a
 /// table.
@@ -16,12 +18,9 @@ pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) search: Search<PIXELS, SPAN>,
     /// What the update that is under way scores by.
     pub(super) table: CutTable,
-    /// The track of the target whose update is under way, and the number of that update, which the target has, too: two targets
-    /// may have the same track.
-    pub(super) begun: Option<(Track, u32)>,
-    /// Updates that were begun here.
-    pub(super) updates: u32,
-    pub(super) work: u64,
+    pub(super) under_way: UnderWay,
+    /// What a lock under way will begin with.
+    pub(super) locking: Track,
     pub(super) found: Option<Found>,
 }
 
@@ -30,7 +29,13 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
     #[must_use]
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub const fn new() -> Self {
-        Self { search: Search::new(), table: CutTable::EMPTY, begun: None, updates: 0, work: 0, found: None }
+        Self {
+            search: Search::new(),
+            table: CutTable::EMPTY,
+            under_way: UnderWay::NOTHING,
+            locking: Track::new(Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0)),
+            found: None,
+        }
     }
 
     /// What the last update that was finished here has found: the peak itself, believed or not, and the runner-up's score. For
@@ -42,6 +47,7 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN> {
+    #[inline(always)] // made where it stays
     fn default() -> Self {
         Self::new()
     }

@@ -131,9 +131,7 @@ pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
 
 /// A window in which the target was seen.
 pub(super) struct Sample<'a> {
-    /// Its cells, `reach` more on each side than the filter has.
-    pub(super) cells: &'a [i8],
-    /// The filter's responses to them.
+    /// The filter's responses to its cells.
     pub(super) responses: &'a Responses,
     /// Where the target is, from the middle, in units of 1/256 cell.
     pub(super) target: (i32, i32),
@@ -236,25 +234,6 @@ impl Filter {
             }
         }
         way
-    }
-
-    /// One step of learning, at once. Cost: two products for each weight and each of 289 offsets.
-    pub(super) fn learn(
-        &mut self,
-        grid: &Grid,
-        sample: &Sample<'_>,
-        desk: &mut Desk,
-        (products, learning_rate): (Products, u16),
-        room: &mut Room,
-    ) {
-        let under = (sample.cells, layout(grid, sample.responses.span));
-        let shift = self.errors(grid, sample, desk);
-        let mut parts = 0..;
-        while !desk.gather(products, room, under, parts.next().unwrap_or(0)) {}
-        let slopes = self.slopes(grid, desk, shift);
-        let mut parts = 0..;
-        while !desk.bends(products, room, under, parts.next().unwrap_or(0)) {}
-        self.apply(desk, desk.change(slopes, learning_rate));
     }
 
     /// Changes so far the way that stands on the desk.
@@ -361,10 +340,16 @@ mod tests {
         let mut room = [0; crate::similarity::ROOM];
         let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
         for _ in 0..25 {
-            let sample = Sample { cells: &cells, responses: &responses, target: (512, -256), reach: 8 };
-            filter.learn(&grid, &sample, &mut desk, (products, 160), &mut room);
-            let shift = filter.code(&mut desk);
+            let sample = Sample { responses: &responses, target: (512, -256), reach: 8 };
             let under = (&cells[..], layout(&grid, SPAN));
+            let shift = filter.errors(&grid, &sample, &mut desk);
+            let mut parts = 0..;
+            while !desk.gather(products, &mut room, under, parts.next().unwrap()) {}
+            let slopes = filter.slopes(&grid, &mut desk, shift);
+            let mut parts = 0..;
+            while !desk.bends(products, &mut room, under, parts.next().unwrap()) {}
+            filter.apply(&desk, desk.change(slopes, 160));
+            let shift = filter.code(&mut desk);
             let mut parts = 0..;
             while !desk.responses(products, &mut room, shift, under, parts.next().unwrap(), &mut responses.rows) {}
         }

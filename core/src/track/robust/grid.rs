@@ -216,8 +216,9 @@ impl Lattice {
         true
     }
 
-    /// Samples `frame` into `out`; false, and nothing of use in `out`, if pixels that are read are not in memory or there is
+    /// Samples all of `frame` at once into `out`; false, and nothing of use in `out`, if pixels that are read are not in memory or there is
     /// no room.
+    #[cfg(test)]
     pub(super) fn sample<const N: usize>(
         &self,
         frame: &Frame<'_>,

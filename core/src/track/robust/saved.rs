@@ -13,13 +13,19 @@ use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
 use crate::track::{RestoreError, SaveError};
 
 /// Bytes of the track.
-const TRACK: usize = 60;
+const TRACK: usize = 56;
 /// The most bytes that there can be.
 pub(super) const SIZE: usize = AROUND + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS;
 
+/// The bytes of this target.
+pub(super) fn saved_size(robust: &Robust) -> Result<usize, SaveError> {
+    let size = AROUND + TRACK + 4 * robust.filter.weights().len() + 2 * robust.early.fine().len();
+    robust.track.map(|_| size).ok_or(SaveError::NotLocked)
+}
+
 pub(super) fn save(robust: &Robust, bytes: &mut [u8]) -> Result<usize, SaveError> {
     let track = robust.track.ok_or(SaveError::NotLocked)?;
-    let mut to = Writer::new(bytes, Kind::Robust, sum(&robust.config));
+    let mut to = Writer::new(bytes, saved_size(robust)?, Kind::Robust, sum(&robust.config))?;
     for side in [track.bounds.width, track.bounds.height, track.width, track.height] {
         to.u16(side);
     }
@@ -30,10 +36,9 @@ pub(super) fn save(robust: &Robust, bytes: &mut [u8]) -> Result<usize, SaveError
     to.u32(track.believed);
     to.i32(track.trust.0);
     to.u32(track.sweep.next);
-    to.u32(track.age);
     robust.filter.weights().iter().for_each(|&weight| to.i32(weight));
     robust.early.fine().iter().for_each(|&fine| to.u16(fine));
-    to.finish()
+    Ok(to.finish())
 }
 
 pub(super) fn restore(robust: &mut Robust, bytes: &[u8]) -> Result<(), RestoreError> {
@@ -47,6 +52,7 @@ pub(super) fn restore(robust: &mut Robust, bytes: &[u8]) -> Result<(), RestoreEr
     robust.filter.restore(grid, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
     robust.early.restore(fine.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
     robust.track = Some(track);
+    robust.ticket.change();
     Ok(())
 }
 
@@ -64,7 +70,6 @@ fn track(from: &mut Reader<'_>) -> Option<Track> {
         && place.inside(bounds) == place
         && [right, down].iter().all(|by| (-moves..=moves).contains(by))
         && [scale, believed].into_iter().all(scale_is_known);
-    let age = from.u32()?;
     let Rect { width, height, .. } = target;
     possible.then(|| Track {
         bounds,
@@ -77,7 +82,6 @@ fn track(from: &mut Reader<'_>) -> Option<Track> {
         believed,
         trust,
         sweep,
-        age,
     })
 }
 

@@ -2,8 +2,8 @@
 
 use super::config::Config;
 use super::early::Early;
-use super::exact::{Nearest, RIM};
-use super::filter::{Filter, Sample, layout};
+use super::exact::RIM;
+use super::filter::{Filter, layout};
 use super::grid::Grid;
 use super::responses::SPAN;
 use super::saved;
@@ -11,14 +11,13 @@ use super::track::{Place, Track};
 use super::update::{SIZE_REACH, other_scales};
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
-use crate::similarity::{Backend, Products};
-use crate::track::update::Steps;
-use crate::track::{Answer, ConfigError, LockError, RestoreError, SaveError, State, Target, UpdateError};
+use crate::similarity::{Backend, Products, Scorer};
+use crate::track::target::{lock_goes_on, lockable};
+use crate::track::update::{SEAL, Seal, Steps, Ticket, UnderWay};
+use crate::track::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
 
-/// Steps of learning from the first frame.
-const FIRST_STEPS: u32 = 25;
-/// How far each of them goes of the best length, in units of 1/256.
-const FIRST_RATE: u16 = 160;
+/// The threshold by which a target is compared with itself when it is locked, in gray levels: 0.05 of full scale.
+const FIRST_THRESHOLD: u16 = 13;
 
 /// A target of the robust tracker: size, light and view may change.
 ///
@@ -48,8 +47,7 @@ pub struct Robust {
     pub(super) track: Option<Track>,
     pub(super) filter: Filter,
     pub(super) early: Early,
-    /// The number of the update that was begun last, in its workspace.
-    pub(super) update: u32,
+    pub(super) ticket: Ticket,
 }
 
 impl Robust {
@@ -73,9 +71,9 @@ impl Robust {
     /// # Errors
     /// Those of [`Target::update`]. An update under way in this workspace is given up.
     pub fn features<'a>(&self, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
-        self.check(frame)?;
+        self.check(frame, SEAL)?;
         let track = self.track.ok_or(UpdateError::NotLocked)?;
-        workspace.progress.begun = None;
+        workspace.under_way.end();
         let window = track.expected(self.config.parts.velocity).window(&track.grid, self.config.reach());
         if !workspace.see(frame, &window) {
             return Err(UpdateError::WindowNotInMemory);
@@ -141,7 +139,7 @@ impl Target for Robust {
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Self { config, track: None, filter: Filter::new(), early: Early::new(), update: 0 })
+        Ok(Self { config, track: None, filter: Filter::new(), early: Early::new(), ticket: Ticket::NEW })
     }
 
     fn config(&self) -> &Config {
@@ -155,33 +153,6 @@ impl Target for Robust {
         } else {
             Rect::default()
         }
-    }
-
-    fn lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, target: Rect) -> Result<(), LockError> {
-        let bounds = frame.bounds();
-        crate::track::target::lockable(bounds, target)?;
-        if !frame.covers(self.lock_window(bounds, target)) {
-            return Err(LockError::LockWindowNotInMemory);
-        }
-        let age = self.track.map_or(0, |track| track.age.wrapping_add(1));
-        let track = Track::new(bounds, target, age);
-        let grid = &track.grid;
-        workspace.progress.begun = None;
-        workspace.progress.nearest = Nearest::new();
-        track.place.view(grid).sample(frame, workspace.strip.scratch(), &mut workspace.view);
-        workspace.patch(grid).into_iter().for_each(|patch| self.early.start(patch));
-        self.filter.start(grid);
-        let (reach, layout) = (self.config.reach(), layout(grid, self.config.span()));
-        workspace.see(frame, &track.place.window(grid, reach));
-        let (products, rate) = (self.products(), FIRST_RATE);
-        for _ in 0..FIRST_STEPS {
-            workspace.respond(&self.filter, layout, products);
-            let Workspace { strip, desk, cells, responses, .. } = workspace;
-            let sample = Sample { cells, responses, target: (0, 0), reach };
-            self.filter.learn(grid, &sample, desk, (products, rate), strip.room());
-        }
-        self.track = Some(track);
-        Ok(())
     }
 
     fn window(&self) -> Option<Rect> {
@@ -201,9 +172,14 @@ impl Target for Robust {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
+        self.ticket.change();
         if let Some(track) = &mut self.track {
             track.moved(right, down);
         }
+    }
+
+    fn saved_size(&self) -> Result<usize, SaveError> {
+        saved::saved_size(self)
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
@@ -218,12 +194,19 @@ impl Target for Robust {
 impl Steps for Robust {
     type Workspace = Workspace;
 
-    #[inline(always)] // made where it stays
-    fn workspace() -> Workspace {
-        Workspace::new()
+    fn ticket(&mut self, _: &Seal) -> &mut Ticket {
+        &mut self.ticket
     }
 
-    fn check(&self, frame: &Frame<'_>) -> Result<(), UpdateError> {
+    fn under_way<'a>(workspace: &'a mut Workspace, _: &Seal) -> &'a mut UnderWay {
+        &mut workspace.under_way
+    }
+
+    fn work(workspace: &Workspace, _: &Seal) -> u64 {
+        workspace.under_way.done()
+    }
+
+    fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
         let track = self.track.ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
@@ -232,29 +215,42 @@ impl Steps for Robust {
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
-    fn start(&mut self, workspace: &mut Workspace) {
-        workspace.updates = workspace.updates.wrapping_add(1);
-        self.update = workspace.updates;
-        if let Some(target) = self.given() {
-            target.begin(workspace, self.update);
+    fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError> {
+        let bounds = frame.bounds();
+        lockable(bounds, target)?;
+        if frame.covers(self.lock_window(bounds, target)) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
+    }
+
+    fn check_lock_under_way(&self, workspace: &Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
+        let track = workspace.progress.next.ok_or(LockError::NotBegun)?;
+        let window = track.place.window(&track.grid, self.config.reach()).pixels(track.bounds);
+        lock_goes_on(frame, track.bounds, window)
+    }
+
+    fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
+        if let Some(target) = self.given(self.track) {
+            target.begin(workspace);
         }
     }
 
-    fn is_under_way(&self, workspace: &Workspace) -> bool {
-        workspace.progress.begun.is_some() && workspace.progress.begun == self.track.map(|track| (track, self.update))
+    fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, target: Rect, _: &Seal) {
+        let track = Track::new(bounds, target);
+        self.track = None;
+        self.filter.start(&track.grid);
+        if let Some(target) = self.given(Some(track)) {
+            target.begin_lock(workspace);
+        }
     }
 
-    fn advance(&self, workspace: &mut Workspace, frame: &Frame<'_>, work: u32) -> bool {
-        self.given().is_none_or(|target| target.step(workspace, frame, work))
+    fn advance(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+        let mut done = self.go_on(workspace, frame);
+        while done && self.learns_again(workspace) {
+            done = self.go_on(workspace, frame);
+        }
+        done
     }
 
-    fn work(workspace: &Workspace) -> u32 {
-        workspace.progress.work
-    }
-
-    fn conclude(&mut self, workspace: &mut Workspace, frame: &Frame<'_>) -> Answer {
-        while !self.advance(workspace, frame, u32::MAX) {}
-        workspace.progress.begun = None;
+    fn conclude(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
         let before = self.state();
         if let Some(mut next) = workspace.progress.next {
             if !workspace.progress.lost {
@@ -267,7 +263,6 @@ impl Steps for Robust {
             if next.trust.state(&self.config) == State::Tracking {
                 next.believe();
             }
-            next.age = next.age.wrapping_add(1);
             self.track = Some(next);
         }
         let fine = self.bbox().unwrap_or_default();
@@ -286,6 +281,40 @@ impl Steps for Robust {
             scale,
             found_again: before == Some(State::Lost) && state != State::Lost,
         }
+    }
+
+    fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
+        self.track = workspace.progress.next;
+        let Some(grid) = self.grid() else { return Quality::NONE };
+        workspace.table.set(self.config.table, FIRST_THRESHOLD);
+        let Some(patch) = workspace.patch(&grid) else { return Quality::NONE };
+        self.early.start(patch);
+        Quality::of(patch, &Scorer::new(self.config.backend.unwrap_or_else(Backend::best), &workspace.table))
+    }
+}
+
+impl Robust {
+    /// Goes on until what is granted is spent; true when a step of learning, or all else, is done.
+    fn go_on(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
+        let track = self.track.or(workspace.progress.next);
+        self.given(track).is_none_or(|target| target.step(workspace, frame))
+    }
+
+    /// A step of learning of a lock is done: changes the weights. True if there is another one to come.
+    fn learns_again(&mut self, workspace: &mut Workspace) -> bool {
+        if workspace.progress.lessons == 0 {
+            return false;
+        }
+        if let Some(change) = workspace.progress.change.take() {
+            self.filter.apply(&workspace.desk, change);
+        }
+        workspace.progress.lessons -= 1;
+        if workspace.progress.lessons > 0
+            && let Some(target) = self.given(workspace.progress.next)
+        {
+            target.next_lesson(workspace);
+        }
+        workspace.progress.lessons > 0
     }
 }
 

@@ -68,12 +68,10 @@ pub(super) struct Track {
     pub(super) believed: u32,
     pub(super) trust: Trust,
     pub(super) sweep: Sweep,
-    /// Changes since the first lock: tells one update from another.
-    pub(super) age: u32,
 }
 
 impl Track {
-    pub(super) fn new(bounds: Rect, target: Rect, age: u32) -> Self {
+    pub(super) fn new(bounds: Rect, target: Rect) -> Self {
         Self {
             bounds,
             grid: Grid::new(target),
@@ -85,7 +83,6 @@ impl Track {
             believed: SCALE,
             trust: Trust::new(),
             sweep: Sweep::new(),
-            age,
         }
     }
 
@@ -107,7 +104,6 @@ impl Track {
     pub(super) fn moved(&mut self, right: i32, down: i32) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(self.bounds);
-        self.age = self.age.wrapping_add(1);
     }
 
     /// It is found again at `place`.
@@ -153,7 +149,7 @@ mod tests {
 
     #[test]
     fn half_of_the_velocity_is_expected() {
-        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 20, 11, 11), 0);
+        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 20, 11, 11));
         let at = |x: i64| Place { x: x * PIXEL, y: 25 * PIXEL, scale: SCALE };
         assert_eq!(track.place, at(25));
         track.follow(at(33));
@@ -167,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_box_grows_around_its_middle() {
-        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20), 0);
+        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20));
         assert_eq!(track.bbox().whole(), Rect::new(20, 30, 10, 20));
         track.place.scale = 2 * SCALE;
         assert_eq!(track.bbox().whole(), Rect::new(15, 20, 20, 40));

@@ -34,6 +34,10 @@ const LIT: u32 = 20;
 const REFINED: u32 = 40;
 const SLOPED: u32 = 64;
 const CODED: u32 = 16;
+/// Steps of learning from the first frame.
+pub(super) const FIRST_STEPS: u32 = 25;
+/// How far each of them goes of the best length, in units of 1/256.
+const FIRST_RATE: u16 = 160;
 /// The least and the most that a target may have grown.
 const LEAST_SCALE: u32 = SCALE / 5;
 const MOST_SCALE: u32 = 5 * SCALE;
@@ -71,6 +75,8 @@ enum Stage {
 /// Which window is looked at.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Where {
+    /// Where the target is locked on.
+    Locked,
     /// Where the target is expected.
     Expected,
     /// Where a lost target is looked for.
@@ -80,11 +86,10 @@ enum Where {
 /// How far an update is, and what it has found so far.
 pub(super) struct Progress {
     stage: Stage,
-    /// The track of the target whose update is under way, and the number of that update, which the target has, too: two targets
-    /// may have the same track.
-    pub(super) begun: Option<(Track, u32)>,
     /// What the track becomes.
     pub(super) next: Option<Track>,
+    /// Steps of learning that a lock has still to make, the one under way among them; 0 in an update.
+    pub(super) lessons: u32,
     /// The look that is under way, and the one that counts.
     looking: Look,
     pub(super) look: Look,
@@ -108,7 +113,6 @@ pub(super) struct Progress {
     pub(super) change: Option<Change>,
     /// Nothing is learned.
     pub(super) lost: bool,
-    pub(super) work: u32,
 }
 
 /// What a look at a window says.
@@ -132,8 +136,8 @@ impl Progress {
         let look = Look { place, peak: Peak { x: 0, y: 0, response: 0, height: 0 }, agreement: 0 };
         Self {
             stage: Stage::Done,
-            begun: None,
             next: None,
+            lessons: 0,
             looking: look,
             look,
             shift: 0,
@@ -147,7 +151,6 @@ impl Progress {
             descent: 0,
             change: None,
             lost: false,
-            work: 0,
         }
     }
 }
@@ -161,22 +164,37 @@ pub(super) struct Target<'a> {
 }
 
 impl Target<'_> {
-    pub(super) fn begin(&self, workspace: &mut Workspace, update: u32) {
+    pub(super) fn begin(&self, workspace: &mut Workspace) {
         let shift = self.filter.code(&mut workspace.desk);
         let Grid { columns, rows, .. } = self.track.grid;
         self.early.copy_to(&mut workspace.lit);
         let was = Image::new(&workspace.lit, columns, rows).map_or(Contrast::NONE, Contrast::of);
-        let (begun, next) = (Some((self.track, update)), Some(self.track));
-        workspace.progress = Progress { begun, next, shift, was, ..Progress::new() };
-        workspace.progress.work = CODED * (weights(&self.track.grid) + self.track.grid.pixels());
+        workspace.progress = Progress { next: Some(self.track), shift, was, ..Progress::new() };
+        workspace.under_way.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
         workspace.progress.stage = self.look(workspace, Where::Expected);
     }
 
-    /// Goes on until so much work has been done; true at the end.
+    /// Begins a lock: first the early template is seen, then the window that is learned from.
+    pub(super) fn begin_lock(&self, workspace: &mut Workspace) {
+        workspace.progress = Progress { next: Some(self.track), lessons: FIRST_STEPS, ..Progress::new() };
+        self.track.place.view(&self.track.grid).begin(
+            self.track.bounds,
+            workspace.strip.scratch(),
+            &mut workspace.view,
+        );
+        workspace.progress.looking.place = self.track.place;
+        workspace.progress.stage = Stage::View(Where::Locked, 0);
+    }
+
+    /// Learns once more from the same window.
+    pub(super) fn next_lesson(&self, workspace: &mut Workspace) {
+        workspace.progress.stage = self.respond_first(workspace, Where::Locked);
+    }
+
+    /// Goes on until what is granted is spent; true at the end.
     #[inline(never)] // one copy in flash
-    pub(super) fn step(&self, workspace: &mut Workspace, frame: &Frame<'_>, work: u32) -> bool {
-        let enough = workspace.progress.work.saturating_add(work.max(1));
-        while workspace.progress.stage != Stage::Done && workspace.progress.work < enough {
+    pub(super) fn step(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
+        while workspace.progress.stage != Stage::Done && !workspace.under_way.is_spent() {
             let stage = match workspace.progress.stage {
                 Stage::See(place) => self.see(workspace, frame, place),
                 Stage::Respond(place, part) => self.respond(workspace, place, part),
@@ -199,6 +217,7 @@ impl Target<'_> {
 
     fn centre(&self, place: Where) -> Place {
         match place {
+            Where::Locked => self.track.place,
             Where::Expected => self.track.expected(self.config.parts.velocity),
             Where::Elsewhere => self.track.sweep(self.config.reach()),
         }
@@ -223,17 +242,26 @@ impl Target<'_> {
 
     fn see(&self, workspace: &mut Workspace, frame: &Frame<'_>, place: Where) -> Stage {
         let lattice = self.window(place);
-        let Workspace { strip, cells, progress, .. } = workspace;
-        progress.spend(lattice.work(CELL + 2, SEEN));
-        if strip.row(frame, &lattice, cells) { Stage::Respond(place, 0) } else { Stage::See(place) }
+        let Workspace { strip, cells, under_way, .. } = workspace;
+        under_way.spend(lattice.work(CELL + 2, SEEN));
+        if !strip.row(frame, &lattice, cells) {
+            return Stage::See(place);
+        }
+        if place == Where::Locked { self.respond_first(workspace, place) } else { Stage::Respond(place, 0) }
+    }
+
+    /// Codes the weights as they are now.
+    fn respond_first(&self, workspace: &mut Workspace, place: Where) -> Stage {
+        workspace.progress.shift = self.filter.code(&mut workspace.desk);
+        workspace.under_way.spend(CODED * weights(&self.track.grid));
+        Stage::Respond(place, 0)
     }
 
     fn respond(&self, workspace: &mut Workspace, place: Where, part: usize) -> Stage {
-        if workspace.respond_part(self.layout(), self.products(), part) {
-            self.found(workspace, place)
-        } else {
-            Stage::Respond(place, part + 1)
+        if !workspace.respond_part(self.layout(), self.products(), part) {
+            return Stage::Respond(place, part + 1);
         }
+        if place == Where::Locked { Stage::Errors } else { self.found(workspace, place) }
     }
 
     /// Where the target is in the window.
@@ -250,11 +278,14 @@ impl Target<'_> {
     }
 
     fn view(&self, workspace: &mut Workspace, frame: &Frame<'_>, place: Where, row: u16) -> Stage {
-        let Workspace { strip, view, progress, .. } = workspace;
+        let Workspace { strip, view, progress, under_way, .. } = workspace;
         let lattice = progress.looking.place.view(&self.track.grid);
         lattice.sample_row(frame, strip.scratch(), row, view);
-        progress.spend(lattice.work(1, VIEWED));
-        if row + 1 < lattice.rows { Stage::View(place, row + 1) } else { Stage::Compare(place, 0) }
+        under_way.spend(lattice.work(1, VIEWED));
+        if row + 1 < lattice.rows {
+            return Stage::View(place, row + 1);
+        }
+        if place == Where::Locked { self.look(workspace, place) } else { Stage::Compare(place, 0) }
     }
 
     /// The early template and the view that is compared with it.
@@ -266,37 +297,34 @@ impl Target<'_> {
 
     /// The score of the early template at one place, in the light of the view's middle.
     fn compare(&self, workspace: &mut Workspace, place: Where, number: u16) -> Stage {
-        let Workspace { view, lit, table, progress, .. } = workspace;
+        let Workspace { view, lit, table, progress, under_way, .. } = workspace;
         if let Some(compared) = self.compared(view, progress.was) {
             let at = progress.nearest.place(number);
             if number == 0 {
                 compared.light(at, lit, table, self.config.table);
-                progress.spend(LIT * self.track.grid.pixels());
+                under_way.spend(LIT * self.track.grid.pixels());
             }
             progress.nearest.add(number, compared.score(at, lit, &Scorer::new(self.backend(), table)));
         }
-        progress.spend(COMPARED * self.track.grid.pixels());
+        under_way.spend(COMPARED * self.track.grid.pixels());
         if number + 1 < PLACES { Stage::Compare(place, number + 1) } else { Stage::Agree(place) }
     }
 
     /// How well the early template agrees at the best of these places.
     fn agree(&self, workspace: &mut Workspace, place: Where) -> Stage {
-        let Workspace { view, lit, table, progress, .. } = workspace;
+        let Workspace { view, lit, table, progress, under_way, .. } = workspace;
         if let Some(compared) = self.compared(view, progress.was) {
             let at = progress.nearest.at;
             compared.light(at, lit, table, self.config.table);
             progress.looking.agreement = compared.agreement(at, lit, &Scorer::new(self.backend(), table));
         }
-        progress.spend((LIT + COMPARED) * self.track.grid.pixels());
-        match place {
-            Where::Expected => Stage::Refine,
-            Where::Elsewhere => self.swept(workspace),
-        }
+        under_way.spend((LIT + COMPARED) * self.track.grid.pixels());
+        if place == Where::Elsewhere { self.swept(workspace) } else { Stage::Refine }
     }
 
     /// Moves the place to where the early template lies, if it agrees well.
     fn refine(&self, workspace: &mut Workspace) -> Stage {
-        let Workspace { view, lit, table, progress, .. } = workspace;
+        let Workspace { view, lit, table, progress, under_way, .. } = workspace;
         let grid = &self.track.grid;
         let (look, at) = (&mut progress.looking, progress.nearest.at);
         let exact = self.compared(view, progress.was).and_then(|compared| {
@@ -307,7 +335,7 @@ impl Target<'_> {
             look.place = look.place.moved(grid, (x, y)).inside(self.track.bounds);
             progress.growth = Some(growth);
         }
-        progress.spend(REFINED * grid.pixels());
+        under_way.spend(REFINED * grid.pixels());
         self.looked(workspace)
     }
 
@@ -340,15 +368,15 @@ impl Target<'_> {
     }
 
     fn see_size(&self, workspace: &mut Workspace, frame: &Frame<'_>, number: usize) -> Stage {
-        let Workspace { strip, aside, progress, .. } = workspace;
+        let Workspace { strip, aside, progress, under_way, .. } = workspace;
         let Some((_, lattice)) = progress.aside(number, &self.track.grid) else { return Stage::Size(number) };
-        progress.spend(lattice.work(CELL + 2, SEEN));
+        under_way.spend(lattice.work(CELL + 2, SEEN));
         if strip.row(frame, &lattice, aside) { Stage::Size(number) } else { Stage::SeeSize(number) }
     }
 
     fn size(&self, workspace: &mut Workspace, number: usize) -> Stage {
         let (grid, products) = (&self.track.grid, self.products());
-        let Workspace { strip, aside, desk, progress, .. } = workspace;
+        let Workspace { strip, aside, desk, progress, under_way, .. } = workspace;
         let span = 2 * usize::from(SIZE_REACH) + 1;
         let under = (&aside[..], layout(grid, span));
         let responses = desk.few(products, strip.room(), progress.shift, under);
@@ -357,7 +385,7 @@ impl Target<'_> {
         if let Some((scale, _)) = progress.aside(number, grid).filter(|_| counts > progress.highest) {
             (progress.highest, progress.scale) = (counts, scale);
         }
-        progress.spend(u32::from(2 * SIZE_REACH + 1).pow(2) * weights(grid));
+        under_way.spend(u32::from(2 * SIZE_REACH + 1).pow(2) * weights(grid));
         self.look_at_size(workspace, number + 1)
     }
 
@@ -395,38 +423,38 @@ impl Target<'_> {
     // Cells and responses are those of the first look while the filter learns: only a lost target is looked for elsewhere.
 
     fn errors(&self, workspace: &mut Workspace) -> Stage {
-        let Workspace { desk, cells, responses, progress, .. } = workspace;
-        let sample = Sample { cells, responses, target: progress.offset, reach: self.config.reach() };
+        let Workspace { desk, responses, progress, under_way, .. } = workspace;
+        let sample = Sample { responses, target: progress.offset, reach: self.config.reach() };
         progress.coded = self.filter.errors(&self.track.grid, &sample, desk);
-        progress.spend_all(self.config.span().pow(2));
-        progress.spend(CODED * weights(&self.track.grid));
+        under_way.spend(words(self.config.span().pow(2)) + CODED * weights(&self.track.grid));
         Stage::Gather(0)
     }
 
     fn gather(&self, workspace: &mut Workspace, part: usize) -> Stage {
-        let Workspace { strip, desk, cells, progress, .. } = workspace;
+        let Workspace { strip, desk, cells, under_way, .. } = workspace;
         let under = (&cells[..], self.layout());
-        progress.spend_all(self.products().gather_work(part, under.1, self.filter.weights().len()));
+        under_way.spend(words(self.products().gather_work(part, under.1, self.filter.weights().len())));
         let gathered = desk.gather(self.products(), strip.room(), under, part);
         if gathered { Stage::Slopes } else { Stage::Gather(part + 1) }
     }
 
     fn slopes(&self, workspace: &mut Workspace) -> Stage {
-        let Workspace { desk, progress, .. } = workspace;
+        let Workspace { desk, progress, under_way, .. } = workspace;
         (progress.coded, progress.descent) = self.filter.slopes(&self.track.grid, desk, progress.coded);
-        progress.spend(SLOPED * weights(&self.track.grid));
+        under_way.spend(SLOPED * weights(&self.track.grid));
         Stage::Bend(0)
     }
 
     fn bend(&self, workspace: &mut Workspace, part: usize) -> Stage {
-        let Workspace { strip, desk, cells, progress, .. } = workspace;
+        let Workspace { strip, desk, cells, progress, under_way, .. } = workspace;
         let under = (&cells[..], self.layout());
-        progress.spend_all(self.products().work(part, under.1, self.filter.weights().len()));
+        under_way.spend(words(self.products().work(part, under.1, self.filter.weights().len())));
         if !desk.bends(self.products(), strip.room(), under, part) {
             return Stage::Bend(part + 1);
         }
-        progress.change = Some(desk.change((progress.coded, progress.descent), self.config.learning_rate));
-        progress.spend(CODED * weights(&self.track.grid));
+        let rate = if progress.lessons > 0 { FIRST_RATE } else { self.config.learning_rate };
+        progress.change = Some(desk.change((progress.coded, progress.descent), rate));
+        under_way.spend(CODED * weights(&self.track.grid));
         Stage::Done
     }
 
@@ -440,14 +468,6 @@ impl Target<'_> {
 }
 
 impl Progress {
-    fn spend(&mut self, work: u32) {
-        self.work = self.work.saturating_add(work);
-    }
-
-    fn spend_all(&mut self, work: usize) {
-        self.spend(u32::try_from(work).unwrap_or(u32::MAX));
-    }
-
     /// The scale of that number, the last one first, and what is looked at there.
     fn aside(&self, number: usize, grid: &Grid) -> Option<(u32, Lattice)> {
         let Place { scale, .. } = self.look.place;
@@ -466,10 +486,10 @@ impl Workspace {
     /// Makes a part of the filter's responses to them, its weights coded as they are on the desk; true when this was the last part.
     #[inline(never)] // one copy in flash
     fn respond_part(&mut self, layout: Layout, products: Products, part: usize) -> bool {
-        let Self { strip, desk, cells, responses, progress, .. } = self;
+        let Self { strip, desk, cells, responses, progress, under_way, .. } = self;
         let under = (&cells[..], layout);
         responses.span = layout.span;
-        progress.spend_all(products.work(part, layout, desk.weights()));
+        under_way.spend(words(products.work(part, layout, desk.weights())));
         desk.responses(products, strip.room(), progress.shift, under, part, &mut responses.rows)
     }
 
@@ -491,11 +511,15 @@ impl Workspace {
 }
 
 impl Robust {
-    /// What an update goes by; `None` before the first lock.
-    pub(super) fn given(&self) -> Option<Target<'_>> {
-        let Self { config, filter, early, track, .. } = self;
+    /// What an update goes by, or a lock that will have this track.
+    pub(super) fn given(&self, track: Option<Track>) -> Option<Target<'_>> {
+        let Self { config, filter, early, .. } = self;
         track.map(|track| Target { config, filter, early, track })
     }
+}
+
+fn words(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 /// A little smaller, and a little larger.

@@ -8,6 +8,7 @@ use super::responses::{Responses, SPAN};
 use super::update::{Progress, SIZE_REACH};
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
 use crate::similarity::CutTable;
+use crate::track::update::UnderWay;
 use heapless::Vec;
 
 /// Bytes of the largest window of cells: the longest filter has the longest rim.
@@ -30,6 +31,7 @@ const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
 #[repr(C)] // what may end in padding stands before a vector: before zeroes, both are made on the stack and copied
 pub struct Workspace {
     pub(super) progress: Progress,
+    pub(super) under_way: UnderWay,
     /// Cells of the window.
     pub(super) cells: Vec<i8, WINDOW>,
     pub(super) responses: Responses,
@@ -41,8 +43,6 @@ pub struct Workspace {
     pub(super) strip: Strip,
     pub(super) view: Vec<u8, VIEW>,
     pub(super) lit: Vec<u8, MOST_PIXELS>,
-    /// Updates that were begun here.
-    pub(super) updates: u32,
 }
 
 impl Workspace {
@@ -61,7 +61,7 @@ impl Workspace {
             lit: Vec::new(),
             table: const { CutTable::EMPTY },
             progress: const { Progress::new() },
-            updates: 0,
+            under_way: UnderWay::NOTHING,
         }
     }
 }
@@ -76,6 +76,7 @@ impl Workspace {
 }
 
 impl Default for Workspace {
+    #[inline(always)] // made where it stays
     fn default() -> Self {
         Self::new()
     }

@@ -1,0 +1,95 @@
+//! How well a target can be told from what lies beside it, as measured when it is locked.
+
+use crate::image::{Image, Rect};
+use crate::similarity::{Scorer, Table};
+
+/// How well a target can be told from what lies beside it: what [`Target::lock`](crate::Target::lock) says.
+///
+/// The target is compared with itself, moved by a quarter of its width, and by a quarter of its height, as a search would do:
+///
+/// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
+///
+/// A flat target, an edge and a single pixel look the same there. A tracker follows such a target, but may slip along it without noticing.
+///
+/// ```
+/// use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
+/// let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+/// let flat = [90; 64 * 48];
+/// let quality = tracker.lock(&Frame::whole(Image::new(&flat, 64, 48)?), Rect::new(20, 10, 16, 16))?;
+/// assert!(quality.is_poor() && quality.value() == 0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Quality(u16);
+
+impl Quality {
+    /// Below it a target is poor: POOR_FIGURES.
+    pub const POOR_BELOW: u16 = Table::ONE / 32;
+
+    pub(super) const NONE: Self = Self(0);
+
+    /// 0 to 65535: 0 if the target looks the same beside its place, 65535 if no pixel does.
+    #[must_use]
+    pub const fn value(self) -> u16 {
+        self.0
+    }
+
+    /// True if the target can hardly be told from what lies beside it: a better box should be chosen, if there is one.
+    #[must_use]
+    pub const fn is_poor(self) -> bool {
+        self.0 < Self::POOR_BELOW
+    }
+
+    /// Of a patch of at most [`Table::MAX_PIXELS`] pixels.
+    #[inline(never)] // its stack is not that of a step
+    pub(super) fn of(patch: Image<'_>, scorer: &Scorer<'_>) -> Self {
+        let quarter = |side: u16| side.div_ceil(4);
+        let across = ratio(patch, (quarter(patch.width()), 0), scorer);
+        let down = ratio(patch, (0, quarter(patch.height())), scorer);
+        Self(Table::ONE - across.max(down))
+    }
+}
+
+/// How similar a patch is to itself, moved; 1.0 if nothing of it is left.
+fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
+    let (width, height) = (patch.width() - right, patch.height() - down);
+    let part = |x: u16, y: u16| patch.crop(Rect::new(x.into(), y.into(), width, height));
+    let score = match (part(0, 0), part(right, down)) {
+        (Some(here), Some(moved)) => scorer.score(here, moved),
+        _ => None,
+    };
+    let pixels = u32::from(width) * u32::from(height);
+    score.map_or(Table::ONE, |score| u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::similarity::{Backend, CutTable};
+
+    fn quality(pixel: impl Fn(usize, usize) -> u8, (width, height): (u16, u16)) -> u16 {
+        let places = (0..usize::from(height)).flat_map(|y| (0..usize::from(width)).map(move |x| (x, y)));
+        let pixels: std::vec::Vec<u8> = places.map(|(x, y)| pixel(x, y)).collect();
+        let table = CutTable::new(&Table::PAPER, 13);
+        Quality::of(Image::new(&pixels, width, height).unwrap(), &Scorer::new(Backend::Scalar, &table)).value()
+    }
+
+    #[test]
+    fn what_looks_the_same_beside_its_place_has_none() {
+        for size in [(16, 16), (1, 1), (1, 30), (30, 1), (2, 2), (200, 300)] {
+            assert_eq!(quality(|_, _| 90, size), 0, "{size:?}");
+        }
+        // An edge along an axis, and a pattern that repeats.
+        assert_eq!(quality(|x, _| if x < 8 { 20 } else { 200 }, (16, 16)), 0);
+        assert_eq!(quality(|x, y| if (x / 2 + y / 2) % 2 == 0 { 20 } else { 200 }, (16, 16)), 0);
+    }
+
+    #[test]
+    fn noise_of_a_sensor_is_poor_and_texture_is_not() {
+        let hash = |x: usize, y: usize| (((x * 31) ^ (y * 57)).wrapping_mul(2_654_435_761) >> 16) as u8;
+        assert!(quality(|x, y| 90 + hash(x, y) % 8, (24, 24)) < Quality::POOR_BELOW);
+        assert!(quality(|x, y| hash(x / 3, y / 3), (24, 24)) > Table::ONE / 2);
+        assert_eq!(quality(|x, y| ((x * 40 + y * 90) % 256) as u8, (4, 2)), Table::ONE);
+    }
+}
