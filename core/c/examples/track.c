@@ -140,7 +140,7 @@ int main(int argc, char **argv)
     expose(0, 1, left, top);
     must(smr_lock_window(tracker, FRAME_WIDTH, FRAME_HEIGHT, &target, &window), "smr_lock_window");
     frame = frame_of(&window, &sweep);
-    must(smr_lock(tracker, &frame, &target, NULL), "smr_lock");
+    must(smr_lock(tracker, &frame, &target), "smr_lock");
     smr_record_lock(&recorder, tracker, &frame, &target);
 
     for (number = 1; number <= FRAMES; number++) {

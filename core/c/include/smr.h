@@ -14,7 +14,7 @@
  *
  * smr_config_camera(&config);
  * if (smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker) != SMR_OK) { ... }
- * if (smr_lock(tracker, &first_frame, &target, NULL) != SMR_OK) { ... }
+ * if (smr_lock(tracker, &first_frame, &target) != SMR_OK) { ... }
  * while (next(&frame)) {
  *     if (smr_update(tracker, &frame, &answer) == SMR_OK && answer.state != SMR_LOST) { use(answer.bbox); }
  * }
@@ -78,15 +78,15 @@
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 648)
 /** The most bytes that #smr_save writes of one of them. */
-#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 40)
+#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 42)
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (11344 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of them, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (39872 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes of one of them. */
-#define SMR_ROBUST_SAVED_SIZE 11274
+#define SMR_ROBUST_SAVED_SIZE 11276
 
-/** A target of less quality can hardly be told from what lies beside it: see #smr_lock. */
+/** A target of less quality can hardly be told from what lies beside it: see #smr_quality. */
 #define SMR_POOR_QUALITY 2047
 
 /** Storage for one tracker of the paper, of the right size and alignment: static, on the stack or inside something larger. */
@@ -872,8 +872,6 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * @param tracker  Made by #smr_init.
  * @param frame    The frame; what is in memory covers #smr_lock_window.
  * @param target   The box, wholly inside the frame; of at most #SMR_PIXELS pixels for the paper's tracker.
- * @param quality  Is set to how well the target can be told from what lies beside it, in units of 1/65535: below #SMR_POOR_QUALITY
- *                 hardly. Left alone after an error. NULL if you do not ask.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
  *                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or with the box (#SMR_ERROR_BOX_EMPTY to
  *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker goes on with what it had, and so does an
@@ -881,8 +879,7 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  */
 smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_frame *frame,
-                    const struct smr_rect *target,
-                    uint16_t *quality);
+                    const struct smr_rect *target);
 
 /**
  * Begins a lock that is made in steps of a bounded amount of work, for those who have a deadline: #smr_step as often as it takes,
@@ -902,14 +899,23 @@ smr_status smr_begin_lock(struct smr_tracker *tracker,
  *
  * @param tracker  As for #smr_begin_lock.
  * @param frame    The same frame, with the same pixels.
- * @param quality  As for #smr_lock.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the frame
  *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_BEGUN, #SMR_ERROR_FRAME_SIZE_CHANGED or
  *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY. After an error the lock is still under way.
  */
 smr_status smr_finish_lock(struct smr_tracker *tracker,
-                           const struct smr_frame *frame,
-                           uint16_t *quality);
+                           const struct smr_frame *frame);
+
+/**
+ * How well the target could be told from what lies beside it when it was locked. A flat target, an edge and a single pixel look the
+ * same beside their place: the tracker follows such a target, but may slip along it without noticing.
+ *
+ * @param tracker  Made by #smr_init, locked by #smr_lock.
+ * @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; left alone after an error.
+ * @return         As #smr_window.
+ */
+smr_status smr_quality(const struct smr_tracker *tracker,
+                       uint16_t *quality);
 
 /**
  * Looks for the target in the next frame.

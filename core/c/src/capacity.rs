@@ -23,7 +23,7 @@ pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 648;
 
 /// `SMR_PAPER_SAVED_SIZE` of the header.
-pub const PAPER_SAVED_SIZE: usize = PIXELS + 40;
+pub const PAPER_SAVED_SIZE: usize = PIXELS + 42;
 
 /// `SMR_ROBUST_TARGET_SIZE` of the header.
 pub const ROBUST_TARGET_SIZE: usize = 11344 + size_of::<[usize; 6]>();
@@ -32,7 +32,7 @@ pub const ROBUST_TARGET_SIZE: usize = 11344 + size_of::<[usize; 6]>();
 pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` of the header.
-pub const ROBUST_SAVED_SIZE: usize = 11274;
+pub const ROBUST_SAVED_SIZE: usize = 11276;
 
 /// `SMR_POOR_QUALITY` of the header.
 const POOR_QUALITY: u16 = 2047;

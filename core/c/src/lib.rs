@@ -52,7 +52,7 @@ pub use status::{STATUSES, smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};
 pub use tracker::{
     smr_alpha, smr_begin, smr_begin_lock, smr_early_template, smr_finish, smr_finish_lock, smr_init, smr_last,
-    smr_lock, smr_lock_window, smr_moved, smr_restore, smr_save, smr_saved_size, smr_step, smr_sweep_window,
-    smr_target_size, smr_template, smr_tracker, smr_update, smr_window, smr_workspace_size,
+    smr_lock, smr_lock_window, smr_moved, smr_quality, smr_restore, smr_save, smr_saved_size, smr_step,
+    smr_sweep_window, smr_target_size, smr_template, smr_tracker, smr_update, smr_window, smr_workspace_size,
 };
 pub use version::{SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_version};

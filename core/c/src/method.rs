@@ -158,7 +158,8 @@ pub(crate) trait Tracked {
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
     fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
-    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<Quality, smr_status>;
+    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
+    fn quality(&self) -> Option<Quality>;
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status>;
     /// Writes the answer where it goes: returned, it would be on the stack twice.
@@ -208,9 +209,10 @@ impl<T: Method> Tracked for Held<T> {
         Ok(())
     }
 
-    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<Quality, smr_status> {
+    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
         let (target, workspace) = self.parts()?;
-        Ok(target.resume_lock(workspace, frame)?.finish())
+        target.resume_lock(workspace, frame)?.finish();
+        Ok(())
     }
 
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
@@ -241,6 +243,10 @@ impl<T: Method> Tracked for Held<T> {
 
     fn sweep_window(&self) -> Option<Rect> {
         self.target.sweep_window()
+    }
+
+    fn quality(&self) -> Option<Quality> {
+        self.target.quality()
     }
 
     fn last(&self) -> Option<(FineRect, State)> {

@@ -39,15 +39,6 @@ impl<T> Out<T> {
         Ok(Self(to))
     }
 
-    /// `None` for NULL, where nothing is asked for.
-    ///
-    /// # Safety
-    /// As for [`Out::new`].
-    pub(crate) unsafe fn unless_null(to: *mut T) -> Result<Option<Self>, smr_status> {
-        // SAFETY: as the caller says.
-        if to.is_null() { Ok(None) } else { unsafe { Self::new(to) }.map(Some) }
-    }
-
     pub(crate) fn write(self, value: T) {
         // SAFETY: `new` has checked it, and its caller says that there is memory for a T.
         unsafe { self.0.write(value) }

@@ -182,8 +182,6 @@ pub unsafe extern "C" fn smr_lock_window(
 /// @param tracker  Made by #smr_init.
 /// @param frame    The frame; what is in memory covers #smr_lock_window.
 /// @param target   The box, wholly inside the frame; of at most #SMR_PIXELS pixels for the paper's tracker.
-/// @param quality  Is set to how well the target can be told from what lies beside it, in units of 1/65535: below #SMR_POOR_QUALITY
-///                 hardly. Left alone after an error. NULL if you do not ask.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the
 ///                 frame (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or with the box (#SMR_ERROR_BOX_EMPTY to
 ///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker goes on with what it had, and so does an
@@ -193,16 +191,12 @@ pub unsafe extern "C" fn smr_lock(
     tracker: *mut smr_tracker,
     frame: *const smr_frame,
     target: *const smr_rect,
-    quality: *mut u16,
 ) -> smr_status {
     // SAFETY: as the header asks of the caller, of each.
     status_of(unsafe {
         with_frame(tracker, frame, |tracker, frame| {
-            let out = Out::unless_null(quality)?;
             tracker.begin_lock(frame, pointer::read(target)?.into())?;
-            let locked = tracker.finish_lock(frame)?;
-            out.into_iter().for_each(|out| out.write(locked.value()));
-            Ok(())
+            tracker.finish_lock(frame)
         })
     })
 }
@@ -230,24 +224,26 @@ pub unsafe extern "C" fn smr_begin_lock(
 ///
 /// @param tracker  As for #smr_begin_lock.
 /// @param frame    The same frame, with the same pixels.
-/// @param quality  As for #smr_lock.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, what is wrong with the frame
 ///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_BEGUN, #SMR_ERROR_FRAME_SIZE_CHANGED or
 ///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY. After an error the lock is still under way.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_finish_lock(
-    tracker: *mut smr_tracker,
-    frame: *const smr_frame,
-    quality: *mut u16,
-) -> smr_status {
+pub unsafe extern "C" fn smr_finish_lock(tracker: *mut smr_tracker, frame: *const smr_frame) -> smr_status {
+    // SAFETY: as the header asks of the caller, of each.
+    status_of(unsafe { with_frame(tracker, frame, |tracker, frame| tracker.finish_lock(frame)) })
+}
+
+/// How well the target could be told from what lies beside it when it was locked. A flat target, an edge and a single pixel look the
+/// same beside their place: the tracker follows such a target, but may slip along it without noticing.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; left alone after an error.
+/// @return         As #smr_window.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut u16) -> smr_status {
     // SAFETY: as the header asks of the caller, of each.
     status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| {
-            let out = Out::unless_null(quality)?;
-            let locked = tracker.finish_lock(frame)?;
-            out.into_iter().for_each(|out| out.write(locked.value()));
-            Ok(())
-        })
+        answer_to(tracker, quality, |tracker| Ok(tracker.quality().ok_or(SMR_ERROR_NOT_LOCKED)?.value()))
     })
 }
 

@@ -102,7 +102,7 @@ static unsigned track(const smr_config *config, const smr_rect *target, int at_t
     must(smr_init(&storage, sizeof storage, &workspace, sizeof workspace, config, &tracker));
     must(smr_lock_window(tracker, WIDTH, HEIGHT, target, &window));
     frame = frame_of(0, &window, &sweep, at_the_end);
-    must(smr_lock(tracker, &frame, target, NULL));
+    must(smr_lock(tracker, &frame, target));
     for (number = 1; number < 12; number++) {
         must(smr_window(tracker, &window));
         must(smr_sweep_window(tracker, &sweep));

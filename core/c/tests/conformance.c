@@ -438,10 +438,10 @@ static void lock_both(smr_tracker *whole, smr_tracker *part, const smr_rect *tar
     static const smr_rect nothing = {0, 0, 0, 0};
     smr_frame frame = whole_frame();
     smr_rect window;
-    must(smr_lock(whole, &frame, target, NULL));
+    must(smr_lock(whole, &frame, target));
     must(smr_lock_window(part, sensor.width, sensor.height, target, &window));
     frame = frame_of(&window, &nothing);
-    must(smr_lock(part, &frame, target, NULL));
+    must(smr_lock(part, &frame, target));
 }
 
 static void run(unsigned *cases, unsigned *compared)

@@ -217,7 +217,7 @@ static void one(uint32_t start)
         }
         switch (call == 0 ? 0 : below(16)) {
         case 0:
-            status = smr_lock(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target, rarely() ? NULL : &quality);
+            status = smr_lock(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target);
             locked += status == SMR_OK;
             break;
         case 1:
@@ -257,7 +257,8 @@ static void one(uint32_t start)
             while (status == SMR_OK && !over && !rarely()) {
                 status = smr_step(tracker, &frame, any() >> below(32), &over);
             }
-            status = rarely() ? status : smr_finish_lock(tracker, &frame, rarely() ? NULL : &quality);
+            status = rarely() ? status : smr_finish_lock(tracker, &frame);
+            smr_quality(tracker, rarely() ? NULL : &quality);
             break;
         case 10:
             status = smr_step(tracker, &frame, any(), &over);

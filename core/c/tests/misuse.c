@@ -134,7 +134,7 @@ static smr_tracker *locked_tracker(void)
     smr_tracker *tracker = good_tracker();
     smr_frame frame = good_frame();
     smr_rect box = rect(26, 22, 8, 8);
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     return tracker;
 }
 
@@ -285,7 +285,7 @@ static void no_updates(smr_tracker *tracker, smr_status wanted)
     smr_rect box = rect(10, 10, 12, 12);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), wanted);
+    EXPECT(smr_lock(tracker, &frame, &box), wanted);
     EXPECT(smr_update(tracker, &frame, &answer), wanted);
     EXPECT(smr_begin(tracker, &frame), wanted);
     EXPECT(smr_step(tracker, &frame, 1, &done), wanted);
@@ -340,7 +340,7 @@ static void shared_workspaces(void)
     smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(two, &frame, &box, NULL), SMR_OK); /* on the same box: only their addresses tell them apart */
+    EXPECT(smr_lock(two, &frame, &box), SMR_OK); /* on the same box: only their addresses tell them apart */
     EXPECT(smr_begin(one, &frame), SMR_OK);
     EXPECT(smr_step(two, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_finish(two, &frame, &answer), SMR_ERROR_NOT_BEGUN);
@@ -395,11 +395,11 @@ static void pointers(void)
     uint8_t done;
     frames[0] = good_frame();
     rects[0] = rect(26, 22, 8, 8);
-    EXPECT(smr_lock(tracker, NULL, rects, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_lock(tracker, frames, NULL, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_lock(tracker, (smr_frame *)askew(frames), rects, NULL), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects), NULL), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock(tracker, frames, rects, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker, NULL, rects), SMR_ERROR_NULL);
+    EXPECT(smr_lock(tracker, frames, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_lock(tracker, (smr_frame *)askew(frames), rects), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock(tracker, frames, rects), SMR_OK);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, NULL, rects), SMR_ERROR_NULL);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, rects, NULL), SMR_ERROR_NULL);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, (smr_rect *)askew(rects), rects + 1), SMR_ERROR_MISALIGNED);
@@ -443,7 +443,7 @@ static void refused(smr_tracker *tracker, const smr_frame *frame, smr_status wan
     smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(tracker, frame, &box, NULL), wanted);
+    EXPECT(smr_lock(tracker, frame, &box), wanted);
     EXPECT(smr_update(tracker, frame, &answer), wanted);
     EXPECT(smr_begin(tracker, frame), wanted);
     EXPECT(smr_step(tracker, frame, 1, &done), wanted);
@@ -503,7 +503,7 @@ static void boxes(void)
     window = rect(-7, -7, 7, 7); \
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), wanted); \
     HOLD((window.x == -7) == ((wanted) != SMR_OK)); \
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), wanted)
+    EXPECT(smr_lock(tracker, &frame, &box), wanted)
     REFUSED_BOX(5, 5, 0, 6, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(5, 5, 6, 0, SMR_ERROR_BOX_EMPTY);
     REFUSED_BOX(-1, 5, 6, 6, SMR_ERROR_BOX_OUTSIDE_FRAME);
@@ -524,14 +524,14 @@ static void capacities(void)
     frame.parts[0].size = frame.parts[0].stride = sizeof wide;
     frame.width = frame.parts[0].width = sizeof wide;
     frame.height = frame.parts[0].height = 1;
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_ERROR_BOX_TOO_LARGE);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_BOX_TOO_LARGE);
     box.width = SMR_PIXELS;
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     box.width = 1;
     config.paper.window_limit.x = SMR_SPAN / 2 + 1;
-    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box, NULL), SMR_ERROR_WINDOW_TOO_LARGE);
+    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_ERROR_WINDOW_TOO_LARGE);
     config.paper.window_limit.x = (SMR_SPAN - 1) / 2;
-    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
 }
 
 /* The windows are what is read: with them it goes, with a column or a row less it does not. */
@@ -546,14 +546,14 @@ static void windows(void)
     less = window;
     less.width--;
     frame = part_of_frame(&less);
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
     less = window;
     less.y++;
     less.height--;
     frame = part_of_frame(&less);
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY);
     frame = part_of_frame(&window);
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
 
     EXPECT(smr_window(tracker, &window), SMR_OK);
     HOLD(robust || (window.x == 21 && window.y == 17 && window.width == 18 && window.height == 18));
@@ -599,7 +599,7 @@ static void order(void)
     EXPECT(smr_moved(tracker, 1, 1), SMR_OK);
     HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && fine.x == -7 && state == SMR_LOST && done == 7 && written == 777);
 
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
     HOLD(fine.x == 26 * 256 && fine.y == 22 * 256 && fine.width == 8 * 256 && state == SMR_TRACKING);
     other.height = other.parts[0].height = HEIGHT - 1;
@@ -613,7 +613,7 @@ static void order(void)
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
     EXPECT(smr_moved(tracker, 2 * 256, -3 * 256), SMR_OK);
@@ -638,7 +638,10 @@ static void failures(void)
     size_t written = 777, at;
     memset(bytes, 0xA5, sizeof bytes);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_lock(tracker, &frame, &box, NULL), SMR_OK);
+    EXPECT(smr_quality(tracker, &quality), SMR_ERROR_NOT_LOCKED);
+    HOLD(quality == 777);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_quality(tracker, NULL), SMR_ERROR_NULL);
     EXPECT(smr_save(tracker, bytes, 40, &written), SMR_ERROR_BUFFER_TOO_SMALL);
     for (at = 0; at < sizeof bytes; at++) {
         HOLD(bytes[at] == 0xA5);
@@ -646,13 +649,11 @@ static void failures(void)
     HOLD(written == 777);
 
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
-    EXPECT(smr_lock(tracker, &frame, &none, &quality), SMR_ERROR_BOX_EMPTY);
-    EXPECT(smr_lock(tracker, &frame, &outside, &quality), SMR_ERROR_BOX_OUTSIDE_FRAME);
-    EXPECT(smr_lock(tracker, &frame, &box, (uint16_t *)(void *)((char *)&quality + 1)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock(tracker, &frame, &none), SMR_ERROR_BOX_EMPTY);
+    EXPECT(smr_lock(tracker, &frame, &outside), SMR_ERROR_BOX_OUTSIDE_FRAME);
     EXPECT(smr_begin_lock(tracker, &frame, &none), SMR_ERROR_BOX_EMPTY);
-    EXPECT(smr_finish_lock(tracker, &frame, &quality), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_finish_lock(tracker, &frame), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_restore(tracker, bytes, sizeof bytes), SMR_ERROR_NOT_SAVED);
-    HOLD(quality == 777);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
@@ -682,7 +683,7 @@ static void locks_in_steps(void)
     uint8_t done = 0;
     size_t size, written;
     unsigned steps = 0;
-    EXPECT(smr_lock(tracker, &frame, &box, &first), SMR_OK);
+    EXPECT(smr_quality(tracker, &first), SMR_OK);
     HOLD(first >= SMR_POOR_QUALITY);
     EXPECT(smr_save(tracker, at_once, sizeof at_once, &size), SMR_OK);
 
@@ -698,16 +699,19 @@ static void locks_in_steps(void)
         steps++;
     }
     HOLD(robust ? steps > 20 : steps == 1);
-    EXPECT(smr_finish_lock(tracker, &frame, &quality), SMR_OK);
+    EXPECT(smr_quality(tracker, &quality), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_finish_lock(tracker, &frame), SMR_OK);
+    EXPECT(smr_quality(tracker, &quality), SMR_OK);
     HOLD(quality == first);
-    EXPECT(smr_finish_lock(tracker, &frame, &quality), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_finish_lock(tracker, &frame), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     HOLD(written == size && memcmp(bytes, at_once, size) == 0);
 
     /* A frame without texture: locked on, but poor. */
     memset(flat, 90, sizeof flat);
     frame.parts[0].pixels = flat;
-    EXPECT(smr_lock(tracker, &frame, &box, &quality), SMR_OK);
+    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
+    EXPECT(smr_quality(tracker, &quality), SMR_OK);
     HOLD(quality == 0);
 }
 

@@ -33,7 +33,9 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
+    Done,
     /// The last position itself.
     Start,
     /// Its SAD.
@@ -49,7 +51,6 @@ enum Stage {
     Refine(TilePass, usize, usize),
     /// Without groups: the next offset.
     Offsets(usize, usize),
-    Done,
 }
 
 /// First offset of the tile, and the pass.

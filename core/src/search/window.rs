@@ -29,6 +29,9 @@ pub struct Window {
 }
 
 impl Window {
+    /// A single position.
+    pub(crate) const NONE: Self = Self { centre_x: 0, centre_y: 0, left: 0, right: 0, top: 0, bottom: 0 };
+
     /// The window of `radius` around `target`, on a frame with the size of `bounds` and `padding` pixels around it.
     ///
     /// ```

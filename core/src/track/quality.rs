@@ -35,6 +35,10 @@ impl Quality {
         self.0
     }
 
+    pub(super) const fn of_value(value: u16) -> Self {
+        Self(value)
+    }
+
     /// True if the target can hardly be told from what lies beside it: a better box should be chosen, if there is one.
     #[must_use]
     pub const fn is_poor(self) -> bool {

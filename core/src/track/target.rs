@@ -120,6 +120,9 @@ pub trait Target: Steps {
     /// The state of the last answer; `None` before the first lock, and tracking after it.
     fn state(&self) -> Option<State>;
 
+    /// How well the target could be told from what lies beside it when it was locked; `None` before the first lock.
+    fn quality(&self) -> Option<Quality>;
+
     /// Says that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
     /// (x + `right`, y + `down`). Both in units of 1/256 pixel. An update that is under way is given up.
     ///

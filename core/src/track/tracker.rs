@@ -54,6 +54,24 @@ impl<T: Target> Tracker<T> {
         Ok(Self { target: T::new(config)?, workspace: T::Workspace::default() })
     }
 
+    /// A tracker of a target and a workspace. In a `static` the compiler makes it, and it takes no stack:
+    ///
+    /// ```
+    /// use smr_core::robust::{Config, Workspace};
+    /// use smr_core::{Robust, Tracker};
+    /// use std::sync::Mutex; // in firmware that of critical-section or of Embassy
+    ///
+    /// static TRACKER: Mutex<Tracker<Robust>> =
+    ///     Mutex::new(Tracker::from_parts(Robust::const_new(Config::robust()), Workspace::new()));
+    /// assert!(TRACKER.lock()?.window().is_none());
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    #[must_use]
+    #[inline(always)] // made where it stays
+    pub const fn from_parts(target: T, workspace: T::Workspace) -> Self {
+        Self { target, workspace }
+    }
+
     /// What is remembered.
     #[must_use]
     pub const fn target(&self) -> &T {
@@ -125,6 +143,11 @@ impl<T: Target> Tracker<T> {
         self.target.state()
     }
 
+    /// As [`Target::quality`].
+    pub fn quality(&self) -> Option<Quality> {
+        self.target.quality()
+    }
+
     /// As [`Target::moved`].
     pub fn moved(&mut self, right: i32, down: i32) {
         self.target.moved(right, down);
@@ -139,7 +162,7 @@ impl<T: Target> Tracker<T> {
     }
 
     /// The work of the last update or lock, in the units of [`Update::step`]; how it was cut may change it by a little.
-    pub fn work(&self) -> u64 {
+    pub fn work(&self) -> u32 {
         T::work(&self.workspace, SEAL)
     }
 

@@ -36,6 +36,7 @@ impl Ticket {
 /// What is made in steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
+    Nothing,
     Lock,
     Update,
 }
@@ -43,29 +44,29 @@ pub(super) enum Kind {
 /// What a workspace knows of what is under way in it.
 #[derive(Clone, Copy)]
 pub struct UnderWay {
-    kind: Option<Kind>,
+    kind: Kind,
     /// The target's address and its generation.
     target: usize,
     generation: u32,
     /// Units of work that the present call may still do.
     granted: u32,
-    /// Units of work that were done in all calls.
-    done: u64,
+    /// Units of work that were done in all calls. It is only shown, so it may stop at its largest number.
+    done: u32,
 }
 
 impl UnderWay {
-    pub(super) const NOTHING: Self = Self { kind: None, target: 0, generation: 0, granted: 0, done: 0 };
+    pub(super) const NOTHING: Self = Self { kind: Kind::Nothing, target: 0, generation: 0, granted: 0, done: 0 };
 
     /// What was under way is given up, or done.
     pub(super) const fn end(&mut self) {
-        self.kind = None;
+        self.kind = Kind::Nothing;
     }
 
     pub(super) const fn granted(&self) -> u32 {
         self.granted
     }
 
-    pub(super) const fn done(&self) -> u64 {
+    pub(super) const fn done(&self) -> u32 {
         self.done
     }
 
@@ -76,7 +77,7 @@ impl UnderWay {
     /// So much work has been done: more than what is granted where a unit of work could not be divided.
     pub(super) const fn spend(&mut self, work: u32) {
         self.granted = self.granted.saturating_sub(work);
-        self.done = self.done.saturating_add(work as u64);
+        self.done = self.done.saturating_add(work);
     }
 
     /// 0 is taken for 1, so that every call goes on.
@@ -97,7 +98,7 @@ pub trait Steps: Sized {
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
 
     /// The work of what is under way, or was last.
-    fn work(workspace: &Self::Workspace, _: &Seal) -> u64;
+    fn work(workspace: &Self::Workspace, _: &Seal) -> u32;
 
     /// Whether an update by `frame` can be made.
     ///
@@ -140,7 +141,7 @@ fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) {
     ticket.change();
     ticket.workspace = workspace_address;
     let generation = ticket.generation;
-    *T::under_way(workspace, SEAL) = UnderWay { kind: Some(kind), target: address, generation, ..UnderWay::NOTHING };
+    *T::under_way(workspace, SEAL) = UnderWay { kind, target: address, generation, ..UnderWay::NOTHING };
 }
 
 /// True if it is this target's, and both sides say so.
@@ -148,7 +149,7 @@ fn is_under_way<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Ki
     let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
     let Ticket { generation, workspace: begun_in } = *target.ticket(SEAL);
     let under_way = T::under_way(workspace, SEAL);
-    under_way.kind == Some(kind)
+    under_way.kind == kind
         && (under_way.target, under_way.generation) == (address, generation)
         && begun_in == workspace_address
 }
@@ -249,9 +250,10 @@ impl<'a, T: Steps> Update<'a, T> {
         self.0.step(work)
     }
 
-    /// How much work has been done since the update was begun, at most: what could be left out is counted, too.
+    /// How much work has been done since the update was begun, at most: what could be left out is counted, too. It stops at
+    /// `u32::MAX`, which [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
     #[must_use]
-    pub fn work(&self) -> u64 {
+    pub fn work(&self) -> u32 {
         T::work(self.0.workspace, SEAL)
     }
 
@@ -297,7 +299,7 @@ impl<'a, T: Steps> Lock<'a, T> {
 
     /// How much work has been done since the lock was begun, in the units of [`Update::step`].
     #[must_use]
-    pub fn work(&self) -> u64 {
+    pub fn work(&self) -> u32 {
         T::work(self.0.workspace, SEAL)
     }
 

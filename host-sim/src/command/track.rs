@@ -84,7 +84,7 @@ struct JsonLine<'a> {
     alpha: Option<u16>,
     scale: Option<f64>,
     found_again: Option<bool>,
-    work: Option<u64>,
+    work: Option<u32>,
 }
 
 /// A box in whole pixels.

@@ -35,7 +35,7 @@ pub struct Report {
     /// What smr-core decided on; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
     /// The work that the answer took, at most, in units of [`Update::step`](smr_core::Update::step); `None` from the baselines.
-    pub work: Option<u64>,
+    pub work: Option<u32>,
 }
 
 /// The figures behind an answer of smr-core, with 1.0 as 1.0: see [`Answer`].

@@ -75,7 +75,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         "runner_up": evidence(|evidence| evidence.runner_up_ratio),
         "alpha": evidence(|evidence| evidence.alpha.map(f64::from)),
         "size": rounded(size, 1),
-        "work": reports(&|report| report.work.map(|work| work as f64), 0),
+        "work": reports(&|report| report.work.map(f64::from), 0),
     }))
 }
 

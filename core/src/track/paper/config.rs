@@ -234,11 +234,14 @@ impl Config {
     /// config.first_threshold = 0;
     /// assert_eq!(config.check(), Err(ConfigError::NothingCounts));
     /// ```
-    pub fn check(&self) -> Result<(), ConfigError> {
-        let gate = &self.gate;
-        let fractions = [self.k, gate.tracking, gate.leaving, gate.returning, gate.lost];
-        if fractions.iter().any(|fraction| fraction.denominator == 0) {
-            return Err(ConfigError::ZeroDenominator);
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        let Gate { tracking, leaving, returning, lost, .. } = &self.gate;
+        let mut fractions: &[&Fraction] = &[&self.k, tracking, leaving, returning, lost];
+        while let [fraction, rest @ ..] = fractions {
+            if fraction.denominator == 0 {
+                return Err(ConfigError::ZeroDenominator);
+            }
+            fractions = rest;
         }
         if self.k.numerator == 0 || self.first_threshold == 0 {
             return Err(ConfigError::NothingCounts);

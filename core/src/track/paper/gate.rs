@@ -4,7 +4,7 @@ use super::config::{Config, Fraction, RunnerUp};
 use crate::image::Rect;
 use crate::search::{Found, Peak, Radius, Wanted, Window};
 use crate::similarity::Table;
-use crate::track::State;
+use crate::track::{Quality, State};
 use core::cmp::Ordering;
 
 /// What is remembered of a target beside its template.
@@ -17,11 +17,13 @@ pub(super) struct Track {
     pub(super) edge: bool,
     /// Frames since the target was last believed.
     pub(super) lost_for: u16,
+    /// Of the target that was locked on.
+    pub(super) quality: Quality,
 }
 
 impl Track {
     pub(super) const fn new(bounds: Rect, target: Rect) -> Self {
-        Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0 }
+        Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, quality: Quality::NONE }
     }
 
     /// Where it is looked for in the next frame: the window grows with every frame that the target stays lost.

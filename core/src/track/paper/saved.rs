@@ -5,10 +5,10 @@ use super::gate::Track;
 use super::target::Paper;
 use crate::image::Rect;
 use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
-use crate::track::{LockError, RestoreError, SaveError, State};
+use crate::track::{LockError, Quality, RestoreError, SaveError, State};
 
 /// Bytes of the track, and of the template's threshold.
-const TRACK: usize = 22;
+const TRACK: usize = 24;
 
 /// The most bytes that there can be.
 pub(super) const fn size(pixels: usize) -> usize {
@@ -38,6 +38,7 @@ pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
     }
     to.u16(track.lost_for);
     to.put(&[number_of(track.state), track.edge.into()]);
+    to.u16(track.quality.value());
     to.u16(paper.template.threshold());
     // Not by `rows`, where the compiler keeps a division by the stride, and its panic.
     (0..template.height()).for_each(|y| to.put(template.row(y)));
@@ -75,8 +76,8 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
         1 => true,
         _ => return None,
     };
-    let threshold = from.u16()?;
-    let track = Track { target, bounds, state, edge, lost_for };
+    let (quality, threshold) = (Quality::of_value(from.u16()?), from.u16()?);
+    let track = Track { target, bounds, state, edge, lost_for, quality };
     let fits = !target.is_empty() && target.width <= bounds.width && target.height <= bounds.height;
     let reachable = track.nearest_on(padding) == target;
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))

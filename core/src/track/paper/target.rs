@@ -44,6 +44,19 @@ pub struct Paper<const PIXELS: usize, const SPAN: usize> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
+    /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
+    ///
+    /// # Panics
+    /// If a number of the configuration cannot be used: in a `const` or a `static` the compiler says so.
+    #[must_use]
+    #[allow(clippy::panic)] // the compiler's
+    pub const fn const_new(config: Config) -> Self {
+        match config.check() {
+            Ok(()) => Self { config, template: Template::new(), track: None, ticket: Ticket::NEW },
+            Err(_) => panic!("a number of the configuration cannot be used"),
+        }
+    }
+
     /// The offsets that the next update scores; `None` before the first lock.
     #[must_use]
     pub fn offsets(&self) -> Option<Window> {
@@ -149,6 +162,10 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         self.track.map(|track| track.state)
     }
 
+    fn quality(&self) -> Option<Quality> {
+        self.track.map(|track| track.quality)
+    }
+
     fn moved(&mut self, right: i32, down: i32) {
         self.ticket.change();
         if let Some(track) = &mut self.track {
@@ -180,7 +197,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         &mut workspace.under_way
     }
 
-    fn work(workspace: &Self::Workspace, _: &Seal) -> u64 {
+    fn work(workspace: &Self::Workspace, _: &Seal) -> u32 {
         workspace.under_way.done()
     }
 
@@ -209,7 +226,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
         let Some(track) = self.track else { return };
         let wanted = track.wanted(State::Tracking, &self.config);
-        workspace.search.begin(&track.search_window(&self.config), self.config.pruning, wanted);
+        workspace.window = track.search_window(&self.config);
+        workspace.search.begin(&workspace.window, self.config.pruning, wanted);
         workspace.table.set(self.config.table, self.template.threshold());
     }
 
@@ -223,9 +241,9 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         let Self { template, config, .. } = self;
         // A lock is made at its end.
         let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
-        let Workspace { search, table, under_way, .. } = workspace;
+        let Workspace { search, table, under_way, window, .. } = workspace;
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
-        let window = track.search_window(config);
+        let window = *window;
         let scene = Scene { frame: *frame, template: image, window, scorer: &scorer };
         under_way.spend(search.step(&scene, under_way.granted()));
         if !search.is_done() {
@@ -242,8 +260,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
         let track = self.track.unwrap_or(Track::new(frame.bounds(), Rect::default()));
-        workspace.found = workspace.search.found(&track.search_window(&self.config));
-        self.decide(frame, track, workspace.found.unwrap_or(NOTHING))
+        self.decide(frame, track, workspace.found().unwrap_or(NOTHING))
     }
 
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
@@ -251,11 +268,12 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         if let Some(patch) = frame.patch(locking.target) {
             self.template.start(patch, &self.config);
         }
-        self.track = Some(*locking);
         under_way.spend(3 * locking.target.area());
         table.set(self.config.table, self.template.threshold());
         let scorer = Scorer::new(self.config.backend.unwrap_or_else(Backend::best), table);
-        self.template.image().map_or(Quality::NONE, |image| Quality::of(image, &scorer))
+        let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, &scorer));
+        self.track = Some(Track { quality, ..*locking });
+        quality
     }
 }
 

@@ -156,7 +156,7 @@ fn a_step_does_no_more_than_it_promises() {
             let row = u32::from(tracker.window().unwrap().width);
             let template = u32::from(width) * u32::from(height);
             for asked in [0, 1, 5000] {
-                let most = u64::from(asked.max(1) + template.max(2 * row) + 7 * SPAN as u32);
+                let most = asked.max(1) + template.max(2 * row) + 7 * SPAN as u32;
                 let frame = second.frame();
                 let mut update = tracker.begin(&frame).unwrap();
                 let mut before = 0;

@@ -2,7 +2,7 @@
 
 use super::gate::Track;
 use crate::image::Rect;
-use crate::search::{Found, Search};
+use crate::search::{Found, Search, Window};
 use crate::similarity::CutTable;
 use crate::track::update::UnderWay;
 
@@ -21,11 +21,12 @@ pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) under_way: UnderWay,
     /// What a lock under way will begin with.
     pub(super) locking: Track,
-    pub(super) found: Option<Found>,
+    /// What is searched in.
+    pub(super) window: Window,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
-    /// A workspace.
+    /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
     #[must_use]
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub const fn new() -> Self {
@@ -34,21 +35,21 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
             table: CutTable::EMPTY,
             under_way: UnderWay::NOTHING,
             locking: Track::new(Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0)),
-            found: None,
+            window: Window::NONE,
         }
     }
 
-    /// What the last update that was finished here has found: the peak itself, believed or not, and the runner-up's score. For
-    /// checking; an [`Answer`](crate::Answer) says what follows from it.
+    /// What the last update here has found: the peak itself, believed or not, and the runner-up's score. `None` until all is searched.
+    /// For checking; an [`Answer`](crate::Answer) says what follows from it.
     #[must_use]
-    pub const fn found(&self) -> Option<Found> {
-        self.found
+    pub fn found(&self) -> Option<Found> {
+        self.search.found(&self.window)
     }
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN> {
     #[inline(always)] // made where it stays
     fn default() -> Self {
-        Self::new()
+        const { Self::new() }
     }
 }

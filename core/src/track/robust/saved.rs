@@ -10,10 +10,10 @@ use super::update::scale_is_known;
 use super::{CHANNELS, MOST_CELLS, MOST_PIXELS};
 use crate::image::Rect;
 use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
-use crate::track::{RestoreError, SaveError};
+use crate::track::{Quality, RestoreError, SaveError};
 
 /// Bytes of the track.
-const TRACK: usize = 56;
+const TRACK: usize = 58;
 /// The most bytes that there can be.
 pub(super) const SIZE: usize = AROUND + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS;
 
@@ -36,6 +36,7 @@ pub(super) fn save(robust: &Robust, bytes: &mut [u8]) -> Result<usize, SaveError
     to.u32(track.believed);
     to.i32(track.trust.0);
     to.u32(track.sweep.next);
+    to.u16(track.quality.value());
     robust.filter.weights().iter().for_each(|&weight| to.i32(weight));
     robust.early.fine().iter().for_each(|&fine| to.u16(fine));
     Ok(to.finish())
@@ -64,6 +65,7 @@ fn track(from: &mut Reader<'_>) -> Option<Track> {
     let (scale, believed) = (from.u32()?, from.u32()?);
     let trust = Trust::restore(from.i32()?)?;
     let sweep = Sweep { next: from.u32()? };
+    let quality = Quality::of_value(from.u16()?);
     let place = Place { x, y, scale };
     let moves = i64::from(u16::MAX) << 12;
     let possible = bounds.contains(target)
@@ -82,6 +84,7 @@ fn track(from: &mut Reader<'_>) -> Option<Track> {
         believed,
         trust,
         sweep,
+        quality,
     })
 }
 

@@ -51,6 +51,19 @@ pub struct Robust {
 }
 
 impl Robust {
+    /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
+    ///
+    /// # Panics
+    /// If a number of the configuration cannot be used: in a `const` or a `static` the compiler says so.
+    #[must_use]
+    #[allow(clippy::panic)] // the compiler's
+    pub const fn const_new(config: Config) -> Self {
+        match config.check() {
+            Ok(()) => Self { config, track: None, filter: Filter::new(), early: Early::new(), ticket: Ticket::NEW },
+            Err(_) => panic!("a number of the configuration cannot be used"),
+        }
+    }
+
     /// The early template, by which the track is verified, row by row; `None` before the first lock. Its shape is that of
     /// [`Robust::grid`].
     #[must_use]
@@ -171,6 +184,10 @@ impl Target for Robust {
         self.track.map(|track| track.trust.state(&self.config))
     }
 
+    fn quality(&self) -> Option<Quality> {
+        self.track.map(|track| track.quality)
+    }
+
     fn moved(&mut self, right: i32, down: i32) {
         self.ticket.change();
         if let Some(track) = &mut self.track {
@@ -202,7 +219,7 @@ impl Steps for Robust {
         &mut workspace.under_way
     }
 
-    fn work(workspace: &Workspace, _: &Seal) -> u64 {
+    fn work(workspace: &Workspace, _: &Seal) -> u32 {
         workspace.under_way.done()
     }
 
@@ -284,12 +301,15 @@ impl Steps for Robust {
     }
 
     fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
-        self.track = workspace.progress.next;
-        let Some(grid) = self.grid() else { return Quality::NONE };
+        let Some(mut track) = workspace.progress.next else { return Quality::NONE };
         workspace.table.set(self.config.table, FIRST_THRESHOLD);
-        let Some(patch) = workspace.patch(&grid) else { return Quality::NONE };
-        self.early.start(patch);
-        Quality::of(patch, &Scorer::new(self.config.backend.unwrap_or_else(Backend::best), &workspace.table))
+        if let Some(patch) = workspace.patch(&track.grid) {
+            let scorer = Scorer::new(self.config.backend.unwrap_or_else(Backend::best), &workspace.table);
+            track.quality = Quality::of(patch, &scorer);
+            self.early.start(patch);
+        }
+        self.track = Some(track);
+        track.quality
     }
 }
 

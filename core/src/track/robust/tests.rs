@@ -127,7 +127,7 @@ fn a_step_does_no_more_than_it_promises() {
                 loop {
                     let done = update.step(asked);
                     let made = update.work() - before;
-                    assert!(made <= u64::from(asked.max(1) + most), "{target:?} {number} {asked}: {made} of {most}");
+                    assert!(made <= asked.max(1) + most, "{target:?} {number} {asked}: {made} of {most}");
                     before = update.work();
                     if done {
                         break;

@@ -6,6 +6,7 @@ use super::grid::{Grid, Lattice, PIXEL, SCALE};
 use super::sweep::Sweep;
 use super::trust::Trust;
 use crate::image::{FineRect, Rect};
+use crate::track::Quality;
 
 /// A target's middle and size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +69,8 @@ pub(super) struct Track {
     pub(super) believed: u32,
     pub(super) trust: Trust,
     pub(super) sweep: Sweep,
+    /// Of the target that was locked on.
+    pub(super) quality: Quality,
 }
 
 impl Track {
@@ -83,6 +86,7 @@ impl Track {
             believed: SCALE,
             trust: Trust::new(),
             sweep: Sweep::new(),
+            quality: Quality::NONE,
         }
     }
 

@@ -44,7 +44,9 @@ const MOST_SCALE: u32 = 5 * SCALE;
 
 /// What comes next in an update. Each is a unit of work, between two of which a step may end.
 #[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
+    Done,
     /// A row of cells of a window.
     See(Where),
     /// A part of the responses to them.
@@ -69,7 +71,6 @@ enum Stage {
     Slopes,
     /// A part of the responses to that.
     Bend(usize),
-    Done,
 }
 
 /// Which window is looked at.
@@ -132,7 +133,7 @@ impl Look {
 impl Progress {
     #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
-        let place = Place { x: 0, y: 0, scale: SCALE };
+        let place = Place { x: 0, y: 0, scale: 0 };
         let look = Look { place, peak: Peak { x: 0, y: 0, response: 0, height: 0 }, agreement: 0 };
         Self {
             stage: Stage::Done,
@@ -144,8 +145,8 @@ impl Progress {
             was: Contrast::NONE,
             nearest: Nearest::new(),
             growth: None,
-            highest: i64::MIN,
-            scale: SCALE,
+            highest: 0,
+            scale: 0,
             offset: (0, 0),
             coded: 0,
             descent: 0,

@@ -46,7 +46,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// A workspace.
+    /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
     #[must_use]
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     pub const fn new() -> Self {
@@ -78,6 +78,6 @@ impl Workspace {
 impl Default for Workspace {
     #[inline(always)] // made where it stays
     fn default() -> Self {
-        Self::new()
+        const { Self::new() }
     }
 }
