@@ -224,8 +224,9 @@ impl Target<'_> {
     fn see(&self, workspace: &mut Workspace, frame: &Frame<'_>, place: Where) -> Stage {
         let lattice = self.window(place);
         let Workspace { strip, cells, progress, .. } = workspace;
-        progress.spend(lattice.work(CELL + 2, SEEN));
-        if strip.row(frame, &lattice, cells) { Stage::Respond(place, 0) } else { Stage::See(place) }
+        let seen = strip.row(frame, &lattice, cells);
+        progress.spend(lattice.work(CELL + 2, SEEN) + strip.scratch().read());
+        if seen { Stage::Respond(place, 0) } else { Stage::See(place) }
     }
 
     fn respond(&self, workspace: &mut Workspace, place: Where, part: usize) -> Stage {
@@ -253,7 +254,7 @@ impl Target<'_> {
         let Workspace { strip, view, progress, .. } = workspace;
         let lattice = progress.looking.place.view(&self.track.grid);
         lattice.sample_row(frame, strip.scratch(), row, view);
-        progress.spend(lattice.work(1, VIEWED));
+        progress.spend(lattice.work(1, VIEWED) + strip.scratch().read());
         if row + 1 < lattice.rows { Stage::View(place, row + 1) } else { Stage::Compare(place, 0) }
     }
 
@@ -342,8 +343,9 @@ impl Target<'_> {
     fn see_size(&self, workspace: &mut Workspace, frame: &Frame<'_>, number: usize) -> Stage {
         let Workspace { strip, aside, progress, .. } = workspace;
         let Some((_, lattice)) = progress.aside(number, &self.track.grid) else { return Stage::Size(number) };
-        progress.spend(lattice.work(CELL + 2, SEEN));
-        if strip.row(frame, &lattice, aside) { Stage::Size(number) } else { Stage::SeeSize(number) }
+        let seen = strip.row(frame, &lattice, aside);
+        progress.spend(lattice.work(CELL + 2, SEEN) + strip.scratch().read());
+        if seen { Stage::Size(number) } else { Stage::SeeSize(number) }
     }
 
     fn size(&self, workspace: &mut Workspace, number: usize) -> Stage {
