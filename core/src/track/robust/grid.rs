@@ -485,7 +485,7 @@ mod tests {
             for step in
                 [PIXEL / 2, PIXEL + 1, 2 * PIXEL - 1, 2 * PIXEL, 3 * PIXEL + 7, 4 * PIXEL - 1].into_iter().chain(
                     (2..8)
-                        .flat_map(|places| [PIXEL << places, (3 * PIXEL << places) / 2 + 5, (2 * PIXEL << places) - 1]),
+                        .flat_map(|places| [PIXEL << places, 3 * (PIXEL << places) / 2 + 5, 2 * (PIXEL << places) - 1]),
                 )
             {
                 for (x, y) in [(0, 0), (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3), (12_345, 543_210)]
