@@ -319,21 +319,25 @@ mod tests {
     /// The bounds that only small, long and large targets meet.
     #[test]
     fn other_bounds_are_noticed() {
-        let others: [Change<Numbers>; 3] = [
+        let others: [Change<Numbers>; 5] = [
             ("finest", |numbers| numbers.finest = 1.0),
             ("least cells", |numbers| numbers.least_cells = 5),
             ("most cells on a side", |numbers| numbers.most_cells_on_a_side = 31),
+            ("fewer read of a block", |numbers| numbers.read_of_a_side = 1),
+            ("more read of a block", |numbers| numbers.read_of_a_side = 3),
         ];
-        let frame = |step: usize| GrayFrame { width: 240, height: 40, pixels: tiles(240, 40, |x, y| (x + step, y)) };
+        let frame = |step: usize| GrayFrame { width: 240, height: 160, pixels: tiles(240, 160, |x, y| (x + step, y)) };
         let report = |numbers: Numbers, target: Rect| {
             let check = lock("bounds", numbers, Config::robust(), &frame(0), target);
             through(check, std::iter::once(frame(1)))
         };
-        for target in [Rect::new(100, 20, 6, 3), Rect::new(10, 15, 220, 4)] {
+        let [small, long, large] = [Rect::new(100, 20, 6, 3), Rect::new(10, 15, 220, 4), Rect::new(10, 10, 200, 140)];
+        for target in [small, long, large] {
             assert_eq!(report(Numbers::robust(), target).violation, None);
         }
-        noticed(&others[..2], |numbers| report(numbers, Rect::new(100, 20, 6, 3)));
-        noticed(&others[2..], |numbers| report(numbers, Rect::new(10, 15, 220, 4)));
+        noticed(&others[..2], |numbers| report(numbers, small));
+        noticed(&others[2..3], |numbers| report(numbers, long));
+        noticed(&others[3..], |numbers| report(numbers, large));
     }
 
     /// The numbers of trust and of the sweep, on a target that is hidden and comes back elsewhere.

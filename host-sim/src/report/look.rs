@@ -108,7 +108,8 @@ impl Shown for Tracker<Robust> {
             rows,
         };
         let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
-        let (seen, numbers) = (lattice.sample(&picture), Numbers::robust());
+        let numbers = Numbers::robust();
+        let seen = lattice.sample(&numbers, &picture);
         let lit = in_light_of(&numbers, &early, &seen);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
         let byte = |level: f64| level as u8;

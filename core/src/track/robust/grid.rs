@@ -1,8 +1,11 @@
 //! The grid: target and surroundings, resampled so that the target has about 1600 pixels, whatever its size in the frame.
 //!
-//! Where a step of the grid is two pixels or more, the frame is first reduced by 2x2 means (4x4, 8x8, ...) until it is less
-//! than two; then the four neighbours are mixed by fractions of 1/256. Beyond the frame its edge goes on. Only the pixels
-//! that are sampled are read, and each row of means is made once.
+//! Where a step of the grid is two pixels or more, the frame is first reduced by blocks of 2x2 pixels (4x4, 8x8, ...) until a step is
+//! less than two of them; then the four neighbours are mixed by fractions of 1/256. Beyond the frame its edge goes on. Each row of blocks
+//! is made once.
+//!
+//! What stands for a block is the mean of four pixels, whatever the block's size: two in each of two rows, a quarter of its side from its
+//! edges. So they are evenly spaced over the whole frame, and a pixel of the grid costs at most 16 pixels of the frame.
 
 use super::features::CELL;
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
@@ -119,8 +122,8 @@ struct Axis {
 impl Axis {
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
-        // The middle of the first block of means lies half a block from the first pixel's.
-        let middle = ((1 << halvings) - 1) * PIXEL / 2;
+        // Between the two pixels that are read of the first block.
+        let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
         let blocks = i32::from((size >> halvings).max(1));
         let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
         Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
@@ -188,15 +191,12 @@ impl Lattice {
             let (block, part) = across.place(column);
             scratch.columns.push(block.wrapping_sub(left), part);
         }
-        scratch.made = [None; 2];
+        (scratch.made, scratch.read) = ([None; 2], 0);
     }
 
-    /// The work of so many rows, at most: the pixels of the frame that they lie on, and so much for `each` pixel of the lattice.
+    /// The work of so many rows, so much for `each` pixel of the lattice; what is read of the frame is counted by `Scratch`.
     pub(super) fn work(&self, rows: u16, each: u32) -> u32 {
-        let under = |count: u16| ((u64::from(count) * self.step.unsigned_abs()) >> PIXEL_BITS) + 2;
-        // A step is below 2^18 pixels.
-        let pixels = u32::try_from(under(self.columns).saturating_mul(under(rows))).unwrap_or(u32::MAX);
-        pixels.saturating_add(each * u32::from(self.columns) * u32::from(rows))
+        each * u32::from(self.columns) * u32::from(rows)
     }
 
     /// Begins to sample into `out`; false, and nothing in `out`, if there is no room.
@@ -239,9 +239,11 @@ pub(super) struct Scratch {
     down: Axis,
     halvings: u32,
     pixels: Rect,
-    /// Two rows of block means, the ones that are being mixed, and which they are.
+    /// Two rows of block means, the ones that are being mixed, and which they are. Where nothing is halved, they are the frame's.
     means: [Vec<u8, ROW>; 2],
     made: [Option<u16>; 2],
+    /// Pixels of the frame that were read.
+    read: u32,
     /// Sums of blocks while a row of means is made; then a row that is mixed of two.
     mixed: Mixed,
 }
@@ -256,6 +258,7 @@ impl Scratch {
             pixels: Rect::new(0, 0, 0, 0),
             means: [const { Vec::new() }; 2],
             made: [None; 2],
+            read: 0,
             mixed: [0; Columns::<COLUMNS>::PLACES + 4],
         }
     }
@@ -266,6 +269,11 @@ impl Scratch {
     #[inline(never)] // one copy in flash
     pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
         Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
+    }
+
+    /// How many pixels of the frame were read since this was asked last, each once: part of the work.
+    pub(super) fn read(&mut self) -> u32 {
+        core::mem::take(&mut self.read)
     }
 }
 
@@ -294,14 +302,19 @@ impl Sampler<'_> {
     /// Rows that follow each other are kept in turns.
     #[inline(never)] // one copy in flash
     fn make(&mut self, block: u16) {
-        let Self { pixels, scratch: Scratch { means: [even, odd], made, mixed, halvings, .. } } = self;
+        let Self { pixels, scratch: Scratch { means: [even, odd], made, read, mixed, halvings, .. } } = self;
         let [even_made, odd_made] = made;
         let (made, means) = if block.is_multiple_of(2) { (even_made, even) } else { (odd_made, odd) };
-        if *halvings == 0 || *made == Some(block) {
+        if *made == Some(block) {
             return;
         }
         *made = Some(block);
-        make_means(*pixels, block << *halvings, *halvings, mixed, means);
+        // At most 4 * ROW, twice for a row of the lattice.
+        *read += if *halvings == 0 {
+            pixels.width().into()
+        } else {
+            make_means(*pixels, block << *halvings, *halvings, mixed, means)
+        };
     }
 }
 
@@ -344,19 +357,28 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The means of a row of blocks, which begins at the row `first` of the pixels. `sums` is scratch.
+/// Which two pixels are read on each side of a block: all of 2x2, else those that are a quarter of its side from its edges.
+fn pair(halvings: u32) -> [u16; 2] {
+    let side = 1_u16 << halvings;
+    [side >> 2, (side >> 2) + (side >> 1)]
+}
+
+/// The means of a row of blocks, which begins at the row `first` of the pixels; how many pixels were read. `sums` is scratch.
 #[inline(never)] // one copy in flash
-fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) {
-    let whole = sum_whole_blocks(pixels, first, halvings, sums);
-    let shift = 2 * halvings;
+fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
+    let blocks = pixels.width().div_ceil(1 << halvings);
     // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
-    let _ = means.resize_default(usize::from(pixels.width()).div_ceil(1 << halvings));
-    for (mean, &sum) in rolled(means.iter_mut().zip(whole.iter())) {
-        *mean = u8::try_from((u32::from(sum) + (1 << (shift - 1))) >> shift).unwrap_or(u8::MAX);
+    let _ = means.resize_default(blocks.into());
+    let sums = sums.get_mut(..means.len()).unwrap_or_default();
+    sums.fill(0);
+    for row in pair(halvings) {
+        add_row(sums, row_of(pixels, first, row), halvings);
     }
-    for (column, mean) in means.iter_mut().enumerate().skip(whole.len()) {
-        *mean = mean_of(pixels, first, column, halvings);
+    for (mean, &mut sum) in rolled(means.iter_mut().zip(sums)) {
+        // At most 255 * 4.
+        *mean = u8::try_from((sum + 2) >> 2).unwrap_or(u8::MAX);
     }
+    4 * u32::from(blocks)
 }
 
 /// A row of means that was made, or of pixels where nothing is halved.
@@ -374,45 +396,19 @@ pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
 
-/// The sums of the blocks in a row that are not cut, for sides of 2 and 4: few targets have larger ones. None for
-/// those.
-fn sum_whole_blocks<'a>(pixels: Image<'_>, first: u16, halvings: u32, sums: &'a mut [u16]) -> &'a [u16] {
-    let sums = sums.get_mut(..usize::from(pixels.width() >> halvings)).unwrap_or_default();
-    if halvings > 2 {
-        return &[];
+/// Adds what is read of a row of pixels to the sums of its blocks. Where the frame ends within a block, its last pixel goes on.
+fn add_row(sums: &mut [u16], row: &[u8], halvings: u32) {
+    let (pairs, _) = row.as_chunks::<2>();
+    let whole = if halvings == 1 { pairs } else { &[] };
+    for (sum, &[left, right]) in rolled(sums.iter_mut().zip(whole)) {
+        *sum += u16::from(left) + u16::from(right);
     }
-    sums.fill(0);
-    for row in 0..1 << halvings {
-        let row = row_of(pixels, first, row);
-        if halvings == 1 {
-            add_row::<2>(sums, row);
-        } else {
-            add_row::<4>(sums, row);
-        }
+    let [left, right] = pair(halvings).map(usize::from);
+    let at = |column: usize| u16::from(row.get(column).or(row.last()).copied().unwrap_or(0));
+    for (block, sum) in rolled(sums.iter_mut().enumerate().skip(whole.len())) {
+        let first = block << halvings;
+        *sum += at(first + left) + at(first + right);
     }
-    sums
-}
-
-fn add_row<const SIDE: usize>(sums: &mut [u16], row: &[u8]) {
-    let (blocks, _) = row.as_chunks::<SIDE>();
-    for (sum, block) in rolled(sums.iter_mut().zip(blocks)) {
-        *sum += block.iter().map(|&pixel| u16::from(pixel)).sum::<u16>();
-    }
-}
-
-/// The mean of a block of any size, of which a part may be beyond the frame's right edge.
-fn mean_of(pixels: Image<'_>, first: u16, column: usize, halvings: u32) -> u8 {
-    let side = 1usize << halvings;
-    // A step is below 2^17 pixels, so a block's side is at most 2^16 and the sum below 2^40.
-    let mut sum = 0u64;
-    for row in 0..side {
-        let row = row_of(pixels, first, u16::try_from(row).unwrap_or(u16::MAX));
-        let block = row.get(column * side..(column * side + side).min(row.len())).unwrap_or_default();
-        let missing = u32::try_from(side - block.len()).unwrap_or(0);
-        let edge = missing * u32::from(row.last().copied().unwrap_or(0));
-        sum += u64::from(rolled(block.iter()).map(|&pixel| u32::from(pixel)).sum::<u32>() + edge);
-    }
-    u8::try_from((sum + (1 << (2 * halvings - 1))) >> (2 * halvings)).unwrap_or(u8::MAX)
 }
 
 #[cfg(test)]
@@ -429,27 +425,119 @@ mod tests {
         assert!(squares.clone().all(|square| root(square).pow(2) == square && root(square - 1) == square.isqrt() - 1));
     }
 
+    fn noise(width: u16, height: u16) -> std::vec::Vec<u8> {
+        let pixels = u32::from(width) * u32::from(height);
+        (0..pixels).map(|at| (at.wrapping_mul(2_654_435_761) ^ at >> 7).to_be_bytes()[1]).collect()
+    }
+
+    /// A lattice of its own arithmetic: what it samples, and how many pixels of the frame it reads.
+    fn plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) -> (std::vec::Vec<u8>, usize) {
+        let side = (0..).map(|places| 1_i64 << places).find(|side| lattice.step < 2 * PIXEL * side).unwrap();
+        let parts = match side {
+            1 => std::vec![0],
+            2 => std::vec![0, 1],
+            _ => std::vec![side / 4, side * 3 / 4],
+        };
+        let places = |centre: i64, count: u16, size: u16| -> std::vec::Vec<(i64, i64, i64)> {
+            let first = centre - (i64::from(count) - 1) * lattice.step / 2;
+            let middle = parts.iter().sum::<i64>() * PIXEL / i64::try_from(parts.len()).unwrap();
+            let last = (i64::from(size) / side).max(1) - 1;
+            let place = |number: i64| {
+                let at = (first - middle).div_euclid(side) + number * lattice.step.div_euclid(side);
+                let at = at.clamp(0, last * PIXEL);
+                (at / PIXEL, (at / PIXEL + 1).min(last), at % PIXEL / 16)
+            };
+            (0..count.into()).map(place).collect()
+        };
+        let pixel = |x: i64, y: i64| {
+            let (x, y) = (x.min(i64::from(width) - 1), y.min(i64::from(height) - 1));
+            i64::from(pixels[usize::try_from(y * i64::from(width) + x).unwrap()])
+        };
+        let mean = |column: i64, row: i64| {
+            let all = parts.iter().flat_map(|y| parts.iter().map(move |x| (side * column + x, side * row + y)));
+            let (sum, count) = all.fold((0, 0), |(sum, count), (x, y)| (sum + pixel(x, y), count + 1));
+            (sum + count / 2) / count
+        };
+        let (across, down) = (places(lattice.x, lattice.columns, width), places(lattice.y, lattice.rows, height));
+        let mixed = |&(upper, lower, below): &(i64, i64, i64), &(left, right, after): &(i64, i64, i64)| {
+            let mix = |column| mean(column, upper) * (256 - below) + mean(column, lower) * below;
+            u8::try_from((mix(left) * (256 - after) + mix(right) * after + (1 << 15)) >> 16).unwrap()
+        };
+        let sampled = down.iter().flat_map(|row| across.iter().map(move |column| mixed(row, column))).collect();
+        let rows: std::collections::BTreeSet<i64> = down.iter().flat_map(|&(upper, lower, _)| [upper, lower]).collect();
+        let columns = usize::try_from(across.last().unwrap().1 - across[0].0 + 1).unwrap();
+        (sampled, columns * rows.len() * parts.len() * parts.len())
+    }
+
+    fn samples_as_plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) {
+        let frame = Frame::whole(Image::new(pixels, width, height).unwrap());
+        let (mut scratch, mut sampled) = (Scratch::new(), Vec::<u8, 40_000>::new());
+        assert!(lattice.sample(&frame, &mut scratch, &mut sampled));
+        let read = usize::try_from(scratch.read()).unwrap();
+        let (wanted, of) = plainly(lattice, pixels, width, height);
+        assert!(sampled[..] == wanted[..], "{lattice:?} on {width}x{height}");
+        assert_eq!(read, of, "{lattice:?} on {width}x{height}");
+    }
+
     #[test]
-    fn whole_blocks_have_the_mean_that_any_block_has() {
-        let pixels: std::vec::Vec<u8> =
-            (0..83 * 50u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 20) as u8).collect();
-        let image = Image::new(&pixels, 83, 50).unwrap();
-        for halvings in 1..=6 {
-            let (mut sums, mut made) = ([0; ROW], Vec::new());
-            for block in 0..50u16.div_ceil(1 << halvings) {
-                let first = block << halvings;
-                make_means(image, first, halvings, &mut sums, &mut made);
-                let one_by_one =
-                    (0..83usize.div_ceil(1 << halvings)).map(|column| mean_of(image, first, column, halvings));
-                assert!(made.iter().copied().eq(one_by_one), "{halvings} halvings");
+    fn blocks_of_all_sides_are_mixed_as_by_plain_arithmetic() {
+        for (width, height) in [(83, 50), (64, 64), (16, 200), (7, 3), (1, 1)] {
+            let pixels = noise(width, height);
+            for step in
+                [PIXEL / 2, PIXEL + 1, 2 * PIXEL - 1, 2 * PIXEL, 3 * PIXEL + 7, 4 * PIXEL - 1].into_iter().chain(
+                    (2..8)
+                        .flat_map(|places| [PIXEL << places, 3 * (PIXEL << places) / 2 + 5, 2 * (PIXEL << places) - 1]),
+                )
+            {
+                for (x, y) in [(0, 0), (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3), (12_345, 543_210)]
+                {
+                    let (x, y) = (x.min(i64::from(width - 1) * PIXEL), y.min(i64::from(height - 1) * PIXEL));
+                    samples_as_plainly(&Lattice { x, y, step, columns: 14, rows: 9 }, &pixels, width, height);
+                }
             }
         }
     }
 
     #[test]
-    fn the_largest_sums_of_whole_blocks() {
-        let white = [255; 8 * 4];
-        let mut sums = [7; 10];
-        assert_eq!(sum_whole_blocks(Image::new(&white, 8, 4).unwrap(), 0, 2, &mut sums), [255 * 16; 2]);
+    fn blocks_of_1024x1024_pixels() {
+        let (width, height) = (5000, 3100);
+        let pixels = noise(width, height);
+        for step in [1024 * PIXEL, 1777 * PIXEL + 99, 2048 * PIXEL - 1] {
+            samples_as_plainly(
+                &Lattice { x: 2400 * PIXEL, y: 1500 * PIXEL, step, columns: 6, rows: 5 },
+                &pixels,
+                width,
+                height,
+            );
+        }
+    }
+
+    /// Steps of a box of 65535x65535 pixels that has grown fivefold, and the longest rows that there are.
+    #[test]
+    fn the_farthest_positions() {
+        let pixels = noise(65_535, 1);
+        for step in
+            [PIXEL / 2, PIXEL, 2 * PIXEL - 1, 3 * PIXEL, 511 * PIXEL, 1024 * PIXEL, 8192 * PIXEL - 1, 8192 * PIXEL]
+        {
+            for middle in [0, 32_767 * PIXEL, 65_534 * PIXEL] {
+                let columns = u16::try_from(COLUMNS).unwrap();
+                let lattice = Lattice { x: middle, y: 0, step, columns, rows: 6 };
+                samples_as_plainly(&lattice, &pixels, 65_535, 1);
+                let lattice = Lattice { x: 0, y: middle, step, columns: 6, rows: columns };
+                samples_as_plainly(&lattice, &pixels, 1, 65_535);
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_sums() {
+        let (white, mut sums, mut means) = ([255; 8 * 8], [7; ROW], Vec::new());
+        let image = Image::new(&white, 8, 8).unwrap();
+        for halvings in 1..16 {
+            let read = make_means(image, 0, halvings, &mut sums, &mut means);
+            let blocks = 8_usize.div_ceil(1 << halvings);
+            assert!(sums[..blocks] == [4 * 255; 4][..blocks] && means[..] == [255; 4][..blocks], "{halvings}");
+            assert_eq!(usize::try_from(read).unwrap(), 4 * blocks);
+        }
     }
 }

@@ -114,12 +114,9 @@ fn a_step_does_no_more_than_it_promises() {
         for (number, pixels) in [&first, &other, &other, &other, &other, &other, &other, &first].into_iter().enumerate()
         {
             let grid = tracker.target().grid().unwrap();
-            // Six rows of the grid and what beside them is in their blocks, at the largest of the scales that are looked at.
-            let scale = 1.05 * f64::from(tracker.bbox().unwrap().width) / 256.0 / f64::from(target.width);
-            let step = f64::from(grid.step) / 4096.0 * scale.max(1.0);
-            let side = |rows: u16| f64::from(rows) * step + 2.0;
-            let under = (side((grid.across + 2 * 9) * 4 + 2) * side(6)) as u32;
-            let most = 130_000 + under;
+            // Six rows of the grid, less than two blocks of four pixels apart.
+            let blocks = |pixels: u16| 2 * u32::from(pixels) + 2;
+            let most = 130_000 + 4 * blocks((grid.across + 2 * 8) * 4 + 2) * blocks(6);
             for asked in [0, 1, 20_000] {
                 let frame = whole(pixels, width, height);
                 let mut update = tracker.begin(&frame).unwrap();
@@ -137,6 +134,49 @@ fn a_step_does_no_more_than_it_promises() {
             }
             tracker.update(&whole(pixels, width, height)).unwrap();
         }
+    }
+}
+
+/// Its pixels are read at a few places of each block, so its size hardly counts. All of it is reached: the largest has a frame of 4 GiB,
+/// of which nearly all is never touched.
+#[cfg(target_pointer_width = "64")]
+#[test]
+fn a_target_of_any_size_costs_about_the_same() {
+    let work = |pixels: &[u8], (width, height): (u16, u16), target: Rect| {
+        let frame = whole(pixels, width, height);
+        let mut tracker = Box::new(Tracker::<Robust>::new(Config::robust()).unwrap());
+        tracker.lock(&frame, target).unwrap();
+        let works = [(); 2].map(|()| {
+            tracker.update(&frame).unwrap();
+            tracker.work()
+        });
+        works[0].max(works[1])
+    };
+    // In the middle of a frame with half of its sides around it, where there is room.
+    let around = |across: u16, down: u16, pixels: fn(usize) -> Vec<u8>| {
+        let [width, height] = [across, down].map(|side| side.saturating_mul(2));
+        let pixels = pixels(usize::from(width) * usize::from(height));
+        let [left, top] = [width - across, height - down].map(|room| i32::from(room / 2));
+        work(&pixels, (width, height), Rect::new(left, top, across, down))
+    };
+    let seen: fn(usize) -> Vec<u8> = |pixels| noise(pixels, 0);
+    let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];
+    let of_40 = around(40, 40, seen);
+    assert_eq!(around(40, 40, black), of_40, "what is seen makes no difference");
+    let holds = |across: u16, down: u16, pixels| {
+        let work = around(across, down, pixels);
+        std::println!("{across}x{down}: {work}");
+        assert!(100 * u64::from(work) <= 115 * u64::from(of_40), "{across}x{down}: {work}, and {of_40} for 40x40");
+    };
+    for side in [1, 40, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
+        holds(side, side, seen);
+    }
+    for (across, down) in [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)] {
+        holds(across, down, black);
+    }
+    // As wide as can be, and 6 times as long as wide with a step that is almost doubled.
+    for (across, down) in [(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)] {
+        holds(across, down, black);
     }
 }
 

@@ -244,8 +244,9 @@ impl Target<'_> {
     fn see(&self, workspace: &mut Workspace, frame: &Frame<'_>, place: Where) -> Stage {
         let lattice = self.window(place);
         let Workspace { strip, cells, under_way, .. } = workspace;
-        under_way.spend(lattice.work(CELL + 2, SEEN));
-        if !strip.row(frame, &lattice, cells) {
+        let seen = strip.row(frame, &lattice, cells);
+        under_way.spend(lattice.work(CELL + 2, SEEN) + strip.scratch().read());
+        if !seen {
             return Stage::See(place);
         }
         if place == Where::Locked { self.respond_first(workspace, place) } else { Stage::Respond(place, 0) }
@@ -282,7 +283,7 @@ impl Target<'_> {
         let Workspace { strip, view, progress, under_way, .. } = workspace;
         let lattice = progress.looking.place.view(&self.track.grid);
         lattice.sample_row(frame, strip.scratch(), row, view);
-        under_way.spend(lattice.work(1, VIEWED));
+        under_way.spend(lattice.work(1, VIEWED) + strip.scratch().read());
         if row + 1 < lattice.rows {
             return Stage::View(place, row + 1);
         }
@@ -371,8 +372,9 @@ impl Target<'_> {
     fn see_size(&self, workspace: &mut Workspace, frame: &Frame<'_>, number: usize) -> Stage {
         let Workspace { strip, aside, progress, under_way, .. } = workspace;
         let Some((_, lattice)) = progress.aside(number, &self.track.grid) else { return Stage::Size(number) };
-        under_way.spend(lattice.work(CELL + 2, SEEN));
-        if strip.row(frame, &lattice, aside) { Stage::Size(number) } else { Stage::SeeSize(number) }
+        let seen = strip.row(frame, &lattice, aside);
+        under_way.spend(lattice.work(CELL + 2, SEEN) + strip.scratch().read());
+        if seen { Stage::Size(number) } else { Stage::SeeSize(number) }
     }
 
     fn size(&self, workspace: &mut Workspace, number: usize) -> Stage {

@@ -96,13 +96,13 @@ struct Between {
 }
 
 impl Lattice {
-    pub fn sample(&self, frame: &Picture<'_>) -> Patch {
-        let side = self.block();
-        let across = between(self.x, self.step, self.columns, side, frame.width);
-        let down = between(self.y, self.step, self.rows, side, frame.height);
+    pub fn sample(&self, numbers: &Numbers, frame: &Picture<'_>) -> Patch {
+        let block = self.block(numbers);
+        let across = between(self.x, self.step, self.columns, &block, frame.width);
+        let down = between(self.y, self.step, self.rows, &block, frame.height);
         let pixel = |row: &Between, column: &Between| {
             let mix = |row: i64| {
-                let (left, right) = (mean(frame, side, column.first, row), mean(frame, side, column.second, row));
+                let (left, right) = (block.mean(frame, column.first, row), block.mean(frame, column.second, row));
                 left * (1.0 - column.part) + right * column.part
             };
             nearest(mix(row.first) * (1.0 - row.part) + mix(row.second) * row.part, 1.0)
@@ -112,52 +112,75 @@ impl Lattice {
     }
 
     /// The frame pixels that are read: left, top, right, bottom.
-    pub fn region(&self, frame_size: (i64, i64)) -> [i64; 4] {
-        let side = self.block();
+    pub fn region(&self, numbers: &Numbers, frame_size: (i64, i64)) -> [i64; 4] {
+        let block = self.block(numbers);
         let extent = |centre: f64, count: i64, size: i64| {
-            let samples = between(centre, self.step, count, side, size);
+            let samples = between(centre, self.step, count, &block, size);
             let last = samples.last().map_or(0, |sample| sample.second);
-            (samples.first().map_or(0, |sample| sample.first) * side, ((last + 1) * side).min(size))
+            (samples.first().map_or(0, |sample| sample.first) * block.side, ((last + 1) * block.side).min(size))
         };
         let (left, right) = extent(self.x, self.columns, frame_size.0);
         let (top, bottom) = extent(self.y, self.rows, frame_size.1);
         [left, top, right, bottom]
     }
 
-    /// Side of the blocks that the frame is first reduced by: doubled until a step is less than two of them.
-    fn block(&self) -> i64 {
+    /// The blocks that the frame is first reduced by: their side is doubled until a step is less than two of them.
+    fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while self.step / real(side) >= 2.0 {
             side *= 2;
         }
-        side
+        Block::new(side, numbers.read_of_a_side)
     }
 }
 
+/// A block of side x side pixels, and which of them are read on either axis, from its first pixel.
+struct Block {
+    side: i64,
+    read: Vec<i64>,
+}
+
+impl Block {
+    /// The block is cut into so many equal parts on each axis, and the pixel in the middle of each is read: of two, the second.
+    fn new(side: i64, parts: i64) -> Self {
+        let middle = |part: i64| whole((real(side) * (real(part) + 0.5) / real(parts)).floor());
+        Self { side, read: (0..parts).map(middle).collect() }
+    }
+
+    /// The middle of what is read, from the block's first pixel.
+    fn middle(&self) -> f64 {
+        mean(self.read.iter().map(|&at| real(at)))
+    }
+
+    /// The mean of what is read, to whole gray levels; where the frame ends within the block, its edge goes on.
+    fn mean(&self, frame: &Picture<'_>, column: i64, row: i64) -> f64 {
+        let pixel = |x: i64, y: i64| {
+            let (x, y) = (x.min(frame.width - 1), y.min(frame.height - 1));
+            f64::from(frame.pixels[index(y * frame.width + x)])
+        };
+        let all = self.read.iter().flat_map(|down| self.read.iter().map(move |across| (across, down)));
+        nearest(mean(all.map(|(across, down)| pixel(column * self.side + across, row * self.side + down))), 1.0)
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
 /// The samples of one axis, positions in blocks; beyond the first and the last whole block these go on.
-fn between(centre: f64, step: f64, count: i64, side: i64, size: i64) -> Vec<Between> {
+fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Between> {
     let first_pixel = centre - down(real(count - 1) * step / 2.0, POSITION);
-    let middle_of_first_block = (real(side) - 1.0) / 2.0;
-    let first = down((first_pixel - middle_of_first_block) / real(side), POSITION);
-    let step = down(step / real(side), POSITION);
-    let last_block = (size / side).max(1) - 1;
+    let side = real(block.side);
+    let first = down((first_pixel - block.middle()) / side, POSITION);
+    let step = down(step / side, POSITION);
+    let last_block = (size / block.side).max(1) - 1;
     let sample = |number: i64| {
         let position = (first + real(number) * step).clamp(0.0, real(last_block));
         let block = whole(position.floor());
         Between { first: block, second: (block + 1).min(last_block), part: down(position.fract(), FINE) }
     };
     (0..count).map(sample).collect()
-}
-
-/// The mean of a block of side x side pixels, to whole gray levels; where the frame ends within it, its edge goes on.
-fn mean(frame: &Picture<'_>, side: i64, column: i64, row: i64) -> f64 {
-    let pixel = |x: i64, y: i64| {
-        let (x, y) = (x.min(frame.width - 1), y.min(frame.height - 1));
-        f64::from(frame.pixels[index(y * frame.width + x)])
-    };
-    let rows = row * side..(row + 1) * side;
-    let sum: f64 = rows.flat_map(|y| (column * side..(column + 1) * side).map(move |x| pixel(x, y))).sum();
-    nearest(sum / real(side * side), 1.0)
 }
 
 #[cfg(test)]
@@ -167,10 +190,24 @@ mod tests {
     #[test]
     fn half_a_step_mixes_two_pixels_and_a_step_of_two_takes_means() {
         let frame = Picture { pixels: &[10, 20, 40, 60], width: 4, height: 1 };
-        let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, columns, rows: 1 }.sample(&frame).pixels;
+        let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, columns, rows: 1 };
+        let row = |x: f64, step: f64, columns: i64| row(x, step, columns).sample(&Numbers::robust(), &frame).pixels;
         assert_eq!(row(0.5, 0.5, 3), [10.0, 15.0, 20.0]);
         assert_eq!(row(1.5, 2.0, 2), [15.0, 50.0]);
         assert_eq!(row(9.0, 1.0, 2), [60.0, 60.0]);
+    }
+
+    #[test]
+    fn of_larger_blocks_four_pixels_are_read() {
+        let read = |side| (Block::new(side, 2).read, Block::new(side, 2).middle());
+        assert_eq!(read(1), (vec![0, 0], 0.0));
+        assert_eq!(read(2), (vec![0, 1], 0.5));
+        assert_eq!(read(4), (vec![1, 3], 2.0));
+        assert_eq!(read(1024), (vec![256, 768], 512.0));
+        // Only the second and the fourth of each four columns, and the last row.
+        let frame = Picture { pixels: &[9, 10, 9, 20, 9, 30, 9, 50], width: 8, height: 1 };
+        let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, columns: 2, rows: 1 };
+        assert_eq!(lattice.sample(&Numbers::robust(), &frame).pixels, [15.0, 40.0]);
     }
 
     #[test]

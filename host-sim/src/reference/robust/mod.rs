@@ -99,7 +99,7 @@ impl Reference {
         let middle = |from: i64, size: i64| real(from) + (real(size) - 1.0) / 2.0;
         let place = Place { x: middle(x, width), y: middle(y, height), scale: 1.0 };
         let frame = Picture { pixels: frame, width: frame_size.0, height: frame_size.1 };
-        let window = features(&numbers, &place.window(&numbers, &shape, numbers.reach).sample(&frame));
+        let window = features(&numbers, &place.window(&numbers, &shape, numbers.reach).sample(&numbers, &frame));
         let mut filter = Filter::new(&shape);
         for _ in 0..numbers.first_steps {
             let responses = responses(&shape, &filter.coded(&numbers), &window, numbers.reach);
@@ -114,7 +114,7 @@ impl Reference {
             place,
             velocity: (0.0, 0.0),
             filter,
-            early: middle_of(&numbers, &place.view(&numbers, &shape).sample(&frame)),
+            early: middle_of(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
             trust: CLEAR,
             believed: 1.0,
             next_window: 0,
@@ -165,7 +165,7 @@ impl Reference {
     }
 
     fn around(&self, place: Place, reach: i64) -> [i64; 4] {
-        place.window(&self.numbers, &self.shape, reach).region(self.frame_size)
+        place.window(&self.numbers, &self.shape, reach).region(&self.numbers, self.frame_size)
     }
 
     /// One frame.
@@ -254,13 +254,14 @@ impl Reference {
 
     fn look(&self, frame: &Picture<'_>, coded: &Coded, centre: Place) -> Look {
         let Numbers { reach, cell, parts, .. } = self.numbers;
-        let cells = features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(frame));
+        let cells =
+            features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
         let responses = responses(&self.shape, coded, &cells, reach);
         let Peak { x, y, response, .. } =
             if parts.near { peak(&nearer(&self.numbers, &responses), reach) } else { peak(&responses, reach) };
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
-        let view = place.view(&self.numbers, &self.shape).sample(frame);
+        let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
         let nearest = exact::nearest(&self.numbers, &self.similarity, &view, &self.early());
         let agreement = self.similarity.agreement(&self.numbers, &nearest.seen, &self.early());
         Look { cells, responses, place, response, nearest, agreement }
@@ -297,7 +298,7 @@ impl Reference {
         let [smaller, larger] = self.other_scales(look.place.scale);
         for (scale, part) in [(best, FINE), (smaller, size_part), (larger, size_part)] {
             let window = Place { scale, ..look.place }.window(&self.numbers, &self.shape, size_reach);
-            let cells = features(&self.numbers, &window.sample(frame));
+            let cells = features(&self.numbers, &window.sample(&self.numbers, frame));
             let peak = peak(&responses(&self.shape, coded, &cells, size_reach), size_reach);
             let counts = (peak.height * part / FINE).floor();
             if counts > highest {

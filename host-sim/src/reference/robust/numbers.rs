@@ -15,9 +15,11 @@ pub struct Parts {
 #[derive(Clone, Debug)]
 pub struct Numbers {
     pub parts: Parts,
-    /// The grid: the template's most pixels, the least step, and pixels on a side of a cell.
+    /// The grid: the template's most pixels, the least step, how many pixels are read on each side of a block, and pixels on a side of a
+    /// cell.
     pub pixels: i64,
     pub finest: f64,
+    pub read_of_a_side: i64,
     pub cell: i64,
     /// The filter covers .0 / .1 of the box; its least and most cells on a side, and its most cells.
     pub cover: (f64, f64),
@@ -92,6 +94,7 @@ impl Numbers {
             parts: Parts { velocity: true, near: true, size: true, verification: true, caution: true, sweep: true },
             pixels: 1600,
             finest: 0.5,
+            read_of_a_side: 2,
             cell: 4,
             cover: (7.0, 5.0),
             least_cells: 4,
