@@ -58,8 +58,9 @@
 //!
 //! A target is what must be remembered; the scratch memory beside it, a workspace, serves any number of targets. A [`Tracker`]
 //! holds one of each. There is no heap. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace as many and five words for each of
-//! `SPAN` offsets. An update makes at most (offsets in the window) x (pixels of the template) comparisons and about an eighth
-//! more. Where the target is seen clearly, it makes about a tenth of that.
+//! `SPAN` offsets. [`Target::most_work`] says how much work an update can be at most: for boxes of 8x8 pixels and windows of +-4 or
+//! more at most 1.25 times (offsets in the window) x (pixels of the template) comparisons, and twice that in the frame in which a tracked target
+//! begins to leave the picture. Where the target is seen clearly, it is about a tenth of that.
 //!
 //! # Features
 //!
@@ -93,5 +94,6 @@ pub use track::paper::{self, Paper};
 pub use track::record;
 pub use track::robust::{self, Robust};
 pub use track::{
-    Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Target, Tracker, Update, UpdateError,
+    Answer, ConfigError, Lock, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, Update,
+    UpdateError,
 };

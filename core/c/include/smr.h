@@ -921,10 +921,10 @@ smr_status smr_quality(const struct smr_tracker *tracker,
  * Looks for the target in the next frame.
  *
  * Of the frame only the pixels in #smr_window and #smr_sweep_window are read; the rest need not be in memory. Cost of the paper's
- * tracker: at most (offsets in the window) x (pixels of the template) comparisons and about an eighth of it more; far fewer
- * where the target is seen clearly. In the frame in which a tracked target begins to leave the picture, at most twice that. Cost
- * of the robust tracker: about the same in every frame, at most 885 products for each of at most 2000 weights.
- * #smr_begin, #smr_step and #smr_finish do the same in parts.
+ * tracker: for boxes of 8x8 pixels and windows of +-4 or more at most 1.25 times (offsets in the window) x (pixels of the template)
+ * comparisons, far fewer where the target is seen clearly. In the frame in which a tracked target begins to leave the picture, at
+ * most twice that. Cost of the robust tracker: about the same in every frame, at most 894 products for each of at most 2000
+ * weights. #smr_begin, #smr_step and #smr_finish do the same in parts.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    The frame; what is in memory covers #smr_window, and #smr_sweep_window where there is one.
@@ -956,8 +956,9 @@ smr_status smr_begin(struct smr_tracker *tracker,
  * @param frame    The same frame, with the same pixels.
  * @param work     Units of work to be done; 0 is taken for 1. For the paper's tracker a unit is a comparison of two bytes; a few
  *                 more are made, to come to a stop: at most the template's pixels or twice the pixels of a row of #smr_window,
- *                 whichever is more, and seven for each of #SMR_SPAN offsets. For the robust tracker it is a product, a
- *                 comparison or a sampled pixel.
+ *                 whichever is more, and seven for each of #SMR_SPAN offsets. For the robust tracker it is about an instruction
+ *                 of a Cortex-M4: an update takes at most 8.2 million, a lock 51.1 million, and a step at most 128,000 more than
+ *                 it was asked for.
  * @param done     Is set to 1 if nothing is left to do but #smr_finish or #smr_finish_lock, else to 0; left alone after an error.
  * @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
  */

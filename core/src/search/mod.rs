@@ -3,12 +3,14 @@
 //! The tie rule: of equal scores the offset closest to the window's centre wins (by x^2 + y^2), of equally close ones
 //! the upper, then the left one. A target without texture therefore stays where it was.
 
+mod bound;
 mod leaders;
 mod maxima;
 mod ranges;
 mod scan;
 mod window;
 
+pub(crate) use bound::Extent;
 pub(crate) use scan::{Scene, Search};
 pub use window::{Radius, Window};
 

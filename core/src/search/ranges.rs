@@ -81,7 +81,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// Divides a window for a template. False if it cannot be: a window of less than four rows or columns has no groups.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
-        let shape = Shape::of(template, window.size(), PIXELS, 3 * SPAN);
+        let shape = Shape::of((template.width(), template.height()), window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
         shape.is_some()
     }
@@ -100,6 +100,22 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let ((column, columns), (row, rows)) =
             (part(column, self.shape.columns, columns), part(row, self.shape.rows, rows));
         Tile { column, row, columns, rows }
+    }
+
+    /// The most that the groups of a window cost, beside its offsets: of each tile two comparisons for each range, the template once for
+    /// each group, and a word for each group when the tile is begun, in each pass, and while its offsets are scored.
+    pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
+        let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
+        let pixels = usize::from(width) * usize::from(height);
+        let per_group = pixels + 2 + (1 << shape.halvings);
+        let (across, down) = (shape.parts(shape.columns, window.0), shape.parts(shape.rows, window.1));
+        let tiles = down.flat_map(|rows| across.clone().map(move |columns| (columns, rows)));
+        let most = tiles.map(|(columns, rows)| {
+            let tile = Tile { column: 0, row: 0, columns, rows };
+            let ranges = 2 * shape.columns_of(columns) * shape.rows_of(rows);
+            u64::try_from(ranges + tile.groups() * per_group).unwrap_or(u64::MAX)
+        });
+        most.sum()
     }
 
     /// Lets every group of `tile` reach the score of `pixels` fully similar pixels.
@@ -176,8 +192,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 impl Shape {
     /// The largest tiles whose ranges take no more than `capacity` bytes, and of no more than `groups` groups. `None` if
     /// there are none, or if they could cost more than they save.
-    fn of(template: Image<'_>, (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
-        let (width, height) = (usize::from(template.width()), usize::from(template.height()));
+    fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
+        let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, halvings: 0 };
         while shape.columns >= SIDE && shape.rows >= SIDE {
             if shape.fits(capacity, groups) {
@@ -192,6 +208,11 @@ impl Shape {
             }
         }
         None
+    }
+
+    /// The sizes of the tiles on an axis of so many offsets, of which the largest has `most`: see [`Ranges::tile`].
+    fn parts(&self, most: usize, all: usize) -> impl Iterator<Item = usize> + Clone {
+        (0..all).step_by(most.max(1)).map(move |from| most.min(all - from).max(SIDE.min(all)))
     }
 
     fn fits(&self, capacity: usize, groups: usize) -> bool {

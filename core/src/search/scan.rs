@@ -78,7 +78,10 @@ struct Descent {
 /// How far the first step of the descent goes. Each step costs half of eight offsets: no more of them than a 32nd of the
 /// window.
 fn first_step(window: &Window) -> i32 {
-    let (columns, rows) = window.size();
+    first_step_of(window.size())
+}
+
+pub(super) fn first_step_of((columns, rows): (usize, usize)) -> i32 {
     match columns * rows / 128 {
         0 => 0,
         steps => 1 << (steps - 1).min(MOST_STEPS - 1),
@@ -86,7 +89,7 @@ fn first_step(window: &Window) -> i32 {
 }
 
 /// It sets out with 8 pixels at most: what lies farther away than that and twice as far is left to the ranges.
-const MOST_STEPS: usize = 4;
+pub(super) const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     #[inline(always)] // made where it stays

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `target.rs` | the trait that both trackers implement |
 //! | `tracker.rs` | a target with its workspace, in one |
+//! | `bound.rs` | the most work |
 //! | `update.rs` | updates and locks in steps |
 //! | `answer.rs`, `error.rs`, `quality.rs` | what comes back |
 //! | `saved.rs` | a target as bytes |
@@ -13,6 +14,7 @@
 //! | `paper/`, `robust/` | the two trackers |
 
 mod answer;
+mod bound;
 mod checksum;
 mod error;
 pub mod paper;
@@ -28,6 +30,7 @@ mod update;
 mod tests;
 
 pub use answer::{Answer, State};
+pub use bound::MostWork;
 pub use error::{ConfigError, LockError, UpdateError};
 pub use quality::Quality;
 pub use saved::{RestoreError, SaveError};

@@ -1,7 +1,9 @@
 //! What both trackers can do: the trait that generic code takes.
 
 use super::update::Steps;
-use super::{Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Update, UpdateError};
+use super::{
+    Answer, ConfigError, Lock, LockError, MostWork, Quality, RestoreError, SaveError, State, Update, UpdateError,
+};
 use crate::image::{FineRect, Frame, Rect};
 
 /// A target, as a tracker remembers it: its configuration, its templates and its track. Plain data, and no more than that.
@@ -50,6 +52,9 @@ pub trait Target: Steps {
 
     /// The most bytes that [`Target::save`] writes.
     const SAVED_SIZE: usize;
+
+    /// The most work of an update, a lock and a step for a box of this size: what a deadline is planned by. It holds for any frame.
+    fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 
     /// No target yet.
     ///
@@ -155,10 +160,8 @@ pub trait Target: Steps {
     /// Looks for the target in the next frame.
     ///
     /// Of the frame only the pixels in [`Target::window`] and [`Target::sweep_window`] are read; the rest need not be in memory. Cost of
-    /// [`Paper`](crate::Paper): at most (offsets in the window) x (pixels of the template) comparisons and about an eighth of it
-    /// more; far fewer where the target is seen clearly; in the frame in which a tracked target begins to leave the
-    /// picture, at most twice that. Cost of [`Robust`](crate::Robust): about the same in every frame, at most 885 products for
-    /// each of at most 2000 weights.
+    /// [`Paper`](crate::Paper): far less than [`Target::most_work`] where the target is seen clearly, and up to that where nothing matches.
+    /// Cost of [`Robust`](crate::Robust): about the same in every frame, at most 894 products for each of at most 2000 weights.
     ///
     /// # Errors
     /// [`UpdateError`]; the target is then as it was before.

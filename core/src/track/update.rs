@@ -244,7 +244,7 @@ impl<'a, T: Steps> Update<'a, T> {
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
     /// | a unit | a comparison of two bytes | about an instruction of a Cortex-M4: a product counts 1, a pixel of the grid 64, or 32 where it is compared |
-    /// | more than `work`, at most | the template's pixels or twice the pixels of a row of the window, and 7 `SPAN` | 130,000, and the pixels of the frame under six rows of the grid |
+    /// | more than `work`, at most: [`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step) | the template's pixels or twice the pixels of a row of the window, and 7 `SPAN` | 128,000 |
     /// | left to `finish` | once through the template | once through the weights and the template |
     pub fn step(&mut self, work: u32) -> bool {
         self.0.step(work)

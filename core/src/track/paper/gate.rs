@@ -112,6 +112,18 @@ impl Track {
     }
 }
 
+/// For each state whether a search looks for the runner-up from the beginning, and whether it may do so afterwards.
+pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
+    let bounds = Rect::new(0, 0, 1, 1);
+    let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];
+    states.into_iter().map(move |(state, edge)| {
+        let track = Track { state, edge, ..Track::new(bounds, bounds) };
+        let [inside, outside] = [State::Tracking, State::Leaving].map(|to| track.wanted(to, config));
+        let first = matches!(inside, Wanted::RunnerUp(_));
+        (first, !first && outside != Wanted::Peak && outside != inside)
+    })
+}
+
 /// `score` / `pixels` in units of 1/65535, rounded down.
 pub(super) fn ratio(score: u32, pixels: u32) -> u16 {
     u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE)

@@ -1,16 +1,18 @@
 //! The way of a frame through the paper's tracker: window, search, gate, template, answer.
 
 use super::config::Config;
-use super::gate::{Track, ratio};
+use super::gate::{Track, ratio, searches};
 use super::saved;
 use super::template::Template;
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
-use crate::search::{Found, Peak, Scene, Window};
+use crate::search::{Extent, Found, Peak, Scene, Window};
 use crate::similarity::{self, Backend, CutTable, Scorer};
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{Seal, Steps, Ticket, UnderWay};
-use crate::track::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
+use crate::track::{
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
+};
 
 /// A target of the paper's tracker. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an axis; the
 /// target takes `PIXELS` bytes, its [`Workspace`] as many again and `20 * SPAN` bytes.
@@ -128,6 +130,19 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     type Config = Config;
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
+
+    /// By the largest window that the configuration allows and `SPAN` holds.
+    fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
+        let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);
+        let window = (axis(config.window_limit.x), axis(config.window_limit.y));
+        let extent = Extent { window, template: (width, height), pruning: config.pruning };
+        let updates = searches(config).map(|(runner_up, again)| extent.most::<PIXELS, SPAN>(runner_up, again));
+        MostWork {
+            update: updates.max().unwrap_or(0),
+            lock: 3 * u64::from(width) * u64::from(height),
+            beyond_a_step: extent.most_beyond_a_step::<SPAN>(),
+        }
+    }
 
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     fn new(config: Config) -> Result<Self, ConfigError> {

@@ -1,6 +1,7 @@
 //! The paper's tracker: states and decisions, steps, misuse, limits.
 
 use super::{Config, Fraction, Paper, Radius, RunnerUp, Workspace};
+use crate::track::Target;
 use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker, UpdateError};
 use std::{println, vec, vec::Vec};
 
@@ -153,10 +154,9 @@ fn a_step_does_no_more_than_it_promises() {
         tracker.parts().0.config = Config { window, window_limit: window, runner_up, ..Config::paper() };
         for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
             tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
-            let row = u32::from(tracker.window().unwrap().width);
-            let template = u32::from(width) * u32::from(height);
+            let bound = Paper::<256, SPAN>::most_work(tracker.config(), width, height);
             for asked in [0, 1, 5000] {
-                let most = asked.max(1) + template.max(2 * row) + 7 * SPAN as u32;
+                let most = asked.max(1) + bound.beyond_a_step;
                 let frame = second.frame();
                 let mut update = tracker.begin(&frame).unwrap();
                 let mut before = 0;
@@ -172,6 +172,55 @@ fn a_step_does_no_more_than_it_promises() {
                 }
             }
         }
+    }
+}
+
+/// Scenes in which nothing can be excluded: the most that is computed is met, or nearly.
+#[test]
+fn the_most_work_is_nearly_done() {
+    let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];
+    // Every block of 4x4 has the same range, and the template lies in it, yet no pixel matches.
+    let of =
+        |level: fn(usize) -> u8| Picture { pixels: (0..160 * 120).map(level).collect(), ..Picture::noise(160, 120, 1) };
+    let stripes = [of(|_| 150), of(|at| if (at % 160 + at / 160) % 2 == 0 { 100 } else { 200 })];
+    let mut closest = 0.0_f64;
+    for (radius, pruning, runner_up) in (1..=20).flat_map(|radius| {
+        [(radius, true, RunnerUp::Always), (radius, true, RunnerUp::WhenItDecides), (radius, false, RunnerUp::Always)]
+    }) {
+        for side in [1, 2, 5, 8, 12, 16, 24, 32, 64] {
+            let window = Radius { x: radius, y: radius / 2 + 1 };
+            let numbers = Config { window, window_limit: window, pruning, runner_up, ..Config::camera() };
+            let config = Config { first_threshold: 60, ..numbers };
+            let most = Paper::<4096, 41>::most_work(&config, side, side).update;
+            let mut worst = 0;
+            for [first, second] in [&noise, &stripes] {
+                let mut tracker = std::boxed::Box::new(Tracker::<Paper<4096, 41>>::new(config).unwrap());
+                tracker.lock(&first.frame(), Rect::new(48, 28, side, side)).unwrap();
+                tracker.update(&second.frame()).unwrap();
+                worst = worst.max(u64::from(tracker.work()));
+            }
+            assert!(worst <= most, "+-{radius} {side}x{side} {pruning} {runner_up:?}: {worst} of {most}");
+            if runner_up == RunnerUp::Always {
+                closest = closest.max(worst as f64 / most as f64);
+                assert!(worst as f64 >= 0.9 * most as f64, "+-{radius} {side}x{side} {pruning}: {worst} of {most}");
+            }
+        }
+    }
+    assert!(closest > 0.995, "{closest}");
+}
+
+/// What the documentation says of a whole update, and of one that searches once.
+#[test]
+fn the_most_work_is_what_the_documentation_says() {
+    for (side, radius) in (8..=64).flat_map(|side| (4..=80).map(move |radius| (side, radius))) {
+        let window = Radius { x: radius, y: radius };
+        let of = |runner_up| {
+            let config = Config { window, window_limit: window, runner_up, ..Config::camera() };
+            Paper::<4096, 161>::most_work(&config, side, side).update
+        };
+        let all = (2 * u64::from(radius) + 1).pow(2) * u64::from(side).pow(2);
+        assert!(4 * of(RunnerUp::Always) <= 5 * all, "{side}x{side}, +-{radius}");
+        assert!(2 * of(RunnerUp::WhenItDecides) <= 5 * all, "{side}x{side}, +-{radius}");
     }
 }
 

@@ -19,6 +19,7 @@
 
 mod agreement;
 mod config;
+mod cost;
 mod early;
 mod exact;
 mod features;

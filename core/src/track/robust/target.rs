@@ -14,7 +14,9 @@ use crate::image::{FineRect, Frame, Rect};
 use crate::similarity::{Backend, Products, Scorer};
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{SEAL, Seal, Steps, Ticket, UnderWay};
-use crate::track::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
+use crate::track::{
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
+};
 
 /// The threshold by which a target is compared with itself when it is locked, in gray levels: 0.05 of full scale.
 const FIRST_THRESHOLD: u16 = 13;
@@ -148,6 +150,11 @@ impl Target for Robust {
     type Config = Config;
 
     const SAVED_SIZE: usize = saved::SIZE;
+
+    /// The same for every box: see [`Config::most_work`].
+    fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
+        config.most_work()
+    }
 
     #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
     fn new(config: Config) -> Result<Self, ConfigError> {

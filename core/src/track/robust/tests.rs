@@ -113,10 +113,7 @@ fn a_step_does_no_more_than_it_promises() {
         tracker.lock(&whole(&first, width, height), target).unwrap();
         for (number, pixels) in [&first, &other, &other, &other, &other, &other, &other, &first].into_iter().enumerate()
         {
-            let grid = tracker.target().grid().unwrap();
-            // Six rows of the grid, less than two blocks of four pixels apart.
-            let blocks = |pixels: u16| 2 * u32::from(pixels) + 2;
-            let most = 130_000 + 4 * blocks((grid.across + 2 * 8) * 4 + 2) * blocks(6);
+            let most = Config::robust().most_work().beyond_a_step;
             for asked in [0, 1, 20_000] {
                 let frame = whole(pixels, width, height);
                 let mut update = tracker.begin(&frame).unwrap();
@@ -146,11 +143,15 @@ fn a_target_of_any_size_costs_about_the_same() {
         let frame = whole(pixels, width, height);
         let mut tracker = Box::new(Tracker::<Robust>::new(Config::robust()).unwrap());
         tracker.lock(&frame, target).unwrap();
+        let most = Config::robust().most_work();
+        assert!(u64::from(tracker.work()) <= most.lock, "{target:?}: {} of {most:?}", tracker.work());
         let works = [(); 2].map(|()| {
             tracker.update(&frame).unwrap();
             tracker.work()
         });
-        works[0].max(works[1])
+        let work = works[0].max(works[1]);
+        assert!(u64::from(work) <= most.update, "{target:?}: {work} of {most:?}");
+        work
     };
     // In the middle of a frame with half of its sides around it, where there is room.
     let around = |across: u16, down: u16, pixels: fn(usize) -> Vec<u8>| {
@@ -177,6 +178,54 @@ fn a_target_of_any_size_costs_about_the_same() {
     // As wide as can be, and 6 times as long as wide with a step that is almost doubled.
     for (across, down) in [(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)] {
         holds(across, down, black);
+    }
+}
+
+/// The most that is computed is not much more than what is met: learning, and looking elsewhere, at a shape of the most weights.
+#[test]
+fn the_most_work_is_nearly_done() {
+    for (config, least) in [
+        (Config::robust(), 0.65),
+        (Config { reach: 4, ..Config::robust() }, 0.65),
+        (Config { size: false, ..Config::robust() }, 0.65),
+        // Always lost.
+        (Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..Config::robust() }, 0.85),
+        (Config { sweep: false, ..Config::robust() }, 0.85),
+    ] {
+        let most = config.most_work();
+        let (mut update, mut lock, mut beyond) = (0, 0, 0);
+        // The last step is nearly two blocks.
+        for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
+            let (across, down) = (3 * width, 3 * height);
+            let pixels = noise(usize::from(across) * usize::from(down), 0);
+            let mut tracker = Box::new(Tracker::<Robust>::new(config).unwrap());
+            let frame = whole(&pixels, across, down);
+            let target = Rect::new(width.into(), height.into(), width, height);
+            tracker.lock(&frame, target).unwrap();
+            lock = lock.max(tracker.work());
+            let black = vec![0; pixels.len()];
+            for number in 0..20 {
+                let frame = if number < 2 { frame } else { whole(&black, across, down) };
+                let mut stepped = tracker.begin(&frame).unwrap();
+                beyond = beyond.max(stepped.work());
+                let mut before = stepped.work();
+                while !stepped.step(1) {
+                    beyond = beyond.max(stepped.work() - before);
+                    before = stepped.work();
+                }
+                let _ = stepped.finish();
+                update = update.max(tracker.work());
+            }
+        }
+        let met = [
+            (u64::from(update), most.update),
+            (u64::from(lock), most.lock),
+            (u64::from(beyond), most.beyond_a_step.into()),
+        ];
+        std::println!("update, lock and step, done and at most: {met:?}");
+        for (done, most) in met {
+            assert!(done <= most && done as f64 >= least * most as f64, "{done} of {most}");
+        }
     }
 }
 

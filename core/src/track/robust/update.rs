@@ -5,6 +5,7 @@
 use super::Robust;
 use super::agreement::Compared;
 use super::config::{Config, Parts};
+use super::cost::{CODED, COMPARED, LIT, REFINED, SEEN, SLOPED, VIEWED};
 use super::early::Early;
 use super::exact::{Exact, MARGIN, Nearest, PLACES};
 use super::features::{CELL, CHANNELS};
@@ -25,15 +26,6 @@ const SIZE_STEP: u64 = 66_847;
 const SIZE_PART: i64 = 252;
 /// How far they are searched, in cells.
 pub(super) const SIZE_REACH: u16 = 1;
-/// What counts how many products, about as on a Cortex-M4: a pixel of the grid of which features are made, one that is compared, one that
-/// is put into other light, and one by which a place is refined; a weight while the way to change it is found, and while it is coded or changed.
-const SEEN: u32 = 64;
-const VIEWED: u32 = 32;
-const COMPARED: u32 = 12;
-const LIT: u32 = 20;
-const REFINED: u32 = 40;
-const SLOPED: u32 = 64;
-const CODED: u32 = 16;
 /// Steps of learning from the first frame.
 pub(super) const FIRST_STEPS: u32 = 25;
 /// How far each of them goes of the best length, in units of 1/256.

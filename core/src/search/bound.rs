@@ -1,0 +1,77 @@
+//! The most comparisons that a search can take: as if nothing could be excluded, counted as `scan.rs` counts.
+
+use super::ranges::{Ranges, SIDE};
+use super::scan::{MOST_STEPS, first_step_of};
+
+/// What a search goes over.
+pub(crate) struct Extent {
+    /// Offsets on each axis.
+    pub(crate) window: (usize, usize),
+    /// Pixels of the template on each axis.
+    pub(crate) template: (u16, u16),
+    pub(crate) pruning: bool,
+}
+
+impl Extent {
+    fn offsets(&self) -> u64 {
+        wide(self.window.0) * wide(self.window.1)
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.template.0) * u64::from(self.template.1)
+    }
+
+    /// Columns and rows of the window.
+    fn axes(&self) -> u64 {
+        wide(self.window.0) + wide(self.window.1)
+    }
+
+    /// From the last position to the first offset of the window: the descent goes over every other row.
+    fn descent(&self) -> u64 {
+        let step = first_step_of(self.window);
+        if !self.pruning {
+            return 0;
+        }
+        if step == 0 {
+            return self.pixels();
+        }
+        let half = u64::from(self.template.0) * u64::from(self.template.1.div_ceil(2));
+        2 * self.pixels() + half * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
+    }
+
+    /// All of the window once, for the peak.
+    fn peak<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
+        let groups = if self.pruning { Ranges::<PIXELS, SPAN>::most(self.window, self.template) } else { 0 };
+        self.offsets() * self.pixels() + groups
+    }
+
+    /// The same for the runner-up: nine offsets far apart are scored first. Pairs are looked for at the beginning, at most for each 32nd of
+    /// the work, and at the end.
+    fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
+        let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
+        let all = scouts + self.peak::<PIXELS, SPAN>();
+        all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
+    }
+
+    /// A search for the runner-up or without it, and perhaps one more for it.
+    pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
+        let first = match (runner_up, self.pruning) {
+            (true, true) => self.runner_up::<PIXELS, SPAN>(),
+            // All offsets one after the other; the runner-up is looked up at the end.
+            (true, false) => self.peak::<PIXELS, SPAN>() + self.axes(),
+            (false, _) => self.peak::<PIXELS, SPAN>(),
+        };
+        self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
+    }
+
+    /// By how much a step may go beyond what was asked for: an offset, a group or a row of ranges, and seven words for each of `SPAN`.
+    pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
+        let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
+        let most = self.pixels().max(row) + 7 * wide(SPAN);
+        u32::try_from(most).unwrap_or(u32::MAX)
+    }
+}
+
+fn wide(count: usize) -> u64 {
+    u64::try_from(count).unwrap_or(u64::MAX)
+}
