@@ -87,7 +87,7 @@
 #define SMR_ROBUST_SAVED_SIZE 11276
 
 /** A target of less quality can hardly be told from what lies beside it: see #smr_quality. */
-#define SMR_POOR_QUALITY 2047
+#define SMR_POOR_QUALITY 1023
 
 /** Storage for one tracker of the paper, of the right size and alignment: static, on the stack or inside something larger. */
 typedef union smr_paper_target {

@@ -35,7 +35,7 @@ pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + size_of::<[usize; 16]>();
 pub const ROBUST_SAVED_SIZE: usize = 11276;
 
 /// `SMR_POOR_QUALITY` of the header.
-const POOR_QUALITY: u16 = 2047;
+const POOR_QUALITY: u16 = 1023;
 const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
 
 /// The header promises the size to C on every target; and it shall not promise much more than is used.
