@@ -12,6 +12,9 @@
 //! - [`soak`]: video without end, every answer compared.
 //! - [`export`]: recordings as files.
 //! - [`output`]: how files are written: whole or not at all.
+//! - [`input`]: how files are read whole: up to a limit.
+//! - [`ending`]: what a signal removes and ends before this program ends.
+//! - [`words`]: errors as people read them.
 //! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
 //! - `bench` (feature `bench`): how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
@@ -23,8 +26,10 @@ pub mod clock;
 pub mod command;
 #[cfg(feature = "emulator")]
 pub mod emulator;
+pub mod ending;
 pub mod evaluate;
 pub mod export;
+pub mod input;
 pub mod output;
 pub mod reference;
 pub mod replay;
@@ -34,6 +39,7 @@ pub mod soak;
 pub mod spread;
 pub mod trax;
 pub mod vectors;
+pub mod words;
 
 /// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.
 pub const MOST_PIXELS: usize = 65536;

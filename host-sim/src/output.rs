@@ -1,6 +1,7 @@
 //! What this program writes: a file is written whole or not at all, and an error names it.
 
-use anyhow::{Context, Result};
+use crate::ending::{self, Kept};
+use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write};
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ pub struct Output {
 
 enum Way {
     /// Beside the file, and renamed in the end.
-    Whole { file: BufWriter<NamedTempFile>, target: PathBuf },
+    Whole { file: BufWriter<NamedTempFile>, target: PathBuf, _kept: Kept },
     /// A device or a pipe, which cannot be replaced.
     Direct(BufWriter<fs::File>),
 }
@@ -26,7 +27,14 @@ impl Output {
     /// # Errors
     /// There is no such folder, it cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
-        let way = way(name).with_context(|| cannot_write(name))?;
+        Self::at(name, name)
+    }
+
+    /// The same of a file that is at `place` for now.
+    fn at(place: &Path, name: &Path) -> Result<Self> {
+        let folder = folder_of(place);
+        ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
+        let way = way(place).with_context(|| cannot_write(name))?;
         Ok(Self { name: name.to_owned(), way })
     }
 
@@ -56,7 +64,7 @@ impl Output {
     pub fn finish(self) -> Result<()> {
         let Self { name, way } = self;
         let finish = || match way {
-            Way::Whole { file, target } => {
+            Way::Whole { file, target, _kept } => {
                 file.into_inner()
                     .map_err(io::IntoInnerError::into_error)?
                     .persist(target)
@@ -67,6 +75,28 @@ impl Output {
         };
         finish().with_context(|| cannot_write(&name))
     }
+}
+
+/// For encoders, which write by themselves. Their errors are the system's alone: they do not name the file.
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.way {
+            Way::Whole { file, .. } => file.write(bytes),
+            Way::Direct(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.way {
+            Way::Whole { file, .. } => file.flush(),
+            Way::Direct(file) => file.flush(),
+        }
+    }
+}
+
+/// The folder that a file is in.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn way(name: &Path) -> io::Result<Way> {
@@ -80,17 +110,16 @@ fn way(name: &Path) -> io::Result<Way> {
     }
     // A link stays one: what it names is replaced.
     let target = fs::canonicalize(name).unwrap_or_else(|_| name.to_owned());
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".smr-").suffix(".part");
     // Not for the eyes of the user alone, as temporary files are, but as any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder)?;
+    let (file, kept) = ending::file(|| builder.tempfile_in(folder_of(&target)))?;
     if let Ok(data) = there {
         fs::set_permissions(file.path(), data.permissions())?;
     }
-    Ok(Way::Whole { file: BufWriter::new(file), target })
+    Ok(Way::Whole { file: BufWriter::new(file), target, _kept: kept })
 }
 
 /// Writes the file `name`.
@@ -107,6 +136,7 @@ pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
 pub struct Folder {
     name: PathBuf,
     made: TempDir,
+    _kept: Kept,
 }
 
 impl Folder {
@@ -119,18 +149,37 @@ impl Folder {
         if fs::symlink_metadata(name).is_ok() {
             let mut entries = fs::read_dir(name).with_context(cannot_make)?;
             let empty = entries.next().is_none();
-            anyhow::ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
+            ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
         }
-        let above = name.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let above = folder_of(name);
         fs::create_dir_all(above).with_context(cannot_make)?;
-        let made = tempfile::Builder::new().prefix(".smr-").tempdir_in(above).with_context(cannot_make)?;
-        Ok(Self { name: name.to_owned(), made })
+        let make = || tempfile::Builder::new().prefix(".smr-").tempdir_in(above);
+        let (made, _kept) = ending::folder(make).with_context(cannot_make)?;
+        Ok(Self { name: name.to_owned(), made, _kept })
     }
 
     /// Where its files are written until it has its name.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.made.path()
+    }
+
+    /// Begins a file in it.
+    ///
+    /// # Errors
+    /// As [`Output::create`].
+    pub fn file(&self, name: &str) -> Result<Output> {
+        Output::at(&self.path().join(name), &self.name.join(name))
+    }
+
+    /// Writes a file in it.
+    ///
+    /// # Errors
+    /// As [`Output`]'s.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        let mut output = self.file(name)?;
+        output.write(bytes)?;
+        output.finish()
     }
 
     /// Gives the folder its name.
@@ -160,6 +209,27 @@ impl Folder {
         // There is nothing to remove under the former name.
         let _ = self.made.keep();
         Ok(())
+    }
+}
+
+/// A folder for what this program and another one exchange. Dropped, it is removed.
+pub struct Exchange {
+    made: TempDir,
+    _kept: Kept,
+}
+
+impl Exchange {
+    /// # Errors
+    /// The system has no place for it.
+    pub fn create() -> Result<Self> {
+        let make = || tempfile::Builder::new().prefix("smr-").tempdir();
+        let (made, _kept) = ending::folder(make).context("cannot make a temporary folder")?;
+        Ok(Self { made, _kept })
+    }
+
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.made.path()
     }
 }
 

@@ -207,6 +207,199 @@ fn robustness_is_compared_with_what_was_measured_before() {
     assert_eq!(host_sim(&["eval", "synthetic", "--against", utf8(&file)]).code, Some(2));
 }
 
+#[test]
+fn two_outputs_are_two_files_and_none_is_the_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
+    let (clip, frames, one, settings) = (path("clip.y4m"), path("frames"), path("one.gif"), path("settings.toml"));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &clip]).code, Some(0));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &frames]).code, Some(0));
+    fs::write(&settings, "growth = 2\n").unwrap();
+    let (picture, truth) = (format!("{frames}/00001.png"), format!("{frames}/gt.txt"));
+    let files = || [&clip, &picture, &truth, &settings].map(|file| fs::read(file).unwrap());
+    let before = files();
+
+    host_sim(&["track", &clip, "--init", "9,9,9,9", "--video", &one, "--out", &one])
+        .refuses(&["--out", "--video", &one, "two"]);
+    let page = format!("{}/synthetic.html", path("new"));
+    host_sim(&["report", "synthetic", "--out", &path("new"), "--png", &page]).refuses(&["--out", "--png", "two"]);
+    for arguments in [
+        &["convert", &clip, "-o", &clip][..],
+        &["track", &clip, "--init", "9,9,9,9", "--out", &clip],
+        &["frame", &frames, "-o", &picture],
+        &["track", &frames, "--out", &truth],
+        &["report", &frames, "--png", &picture],
+        &["bench", &frames, "--plot", &picture],
+        &["eval", &frames, "--robustness", "--calibration", &picture],
+    ] {
+        let output = arguments.last().unwrap();
+        host_sim(arguments).refuses(&[output, "belongs to the recording"]);
+    }
+    host_sim(&["track", &frames, "--settings", &settings, "--out", &settings])
+        .refuses(&["--out", &settings, "is read"]);
+    assert_eq!(files(), before);
+    assert!(!Path::new(&one).exists());
+    // A device takes as much as there is.
+    assert_eq!(host_sim(&["track", &frames, "--out", "/dev/null"]).code, Some(0));
+}
+
+#[cfg(unix)]
+#[test]
+fn what_never_ends_is_refused_with_its_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for name in ["endless.png", "gt.txt"] {
+        std::os::unix::fs::symlink("/dev/zero", path(name)).unwrap();
+    }
+    fs::write(path("clip.y4m"), b"YUV4MPEG2 W4 H4 F25:1 Cmono\nFRAME\n0123456789abcdef").unwrap();
+    let (endless, clip) = (utf8(&path("endless.png")).to_owned(), utf8(&path("clip.y4m")).to_owned());
+    host_sim(&["track", "synthetic", "--settings", "/dev/zero"]).refuses(&["cannot read /dev/zero", "1 MiB", "TOML"]);
+    host_sim(&["track", &clip, "--init", "0,0,2,2"]).refuses(&["gt.txt", "64 MiB", "a box a line"]);
+    fs::remove_file(path("gt.txt")).unwrap();
+    host_sim(&["track", &endless, "--init", "0,0,2,2"]).refuses(&["endless.png", "512 MiB", "PNG"]);
+    host_sim(&["eval", "synthetic", "--robustness", "--against", "/dev/zero"]).refuses(&["/dev/zero", "64 MiB"]);
+    host_sim(&["replay", "/dev/zero"]).refuses(&["/dev/zero", "no entry in 64 MiB"]);
+    host_sim(&["run", "/dev/zero"]).refuses(&["/dev/zero", "256 MiB", "ELF"]);
+    host_sim(&["track", "/dev/zero", "--size", "60000x60000", "--init", "0,0,2,2"])
+        .refuses(&["60000x60000", "at most 268435456"]);
+    // One that is longer than its kind can be is not even opened.
+    fs::File::create(path("long.toml")).unwrap().set_len(1 << 40).unwrap();
+    host_sim(&["track", "synthetic", "--settings", utf8(&path("long.toml"))]).refuses(&["long.toml", "1 MiB"]);
+    let pipe = path("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    host_sim(&["track", "synthetic", "--settings", utf8(&pipe)]).refuses(&["pipe", "nothing comes out of it", "1 MiB"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_ffmpeg_that_hangs_while_it_writes_is_ended() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (ffmpeg, video) = (folder.path().join("ffmpeg"), folder.path().join("video.mp4"));
+    let path = std::env::join_paths(
+        std::iter::once(folder.path().to_owned()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    );
+    // It takes no frame, or all of them and does not end.
+    for script in ["exec sleep 60", "cat > /dev/null; exec sleep 60"] {
+        fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
+        fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
+        let start = std::time::Instant::now();
+        let mut command = Command::new(PROGRAM);
+        command.args(["track", "synthetic", "--ffmpeg-timeout", "1", "--video"]).arg(&video);
+        let output = command.env("PATH", path.as_ref().unwrap()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let expected =
+            format!("error: cannot write {}: ffmpeg has done nothing for 1 s (--ffmpeg-timeout)\n", video.display());
+        assert_eq!((output.status.code(), said), (Some(2), expected), "{script}");
+        assert!(start.elapsed().as_secs() < 30, "{script}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
+    }
+}
+
+#[test]
+fn a_box_that_is_refused_has_the_same_words_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
+    let (large, page, figures) = (path("large.raw"), path("page.html"), path("figures"));
+    fs::write(&large, vec![7; 3 * 400 * 300]).unwrap();
+    fs::write(path("gt.txt"), "0,0,300,300\n".repeat(3)).unwrap();
+    let size = ["--size", "400x300"];
+    let said = ["the box 0,0,300,300 ", "has 90000 pixels", "the tracker smr takes at most 65536", "--resize 1/2"];
+    for (command, has_method) in [
+        (&["track", &large][..], true),
+        (&["check", &large], true),
+        (&["eval", &large], true),
+        (&["report", &large, "-o", &page], true),
+        (&["figures", &large, "-o", &figures], false),
+    ] {
+        let answer = host_sim(&[command, &size].concat());
+        answer.refuses(&said);
+        assert_eq!(answer.err.contains("--method robust"), has_method, "{}", answer.err);
+        host_sim(&[command, &size, &["--init", "390,9,20,20"]].concat()).refuses(&[
+            "the box 390,9,20,20 ",
+            "not wholly inside the frame of 400x300",
+            "--init",
+        ]);
+    }
+    // It has no option for the tracker; the others of its trackers are measured.
+    let ablate = host_sim(&[&["ablate", &large], &size[..]].concat());
+    assert_eq!(ablate.code, Some(2));
+    assert!(said.iter().all(|word| ablate.err.contains(word)) && !ablate.err.contains("--method"), "{}", ablate.err);
+    host_sim(&[
+        "track",
+        &large,
+        "--size",
+        "400x300",
+        "--padding",
+        "60000",
+        "--window-limit",
+        "6000x6000",
+        "--init",
+        "0,0,9,9",
+    ])
+    .refuses(&["0,0,9,9", "4096", "--window-limit", "--padding"]);
+}
+
+/// Nothing that only who wrote a library understands.
+#[test]
+fn messages_are_in_peoples_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, holds: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, holds).unwrap();
+        utf8(&path).to_owned()
+    };
+    let settings = |text: &str| file("settings.toml", text.as_bytes());
+    let track = |arguments: &[&str]| host_sim(&[&["track", "synthetic"], arguments].concat());
+    for option in
+        ["--growth", "--scale", "--padding", "--neighbourhood", "--step", "--rate", "--ffmpeg-timeout", "--least-alpha"]
+    {
+        for value in ["", "abc", "1.5", "-1", "99999999999999999999"] {
+            let said = track(&[&format!("{option}={value}"), "--video", "x.gif"]);
+            said.refuses(&[option, "expected a whole number from "]);
+        }
+    }
+    track(&["--rate=0", "--video", "x.gif"]).refuses(&["--rate 0: expected a whole number from 1 to 65535"]);
+    track(&["--method", "kcf"]).refuses(&["--method kcf: expected one of smr, robust, sad, ssd, ncc, lk"]);
+    host_sim(&["soak", "--frames", "0"]).refuses(&["--frames 0: expected a whole number, 1 or more"]);
+    host_sim(&["report", "synthetic", "-o", "x.html", "--strip", "1,x"])
+        .refuses(&["--strip x: expected a whole number"]);
+    for (text, expected) in [
+        ("growth = 1.5\n", "growth 1.5: expected a whole number from 0 to 65535"),
+        ("growth = \"abc\"\n", "growth abc: expected a whole number from 0 to 65535"),
+        ("method = \"kcf\"\n", "method kcf: expected one of smr, robust"),
+        ("# first\nhello world\n", "line 2: expected TOML: a line like growth = 2"),
+        ("growth = 99999999999999999999\n", "line 1: expected TOML"),
+        ("growth = 1\ngrowth = 2\n", "line 2: expected TOML: the name at its beginning stands in an earlier line, too"),
+    ] {
+        let path = settings(text);
+        track(&["--settings", &path]).refuses(&[&path, expected]);
+    }
+    track(&["--settings", "no/such.toml"])
+        .refuses(&["cannot read no/such.toml: there is no such file: expected a TOML file"]);
+    track(&["--out", "no/such/boxes.txt"]).refuses(&["cannot write no/such/boxes.txt: there is no folder no/such"]);
+    host_sim(&["track", "no/such"])
+        .refuses(&["cannot open no/such: expected a folder, a file, or one of synthetic", "there is no such file"]);
+    for (name, holds, expected) in [
+        ("cut.pgm", &b"P5 9 9 255\nabc"[..], "it is cut short"),
+        ("bad.png", b"not a picture", "it is damaged"),
+        ("bad.jpg", b"\xFF\xD8\xFF\xE0junk", "it is damaged"),
+        ("bad.y4m", b"YUV4MPEG2 W2 H2 Fx Cmono\nFRAME\nabcd", "its header is not understood"),
+        ("frame.y4m", b"YUV4MPEG2 W2 H2 F25:1 Cmono\nFRAMX\nabcd", "expected a line FRAME before its pixels"),
+    ] {
+        let path = file(name, holds);
+        let said = host_sim(&["track", &path, "--init", "0,0,1,1"]);
+        said.refuses(&[name, expected]);
+        // In the first frame there is nothing to go on with.
+        assert!(!said.err.contains("--lenient"), "{}", said.err);
+    }
+    let former = file("former.json", b"{\"recordings\":[{\"tracker\":1}]}");
+    host_sim(&["eval", "synthetic", "--robustness", "--against", &former])
+        .refuses(&["former.json: line 1: expected what `host-sim eval --robustness --json` writes"]);
+    let firmware = file("firmware.elf", b"hello");
+    host_sim(&["run", &firmware]).refuses(&["firmware.elf is not firmware: expected an ELF file"]);
+}
+
 /// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
 #[test]
 fn the_papers_table_is_printed_whole() {

@@ -210,3 +210,101 @@ fn a_kill_leaves_the_former_file() {
     assert_eq!(fs::read_to_string(&boxes).unwrap(), "former\n");
     assert!(!clip.exists(), "there whole or not at all");
 }
+
+/// A full disk in the middle of an animation: files of this process may not grow beyond 16 KiB.
+#[test]
+fn a_disk_that_fills_up_ends_a_video_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.gif", "pictures"] {
+        let out = folder.path().join(name);
+        let script = "trap '' XFSZ; ulimit -f 16; exec \"$0\" track synthetic --resize 2/1 --video \"$1\"";
+        let output = Command::new("sh").args(["-c", script, PROGRAM]).arg(&out).output().expect("there is a shell");
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), err.lines().count()), (Some(2), 1), "{err}");
+        assert!(err.starts_with(&format!("error: cannot write {}", out.display())), "{err}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
+    }
+}
+
+#[test]
+fn a_closed_pipe_does_not_cost_the_video() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, piped) = (folder.path().join("whole.gif"), folder.path().join("piped.gif"));
+    let arguments = ["track", "synthetic", "--frames", "1..60", "--video"];
+    assert_eq!(host_sim(&[&arguments[..], &[utf8(&whole)]].concat()).code, Some(0));
+    let mut process = command(&[&arguments[..], &[utf8(&piped)]].concat()).spawn().expect("host-sim runs");
+    let mut first = String::new();
+    let mut lines = BufReader::new(process.stdout.take().expect("it is piped"));
+    lines.read_line(&mut first).unwrap();
+    drop(lines);
+    let output = process.wait_with_output().expect("host-sim ends");
+    assert_eq!((first.as_str(), output.status.code(), output.stderr.len()), ("36,24,60,52\n", Some(0), 0));
+    assert!(fs::read(piped).unwrap() == fs::read(whole).unwrap(), "the whole video is there");
+}
+
+/// Whether a program of this name was started by the process and runs.
+fn started(name: &str, process: &Child) -> Option<String> {
+    let found = Command::new("pgrep").args(["-P", &process.id().to_string(), name]).output().ok()?;
+    String::from_utf8(found.stdout).ok()?.lines().next().map(str::to_owned)
+}
+
+#[test]
+fn a_signal_removes_what_is_under_way_and_is_the_exit_code() {
+    let ffmpeg =
+        Command::new("ffmpeg").arg("-version").output().is_ok() && Command::new("pgrep").arg("-V").output().is_ok();
+    if !ffmpeg {
+        let test = "a_signal_removes_what_is_under_way_and_is_the_exit_code";
+        let _ = writeln!(std::io::stderr(), "skipped: {test}, for MP4: no ffmpeg, or no pgrep");
+    }
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        for (option, name) in
+            [("--out", "boxes.txt"), ("--video", "a.gif"), ("--video", "pictures"), ("--video", "a.mp4")]
+        {
+            if name == "a.mp4" && !ffmpeg {
+                continue;
+            }
+            let folder = tempfile::tempdir().unwrap();
+            let out = folder.path().join(name);
+            let mut live = Live::start(&["track", "-", "--init", START, option, utf8(&out)], Stdio::null());
+            live.send(15);
+            let mut child = None;
+            wait_until("what is under way", || {
+                child = started("ffmpeg", &live.process);
+                parts(folder.path()) == 1 && (name != "a.mp4" || child.is_some())
+            });
+            let sent = Command::new("kill").args([&format!("-{signal}"), &live.process.id().to_string()]).status();
+            assert!(sent.unwrap().success());
+            let output = live.process.wait_with_output().expect("host-sim ends");
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!((output.status.code(), said.as_str()), (Some(code), ""), "{signal}, {name}");
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{signal}, {name}: nothing is left behind");
+            if let Some(child) = child {
+                let runs = Command::new("kill").args(["-0", &child]).stderr(Stdio::null()).status();
+                assert!(!runs.unwrap().success(), "{signal}: ffmpeg runs on");
+            }
+        }
+    }
+}
+
+/// `nohup host-sim ...` goes on when its terminal is closed.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_that_is_ignored_stays_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let boxes = folder.path().join("boxes.txt");
+    let mut process = Command::new("sh")
+        .args(["-c", "trap '' HUP; exec \"$0\" \"$@\"", PROGRAM, "track", "-", "--init", START, "--out", utf8(&boxes)])
+        .stdin(Stdio::piped())
+        .spawn()
+        .expect("there is a shell");
+    let mut input = process.stdin.take().expect("it is piped");
+    let header = format!("YUV4MPEG2 W{} H{} F25:1 Cmono\n", synthetic::WIDTH, synthetic::HEIGHT);
+    let frame = synthetic::frames().next().unwrap();
+    input.write_all(&[header.as_bytes(), b"FRAME\n", &frame.pixels].concat()).unwrap();
+    wait_until("the file under way", || parts(folder.path()) == 1);
+    assert!(Command::new("kill").args(["-HUP", &process.id().to_string()]).status().unwrap().success());
+    std::thread::sleep(Duration::from_millis(100));
+    drop(input);
+    assert_eq!(process.wait().unwrap().code(), Some(0));
+    assert_eq!(fs::read_to_string(&boxes).unwrap().lines().count(), 1);
+}

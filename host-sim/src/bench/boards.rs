@@ -6,9 +6,10 @@ use crate::emulator::firmware;
 use crate::emulator::protocol::TooBig;
 use crate::emulator::qemu::{Qemu, Setup};
 use crate::evaluate::{CoreKind, Origin};
+use crate::output::Exchange;
 use crate::sequence::Sequence;
 use crate::spread::Spread;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -71,7 +72,7 @@ impl Board {
     /// QEMU fails, or the recording cannot be read. A box that is too big for the firmware is not an error: it is noted.
     pub fn add(&mut self, sequence: Sequence) -> Result<()> {
         let target = sequence.start()?;
-        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+        let folder = Exchange::create()?;
         let Sequence { name, frames, .. } = sequence;
         let recording = Recording::write(&name, (self.method, 0), frames, target, folder.path())?;
         let report = match self.run(&recording, folder.path()) {

@@ -79,6 +79,8 @@ impl Bench {
     /// The recording cannot be read or tracked. If OpenCV cannot be timed, that is not an error.
     pub fn add(&mut self, sequence: Sequence, progress: impl Fn()) -> Result<()> {
         let name = sequence.name.clone();
+        // It names the recording by itself.
+        sequence.start()?;
         let mut count = 0;
         case::triples(sequence, self.settings.every, |triple| {
             for window in &mut self.windows {

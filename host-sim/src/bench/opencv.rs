@@ -1,6 +1,8 @@
 //! OpenCV's `matchTemplate` and its tracker CSRT on the same searches, where `python3` has OpenCV.
 
 use crate::clock::Patience;
+use crate::ending::Process;
+use crate::output::Exchange;
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
@@ -59,15 +61,18 @@ pub struct Times {
 /// # Errors
 /// Why it was not timed.
 pub fn times(python: &str, searches: &[Search], patience: Patience) -> Result<Times> {
-    let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+    let folder = Exchange::create()?;
     write(searches, folder.path()).context("cannot write the searches for OpenCV")?;
-    let output = Command::new(python)
+    let mut command = Command::new(python);
+    command
         .arg(folder.path().join("opencv.py"))
         .arg(folder.path())
         .args([patience.repeats.to_string(), patience.enough.as_secs_f64().to_string()])
         .stdin(Stdio::null())
-        .output()
-        .with_context(|| format!("cannot start {python}"))?;
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let output = Process::start(&mut command).and_then(Process::finish);
+    let output = output.with_context(|| format!("cannot start {python}"))?;
     let said = String::from_utf8_lossy(&output.stderr);
     let last = said.lines().last().unwrap_or("it says nothing");
     ensure!(output.status.success(), "{python} failed: {last}");

@@ -1,5 +1,6 @@
 //! `host-sim ablate`: what each part of the robust tracker is worth, measured by leaving it out.
 
+use super::number::from;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::Part;
 use super::{Outcome, robustness, say};
@@ -19,7 +20,7 @@ pub struct Ablate {
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
     /// In place of the 5 starts of `eval --robustness`, start at every N-th frame in which the target is visible
-    #[arg(long, value_name = "N", conflicts_with_all = ["init", "inclusive"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["init", "inclusive"], value_parser = from::<NonZeroUsize>(1))]
     starts_every: Option<NonZeroUsize>,
     /// Print JSON instead of a table: what `eval --robustness --json` prints, with each variant as a tracker
     #[arg(long)]
@@ -36,7 +37,7 @@ impl Ablate {
     pub fn run(mut self) -> Result<Outcome> {
         self.recording = self.recording.of_frames(self.frames);
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
-        let (robustness, failed) = robustness::measure(&self.paths, &self.recording, &variants(), starts)?;
+        let (robustness, failed) = robustness::measure("ablate", &self.paths, &self.recording, &variants(), starts)?;
         let text = match self.json {
             true => serde_json::to_string_pretty(&robustness)? + "\n",
             false => robustness.summary(),

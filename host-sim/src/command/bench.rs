@@ -1,5 +1,7 @@
 //! `host-sim bench`: how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search.
 
+use super::number::{from, whole};
+use super::places::Places;
 use super::qemu_options::EmulatorOptions;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
@@ -52,16 +54,16 @@ pub struct Bench {
     #[arg(long, value_name = "XxY", default_values = ["16x16", "60x50"])]
     window: Vec<Pair>,
     /// Time a search in every N-th frame [default: so that there are about 60 in all]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     every: Option<NonZeroUsize>,
     /// Only these frames of each recording, for example 20..80, 20.. or ..80; the first is 1
     #[arg(long, value_name = "A..B")]
     frames: Option<FrameRange>,
     /// Each search is timed up to so many times; the shortest counts
-    #[arg(long, value_name = "N", default_value = "7")]
+    #[arg(long, value_name = "N", default_value = "7", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     repeat: NonZeroU32,
     /// How long one way to search may take in all; one that is slower is timed in fewer frames
-    #[arg(long, value_name = "SECONDS", default_value = "2")]
+    #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     seconds: NonZeroU32,
     /// Count the instructions of an update on this board, in QEMU; may be given several times
     #[arg(long, value_enum)]
@@ -82,6 +84,11 @@ pub struct Bench {
 }
 
 impl Bench {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of(&self.paths).writes("--plot", self.plot.as_ref())
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
         let plot = self.plot.as_deref().map(Output::create).transpose()?;

@@ -5,7 +5,7 @@ use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, say};
 use crate::Paper;
 use crate::check::{self, Checked, Violation, paper, robust};
-use crate::evaluate::{CoreKind, Origin};
+use crate::evaluate::{CoreKind, Origin, lock};
 use crate::sequence::{self, FrameRange};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
@@ -99,6 +99,9 @@ impl Check {
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;
         let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
+        // A box that the tracker refuses is told in the same words everywhere.
+        let variant = self.tracker.variant(self.method.into())?;
+        lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
         let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;
         for frame in frames {
             if !run.holds() {

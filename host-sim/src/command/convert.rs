@@ -1,5 +1,6 @@
 //! `host-sim convert`: a recording as files that other programs read and firmware replays.
 
+use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, say};
 use crate::export::{Format, Writer, Written};
@@ -49,6 +50,11 @@ struct Report {
 }
 
 impl Convert {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of([&self.sequence]).writes("--out", Some(&self.out))
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let format = self.format()?;
         let recording = self.recording.of_frames(self.frames);

@@ -1,5 +1,7 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
 
+use super::number::from;
+use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
 use super::robustness::{self, end, progress_bar, say_what_failed};
@@ -13,12 +15,15 @@ use crate::report::calibration;
 use crate::report::diagram::Form;
 use crate::sequence::FrameRange;
 use crate::sequence::fault::{Fault, Faults};
-use anyhow::{Error, Result, ensure};
+use anyhow::{Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+
+/// As it is called on the command line.
+const NAME: &str = "eval";
 
 #[derive(Debug, clap::Args)]
 pub struct Eval {
@@ -53,7 +58,7 @@ pub struct Eval {
     /// With --robustness: in place of the 5, start at every N-th frame in which the target is visible
     ///
     /// From the ground truth's box, cut to the frame, to the end of the recording; not in the last frame.
-    #[arg(long, value_name = "N", requires = "robustness", conflicts_with_all = ["init", "inclusive"])]
+    #[arg(long, value_name = "N", requires = "robustness", conflicts_with_all = ["init", "inclusive"], value_parser = from::<NonZeroUsize>(1))]
     starts_every: Option<NonZeroUsize>,
     /// With --robustness: run from the given box alone, in place of the 5
     #[arg(long, requires = "robustness", conflicts_with = "starts_every")]
@@ -102,6 +107,11 @@ pub struct Eval {
 }
 
 impl Eval {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of(&self.paths).reads(self.against.as_ref()).writes("--calibration", self.calibration.as_ref())
+    }
+
     pub fn run(mut self) -> Result<Outcome> {
         self.recording = self.recording.of_frames(self.frames);
         if !self.fault.is_empty() && self.method.is_empty() {
@@ -125,10 +135,22 @@ impl Eval {
         // The paper's recordings have the paper's table, with all that can stand in it.
         let table = self.says_nothing() && found.iter().all(|path| is_published(path));
         let variants = if table { Variant::all() } else { variants };
-        let evaluations = self.evaluate(&found, &variants, self.compare || table);
-        let failed = say_what_failed(evaluations.iter().flat_map(errors));
-        let mut evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
+        let (mut evaluations, mut failures) = (Vec::new(), Vec::new());
+        for evaluation in self.evaluate(&found, &variants, self.compare || table) {
+            match evaluation {
+                Ok(mut evaluation) => {
+                    failures.append(&mut evaluation.failures);
+                    evaluations.push(evaluation);
+                }
+                Err(error) => failures.push(error),
+            }
+        }
         evaluations.retain(|evaluation| !evaluation.scores.is_empty());
+        if evaluations.is_empty() && failures.len() == 1 {
+            // Nothing else was asked for: one line says it all.
+            return Err(failures.remove(0));
+        }
+        let failed = say_what_failed(&failures, NAME);
         say_what_to_know(&evaluations);
         self.print(&Results::new(&evaluations))?;
         end(failed)
@@ -158,7 +180,7 @@ impl Eval {
             None if self.single_start => Starts::Given,
             None => Starts::Near,
         };
-        let (mut robustness, failed) = robustness::measure(&self.paths, &self.recording, variants, starts)?;
+        let (mut robustness, failed) = robustness::measure(NAME, &self.paths, &self.recording, variants, starts)?;
         match &former {
             Some(former) => robustness.compare_with(former)?,
             None => robustness.compare_with_first(),
@@ -182,7 +204,8 @@ impl Eval {
         let (mut all, mut failures) = (faults::Measured::default(), Vec::new());
         // One recording after the other is in memory; its runs are spread over the threads that there are.
         let found = found?.concat();
-        let bar = progress::bar("faults", Some(found.len()));
+        let recordings = found.len();
+        let bar = progress::bar("faults", Some(recordings));
         for path in found {
             match self.recording.open(&path).and_then(|sequence| faults::measure(sequence, variants, &list)) {
                 Ok(measured) => all.add(measured),
@@ -191,7 +214,10 @@ impl Eval {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let failed = say_what_failed(&failures);
+        if recordings == 1 && failures.len() == 1 {
+            return Err(failures.remove(0));
+        }
+        let failed = say_what_failed(&failures, NAME);
         let rows = all.rows(variants, &list);
         let text =
             if self.json { serde_json::to_string_pretty(&rows)? + "\n" } else { faults::table(&rows, self.format)? };
@@ -242,13 +268,6 @@ impl Eval {
 /// True if the paper's table has the recording at `path`.
 fn is_published(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
-}
-
-fn errors(evaluation: &Result<Evaluation>) -> &[Error] {
-    match evaluation {
-        Ok(evaluation) => &evaluation.failures,
-        Err(error) => std::slice::from_ref(error),
-    }
 }
 
 fn say_what_to_know(evaluations: &[Evaluation]) {

@@ -1,5 +1,7 @@
 //! `host-sim figures`: the paper's five figures of a recording.
 
+use super::number::from;
+use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, say};
@@ -36,7 +38,7 @@ pub struct Figures {
     #[arg(long, value_name = "1..5|NAME", value_delimiter = ',')]
     figure: Vec<Figure>,
     /// The frame of figures 1 and 2; the first is 1 [default: where SMR is farthest ahead of SAD]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     frame: Option<NonZeroUsize>,
     /// Where the target is hidden, for figure 5 [default: the frames without a box in the ground truth]
     #[arg(long, value_name = "A..B")]
@@ -102,6 +104,11 @@ struct LeftOut {
 }
 
 impl Figures {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of([&self.sequence]).writes("--out", Some(&self.out))
+    }
+
     pub fn run(self) -> Result<Outcome> {
         ensure!(
             self.sequence != Path::new("-"),

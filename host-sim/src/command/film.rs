@@ -7,6 +7,7 @@ use anyhow::Result;
 use smr_core::State;
 use std::num::NonZeroU16;
 use std::path::Path;
+use std::time::Duration;
 
 /// A film under way.
 pub struct Film {
@@ -20,8 +21,13 @@ pub struct Film {
 impl Film {
     /// # Errors
     /// As [`export::Film::create`].
-    pub fn create(out: &Path, rate: NonZeroU16, truth: Option<Vec<Option<BoundingBox>>>) -> Result<Self> {
-        Ok(Self { film: export::Film::create(out, rate)?, truth, frames: 0, last: None })
+    pub fn create(
+        out: &Path,
+        rate: NonZeroU16,
+        patience: Duration,
+        truth: Option<Vec<Option<BoundingBox>>>,
+    ) -> Result<Self> {
+        Ok(Self { film: export::Film::create(out, rate, patience)?, truth, frames: 0, last: None })
     }
 
     /// Draws what was answered in the next frame. Ground truth is white; the box is green while the target is tracked, amber where that is not

@@ -1,5 +1,7 @@
 //! `host-sim frame`: one frame with its coordinates, to choose the box to start from.
 
+use super::number::from;
+use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, say};
 use crate::sequence::{BoundingBox, GrayFrame, Sequence};
@@ -16,7 +18,7 @@ pub struct Frame {
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
     /// Which frame; the first is 1
-    #[arg(value_name = "N", default_value = "1")]
+    #[arg(value_name = "N", default_value = "1", value_parser = from::<NonZeroUsize>(1))]
     number: NonZeroUsize,
     /// The picture to write, a PNG
     #[arg(short, long, value_name = "FILE")]
@@ -45,6 +47,11 @@ struct Written {
 }
 
 impl Frame {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of([&self.sequence]).writes("--out", Some(&self.out))
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let Sequence { name, frames, init, .. } = self.recording.open(&self.sequence)?;
         let number = self.number.get();

@@ -13,6 +13,8 @@ mod frame;
 mod man;
 #[cfg(any(test, not(feature = "bench")))]
 mod not_built;
+mod number;
+mod places;
 mod progress;
 #[cfg(feature = "emulator")]
 mod qemu_options;
@@ -33,9 +35,14 @@ mod tracker_options;
 mod trax;
 mod vectors;
 
+use crate::evaluate::Refused;
 use crate::output::print;
-use anyhow::Result;
-use clap::{Parser, Subcommand};
+use crate::{ending, words};
+use anyhow::{Context, Result};
+use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use places::Places;
+use std::error::Error;
 use std::io::{self, ErrorKind, StdoutLock};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -160,26 +167,91 @@ pub enum Outcome {
 /// Runs what the command line of this process says.
 #[must_use]
 pub fn run() -> ExitCode {
-    match settings::arguments(std::env::args_os().collect()) {
-        Ok(arguments) => HostSim::parse_from(arguments).run(),
-        Err(error) => refused(&error),
+    if let Err(error) = ending::heed_signals().context("cannot wait for signals") {
+        return refused(&error, "");
+    }
+    let arguments = match settings::arguments(std::env::args_os().collect()) {
+        Ok(arguments) => arguments,
+        Err(error) => return refused(&error, ""),
+    };
+    let matches = HostSim::command().try_get_matches_from(arguments);
+    let name = matches.as_ref().ok().and_then(|matches| matches.subcommand_name()).unwrap_or("").to_owned();
+    match matches.and_then(|matches| HostSim::from_arg_matches(&matches)) {
+        Ok(line) => line.run(&name),
+        Err(error) => match bad_value(&error) {
+            Some(said) => refused(&anyhow::anyhow!(said), &name),
+            None => error.exit(),
+        },
     }
 }
 
-fn refused(error: &anyhow::Error) -> ExitCode {
-    eprintln!("error: {error:#}");
+/// A value that an option does not take, in one line; `None` of other bad usage, of which clap says more.
+fn bad_value(error: &clap::Error) -> Option<String> {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let (argument, value) = (text(ContextKind::InvalidArg)?, text(ContextKind::InvalidValue)?);
+    // `--window <XxY>` is called by its name alone.
+    let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
+    let shown =
+        if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() };
+    let expected = match (error.kind(), error.get(ContextKind::ValidValue)) {
+        (Usage::ValueValidation, _) => error.source()?.to_string(),
+        (Usage::InvalidValue, Some(ContextValue::Strings(known))) if known.is_empty() => "expected a value".to_owned(),
+        (Usage::InvalidValue, Some(ContextValue::Strings(known))) => format!("expected one of {}", known.join(", ")),
+        _ => return None,
+    };
+    Some(format!("{name} {shown}: {expected}"))
+}
+
+/// What is printed of an error of this command; a box that is refused comes with what the command has against it.
+fn told(error: &anyhow::Error, command: &str) -> String {
+    let said = words::of(error);
+    let Some(box_) = error.chain().find_map(|cause| cause.downcast_ref::<Refused>()) else { return said };
+    let all = HostSim::command();
+    let options = all.find_subcommand(command);
+    let has = |name: &str| options.is_some_and(|of| of.get_arguments().any(|option| option.get_long() == Some(name)));
+    format!("{said}: {}", box_.way_out(has))
+}
+
+fn refused(error: &anyhow::Error, command: &str) -> ExitCode {
+    ending::yield_to_signal();
+    eprintln!("error: {}", told(error, command));
     ExitCode::from(2)
 }
 
 impl HostSim {
-    /// Runs the command. Errors are one line on standard error: what, where, what was expected.
-    pub fn run(self) -> ExitCode {
-        match self.dispatch() {
+    /// Runs the command, which is called `name`. Errors are one line on standard error: what, where, what was expected.
+    fn run(self, name: &str) -> ExitCode {
+        let done = self.places().check().and_then(|()| self.dispatch());
+        ending::yield_to_signal();
+        match done {
             Ok(Outcome::Holds) => ExitCode::SUCCESS,
             Ok(Outcome::CheckFailed) => ExitCode::from(1),
             Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
-            Err(error) => refused(&error),
+            Err(error) => refused(&error, name),
         }
+    }
+
+    /// What is read and written.
+    fn places(&self) -> Places<'_> {
+        let places = match &self.command {
+            Command::Frame(frame) => frame.places(),
+            Command::Track(track) => track.places(),
+            Command::Eval(eval) => eval.places(),
+            #[cfg(feature = "bench")]
+            Command::Bench(bench) => bench.places(),
+            Command::Convert(convert) => convert.places(),
+            Command::Report(report) => report.places(),
+            Command::Figures(figures) => figures.places(),
+            Command::Soak(soak) => soak.places(),
+            Command::Synth(synth) => synth.places(),
+            Command::Vectors(vectors) => vectors.places(),
+            // These write to standard output alone.
+            _ => Places::default(),
+        };
+        places.reads(self.settings.as_ref())
     }
 
     fn dispatch(self) -> Result<Outcome> {

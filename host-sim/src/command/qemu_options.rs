@@ -1,5 +1,6 @@
 //! How QEMU is run, the same for every command that starts it.
 
+use super::number::whole;
 use crate::emulator::qemu::{Machine, Setup};
 use clap::Args;
 use std::num::NonZeroU16;
@@ -21,7 +22,7 @@ pub struct QemuOptions {
 #[command(next_help_heading = "QEMU")]
 pub struct EmulatorOptions {
     /// QEMU is ended, and that is an error, if nothing comes of it for so many seconds
-    #[arg(long, value_name = "SECONDS", default_value = "60")]
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = whole::<NonZeroU16>(1..=65535))]
     timeout: NonZeroU16,
     /// The program
     #[arg(long, value_name = "PROGRAM", default_value = "qemu-system-arm")]

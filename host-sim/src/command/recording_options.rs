@@ -1,7 +1,10 @@
 //! How recordings are opened, the same for every command that reads them.
 
+use super::number::whole;
 use super::tracker_options::Pair;
-use crate::sequence::{self, BoundingBox, Damage, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence};
+use crate::sequence::{
+    self, BoundingBox, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence,
+};
 use anyhow::{Result, bail, ensure};
 use clap::Args;
 use std::num::NonZeroU16;
@@ -30,8 +33,8 @@ pub struct RecordingOptions {
     /// Go on where a recording is damaged, and say how many frames are, on standard error; without it damage is an error
     #[arg(long)]
     lenient: bool,
-    /// ffmpeg is ended, and that is an error, if nothing comes of it for so many seconds [default: 60]
-    #[arg(long, value_name = "SECONDS")]
+    /// ffmpeg is ended, and that is an error, if it does nothing for so many seconds, reading or writing a video [default: 60]
+    #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
 }
 
@@ -39,6 +42,11 @@ impl RecordingOptions {
     /// Whether the box to start from is given, not found beside the recording.
     pub fn gives_init(&self) -> bool {
         self.init.is_some()
+    }
+
+    /// How long ffmpeg may do nothing.
+    pub fn ffmpeg_patience(&self) -> Duration {
+        self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
     }
 
     /// The same, of these frames only.
@@ -53,7 +61,7 @@ impl RecordingOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
             init: self.init,
             lenient: self.lenient,
-            ffmpeg_patience: self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into())),
+            ffmpeg_patience: Some(self.ffmpeg_patience()),
         };
         let mut sequence = sequence::open(path, &options)?;
         if let Some(part) = self.part {

@@ -1,5 +1,7 @@
 //! `host-sim report`: recordings as people look at them, a page or a picture.
 
+use super::number::from;
+use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
 use super::tracker_options::TrackerOptions;
@@ -33,13 +35,13 @@ pub struct Report {
     #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "png")]
     out: Option<PathBuf>,
     /// Megabytes that the page may have: beyond it frames get smaller, then fewer
-    #[arg(long, value_name = "MB", default_value_t = BUDGET)]
+    #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
     /// Write the film strip of one recording alone, as one picture
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
     /// Frames of the film strip; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
-    #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = from::<NonZeroUsize>(1))]
     strip: Vec<NonZeroUsize>,
     /// Only these frames of each recording, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to
     /// start from is that of the ground truth in the first of them
@@ -62,6 +64,11 @@ struct Written {
 }
 
 impl Report {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of(&self.paths).writes("--out", self.out.as_ref()).writes("--png", self.png.as_ref())
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let methods = self.tracker.variants(&self.method)?;
         let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
@@ -72,7 +79,10 @@ impl Report {
         let mut sequences = found.iter().map(|path| recording.open(path)).collect::<Result<Vec<_>>>()?;
         name_apart(&mut sequences);
         let title = if let [one] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
-        let page = self.out.as_ref().map(|out| File::create(page_file(out, &title)?)).transpose()?;
+        let page = self.out.as_ref().map(|out| page_file(out, &title)).transpose()?;
+        // In a folder the page has the recording's name.
+        Places::of(&found).writes("--out", page.as_ref()).writes("--png", self.png.as_ref()).check()?;
+        let page = page.map(File::create).transpose()?;
         let png = self.png.clone().map(File::create).transpose()?;
         let mut films = self.watch(&found, sequences, &methods)?;
         let mut files = Vec::new();

@@ -1,19 +1,21 @@
 //! The measurement of robustness as commands run it: starts from the command line, progress on a terminal, failures named.
 
-use super::Outcome;
 use super::recording_options::RecordingOptions;
 use super::recordings::recordings;
+use super::{Outcome, told};
+use crate::ending;
 use crate::evaluate::Variant;
 use crate::evaluate::robustness::{self, Progress, Robustness, Settings, Starts};
 use anyhow::{Error, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
-/// Measures `variants` on what is at `paths`, names what fails, and tells how much that is.
+/// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
 ///
 /// # Errors
 /// No recording is there, or the only thing that was asked for failed.
 pub fn measure(
+    command: &str,
     paths: &[PathBuf],
     recording: &RecordingOptions,
     variants: &[Variant],
@@ -34,13 +36,16 @@ pub fn measure(
         // Nothing else was asked for: one line says it all.
         return Err(robustness.failures.remove(0));
     }
-    let failed = say_what_failed(&robustness.failures);
+    let failed = say_what_failed(&robustness.failures, command);
     Ok((robustness, failed))
 }
 
 /// One line on standard error for everything that could not be measured; how many there are.
-pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>) -> usize {
-    let say = |error: &Error| eprintln!("error: {error:#}");
+pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command: &str) -> usize {
+    let say = |error: &Error| {
+        ending::yield_to_signal();
+        eprintln!("error: {}", told(error, command));
+    };
     errors.into_iter().map(say).count()
 }
 

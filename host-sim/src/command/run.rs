@@ -3,7 +3,8 @@
 use super::Outcome;
 use super::qemu_options::QemuOptions;
 use crate::emulator::qemu::Qemu;
-use anyhow::{Context, Result, anyhow, bail};
+use crate::input;
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
 use std::path::PathBuf;
@@ -11,6 +12,9 @@ use std::process::Stdio;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
+
+/// What every ELF file begins with.
+const ELF: &[u8] = b"\x7fELF";
 
 #[derive(Debug, clap::Args)]
 pub struct Run {
@@ -24,8 +28,11 @@ pub struct Run {
 impl Run {
     pub fn run(self) -> Result<Outcome> {
         let name = self.elf.display().to_string();
-        let elf = std::fs::read(&self.elf).with_context(|| format!("cannot open the firmware {name}"))?;
-        let table = Table::parse(&elf).map_err(|error| anyhow!("{name}: its log cannot be decoded: {error}"))?;
+        let elf = input::bytes(&self.elf, &input::FIRMWARE);
+        let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
+        ensure!(elf.starts_with(ELF), "{name} is not firmware: expected an ELF file of 32 bits");
+        let table = Table::parse(&elf)
+            .map_err(|_| anyhow!("{name}: what describes its log is damaged: expected firmware as it was linked"))?;
         // Firmware may write files where it runs: here.
         let mut qemu = Qemu::start(&self.qemu.setup(), &self.elf, ".".as_ref(), Stdio::piped())?;
         let log = qemu.log().context("QEMU's standard output is piped")?;

@@ -8,12 +8,12 @@
 //! without = ["sweep", "near"]
 //! ```
 
-use super::HostSim;
+use super::{HostSim, bad_value};
+use crate::input;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command, CommandFactory};
 use std::ffi::OsString;
-use std::fs;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -28,7 +28,7 @@ pub fn arguments(given: Vec<OsString>) -> Result<Vec<OsString>> {
     let Some(file) = of_command.get_one::<PathBuf>("settings").or_else(|| matches.get_one("settings")) else {
         return Ok(given);
     };
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = input::text(file, &input::SETTINGS).with_context(|| format!("cannot read {}", file.display()))?;
     let subcommand = command.find_subcommand(name).context("clap matches commands that there are")?;
     let settings = options(&text, subcommand, of_command).with_context(|| file.display().to_string())?;
     let at = place(&given, name, file);
@@ -61,11 +61,24 @@ fn options(text: &str, command: &Command, given: &ArgMatches) -> Result<Vec<OsSt
                 format!("{key} is no tracker option of `{name}`: expected {}", known.join(", "))
             }
         })?;
+        let option = option(key, value, argument)?;
+        if let Some(option) = &option {
+            check(argument, option)?;
+        }
         if given.value_source(argument.get_id().as_str()) != Some(ValueSource::CommandLine) {
-            options.extend(option(key, value, argument)?);
+            options.extend(option);
         }
     }
     Ok(options)
+}
+
+/// # Errors
+/// The option does not take its value.
+fn check(argument: &Arg, option: &OsString) -> Result<()> {
+    let alone = Command::new("settings").no_binary_name(true).arg(argument.clone());
+    let error = alone.try_get_matches_from([option]).err();
+    let said = error.map(|error| bad_value(&error).unwrap_or_else(|| error.to_string()));
+    said.map_or(Ok(()), |said| Err(anyhow!(said.trim_start_matches("--").to_owned())))
 }
 
 fn is_setting(argument: &Arg) -> bool {
@@ -100,12 +113,16 @@ fn text(key: &str, value: &Value) -> Result<String> {
 fn at_line(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or("");
     let line = before.matches('\n').count() + 1;
-    anyhow!("line {line}: expected TOML: {}", error.message().replace('\n', ", "))
+    if error.message().starts_with("duplicate key") {
+        return anyhow!("line {line}: expected TOML: the name at its beginning stands in an earlier line, too");
+    }
+    anyhow!("line {line}: expected TOML: a line like growth = 2, window = \"20x16\" or exhaustive = true")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn with(text: &str, line: &[&str]) -> Result<Vec<String>> {
         let folder = tempfile::tempdir().unwrap();

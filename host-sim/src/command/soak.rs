@@ -1,5 +1,7 @@
 //! `host-sim soak`: as many frames as there is time for, every answer compared.
 
+use super::number::from;
+use super::places::Places;
 use super::{Outcome, progress, say};
 use crate::evaluate::{CoreKind, Origin};
 use crate::export::{Format, Writer};
@@ -18,13 +20,13 @@ pub struct Soak {
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
     /// How many frames; each session of 500 has a scene and a lock of its own
-    #[arg(long, value_name = "N", default_value = "100000")]
+    #[arg(long, value_name = "N", default_value = "100000", value_parser = from::<NonZeroU64>(1))]
     frames: NonZeroU64,
     /// Compare 50 frames of every N-th session with the float reference, too; 0 compares none
-    #[arg(long, value_name = "N", default_value = "20")]
+    #[arg(long, value_name = "N", default_value = "20", value_parser = from::<u64>(0))]
     reference_every: u64,
     /// Of the first scene; the next has one more
-    #[arg(long, default_value = "0")]
+    #[arg(long, default_value = "0", value_parser = from::<u64>(0))]
     seed: u64,
     /// In place of all that write a scene of so many frames as a recording into this new folder, to feed to firmware
     #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "reference_every", "json"])]
@@ -47,6 +49,11 @@ struct Soaked<'a> {
 }
 
 impl Soak {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::default().writes("--write", self.write.as_ref())
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let frames = self.frames.get();
         if let Some(folder) = &self.write {

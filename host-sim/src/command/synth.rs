@@ -1,6 +1,7 @@
 //! Writes the built-in recording out as files, so that other tools can be fed the same pixels.
 
 use super::Outcome;
+use super::places::Places;
 use crate::export::{Format, Writer};
 use crate::output::print;
 use crate::sequence::synthetic;
@@ -22,6 +23,11 @@ pub struct Synth {
 }
 
 impl Synth {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::default().writes("OUT", Some(&self.out))
+    }
+
     /// Writes the frames, and their boxes in TLD form.
     pub fn run(self) -> Result<Outcome> {
         write(&self.out, self.format)?;

@@ -1,5 +1,6 @@
 //! `host-sim target`: the real firmware in QEMU on a recording, every answer compared with the host's.
 
+use super::number::whole;
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, say};
@@ -7,8 +8,9 @@ use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
 use crate::emulator::{Recording, Report};
 use crate::evaluate::CoreKind;
+use crate::output::Exchange;
 use crate::sequence::FrameRange;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::num::NonZeroU32;
@@ -24,7 +26,7 @@ pub struct Target {
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
     /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
-    #[arg(long, value_name = "WORK")]
+    #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
     /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
     /// the ground truth in the first of them
@@ -64,7 +66,7 @@ impl Target {
             None => firmware::build("replay", self.qemu.machine)?,
         };
         let sizes = Sizes::of(&elf)?;
-        let folder = tempfile::Builder::new().prefix("smr-").tempdir().context("no temporary folder")?;
+        let folder = Exchange::create()?;
         let method = (self.method, step);
         let recording = Recording::write(&sequence.name, method, sequence.frames, target, folder.path())?;
         let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;

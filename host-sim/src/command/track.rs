@@ -1,9 +1,11 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::film::Film;
+use super::number::whole;
+use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, progress};
+use super::{Outcome, is_closed_pipe, progress};
 use crate::evaluate::{Evidence, MethodKind, Origin, Report, Run, name_of};
 use crate::output::{Output, print};
 use crate::sequence::boxes::Form;
@@ -12,7 +14,7 @@ use anyhow::{Context, Result};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use serde::Serialize;
-use smr_core::Rect;
+use smr_core::{Quality, Rect};
 use std::io::{IsTerminal, Write, stdout};
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
@@ -38,7 +40,7 @@ pub struct Track {
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
     /// Frames a second of the video
-    #[arg(long, value_name = "RATE", default_value = "25", requires = "video")]
+    #[arg(long, value_name = "RATE", default_value = "25", requires = "video", value_parser = whole::<NonZeroU16>(1..=65535))]
     rate: NonZeroU16,
     /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
     /// the ground truth in the first of them
@@ -85,7 +87,13 @@ struct JsonLine<'a> {
     scale: Option<f64>,
     found_again: Option<bool>,
     work: Option<u32>,
+    /// In the frame that was locked on: how well the target can be told from what lies beside it, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality: Option<f64>,
 }
+
+/// What is said of a target of poor quality.
+const POOR: &str = "the target can hardly be told from what lies beside it: expected a box with more texture";
 
 /// A box in whole pixels.
 #[derive(Serialize)]
@@ -103,14 +111,20 @@ impl From<Rect> for Whole {
 }
 
 impl Track {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::of([&self.sequence]).writes("--out", self.out.as_ref()).writes("--video", self.video.as_ref())
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
         let (method, origin) = (variant.build()?, variant.origin());
         let mut sequence = self.recording.of_frames(self.frames).open(&self.sequence)?;
         let mut run = Run::new(method, sequence.start()?);
-        let mut lines = Lines::create(self.out.as_deref())?;
+        let mut lines = Lines::create(self.out.as_deref(), self.video.is_some())?;
         let truth = sequence.truth.take();
-        let film = self.video.as_deref().map(|video| Film::create(video, self.rate, truth));
+        let patience = self.recording.ffmpeg_patience();
+        let film = self.video.as_deref().map(|video| Film::create(video, self.rate, patience, truth));
         let mut film = film.transpose()?;
         // Lines on the same terminal show how far it is.
         let shown = self.out.is_some() || !stdout().is_terminal();
@@ -121,7 +135,11 @@ impl Track {
         for (number, frame) in (1..).zip(sequence.frames) {
             let frame = frame?;
             let report = run.step(&frame).with_context(|| sequence.name.clone())?;
-            lines.write(&(self.line(number, &report, &origin)? + "\n"))?;
+            let quality = run.quality().filter(|_| number == 1);
+            if quality.is_some_and(Quality::is_poor) {
+                bar.suspend(|| eprintln!("warning: {}: {}", sequence.name, POOR));
+            }
+            lines.write(&(self.line(number, &report, quality, &origin)? + "\n"))?;
             film.as_mut().map_or(Ok(()), |film| film.frame(frame, &report))?;
             bar.inc(1);
         }
@@ -131,7 +149,7 @@ impl Track {
         Ok(Outcome::Holds)
     }
 
-    fn line(&self, frame: usize, report: &Report, origin: &Origin) -> Result<String> {
+    fn line(&self, frame: usize, report: &Report, quality: Option<Quality>, origin: &Origin) -> Result<String> {
         if !self.json {
             let form = match self.format {
                 Format::Tld => Form::Tld,
@@ -155,6 +173,7 @@ impl Track {
             scale: evidence.map(|evidence| rounded(evidence.scale)),
             found_again: evidence.map(|evidence| evidence.found_again),
             work: report.work,
+            quality: quality.map(|quality| rounded(f64::from(quality.value()) / f64::from(u16::MAX))),
         })?)
     }
 }
@@ -162,25 +181,35 @@ impl Track {
 /// Where lines go: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
 /// printed before.
 enum Lines {
-    Printed,
+    /// That nobody reads them ends the command, unless it writes something else, too.
+    Printed {
+        goes_on: bool,
+    },
     File(Output),
+    /// Nobody reads them any more.
+    Unread,
 }
 
 impl Lines {
-    fn create(file: Option<&Path>) -> Result<Self> {
-        file.map_or(Ok(Self::Printed), |file| Output::create(file).map(Self::File))
+    fn create(file: Option<&Path>, goes_on: bool) -> Result<Self> {
+        file.map_or(Ok(Self::Printed { goes_on }), |file| Output::create(file).map(Self::File))
     }
 
     fn write(&mut self, text: &str) -> Result<()> {
         match self {
-            Self::Printed => print(|out| out.write_all(text.as_bytes())),
-            Self::File(file) => file.write(text.as_bytes()),
+            Self::Printed { goes_on } => match print(|out| out.write_all(text.as_bytes())) {
+                Err(error) if *goes_on && is_closed_pipe(&error) => *self = Self::Unread,
+                printed => printed?,
+            },
+            Self::File(file) => file.write(text.as_bytes())?,
+            Self::Unread => {}
         }
+        Ok(())
     }
 
     fn finish(self) -> Result<()> {
         match self {
-            Self::Printed => Ok(()),
+            Self::Printed { .. } | Self::Unread => Ok(()),
             Self::File(file) => file.finish(),
         }
     }
@@ -226,7 +255,7 @@ mod tests {
     fn line(arguments: &[&str], report: &Report) -> String {
         let line = Line::parse_from([&["track", "SEQ"], arguments].concat());
         let origin = line.track.tracker.variant(line.track.method).unwrap().origin();
-        line.track.line(7, report, &origin).unwrap()
+        line.track.line(7, report, None, &origin).unwrap()
     }
 
     /// What stands first in every line.

@@ -1,5 +1,6 @@
 //! The numbers of the methods on the command line, the same for every command that runs a tracker.
 
+use super::number::whole;
 use crate::evaluate::{Configs, MethodKind, Variant};
 use crate::reference::{Numbers, robust as reference};
 use anyhow::{Context, Result, anyhow, bail};
@@ -40,22 +41,22 @@ pub struct TrackerOptions {
     #[arg(long, value_name = "XxY")]
     window_limit: Option<Pair>,
     /// Pixels by which that window grows a frame, on each side [default: 1]
-    #[arg(long)]
+    #[arg(long, value_parser = whole::<u16>(0..=65535))]
     growth: Option<u16>,
     /// alpha = k * the largest change of a template pixel [default: 1/4]
     #[arg(long, value_name = "N/M")]
     k: Option<Ratio>,
     /// p = exp(-d / scale) of a difference of d gray levels, 1 to 4096 [default: 255]
-    #[arg(long)]
+    #[arg(long, value_parser = whole::<u16>(1..=4096))]
     scale: Option<u16>,
     /// Zeroes around the frame, in pixels [all but robust] [default: 20]
-    #[arg(long)]
+    #[arg(long, value_parser = whole::<u16>(0..=65535))]
     padding: Option<u16>,
     /// The runner-up is more than this many pixels away from the peak [default: 8]
-    #[arg(long)]
+    #[arg(long, value_parser = whole::<u16>(0..=65535))]
     neighbourhood: Option<u16>,
     /// The least alpha after an update, in gray levels [default: none]
-    #[arg(long, value_name = "LEVELS")]
+    #[arg(long, value_name = "LEVELS", value_parser = whole::<u8>(0..=255))]
     least_alpha: Option<u8>,
     /// The least similarity matching ratio of a peak that is believed, as N/M [default: none]
     #[arg(long, value_name = "N/M")]
@@ -70,29 +71,29 @@ pub struct TrackerOptions {
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     without: Vec<Part>,
     /// How far the target is looked for to each side, in cells, 4 to 8 [robust] [default: 8]
-    #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u8).range(4..=8))]
+    #[arg(long, value_name = "CELLS", value_parser = whole::<u8>(4..=8))]
     reach: Option<u8>,
     /// How many 256ths of itself the confidence keeps in each frame [robust] [default: 179]
-    #[arg(long, value_name = "256THS")]
+    #[arg(long, value_name = "256THS", value_parser = whole::<u8>(0..=255))]
     patience: Option<u8>,
     /// The target is lost while the confidence is below this, 0 to 65535 [robust] [default: 19200]
-    #[arg(long, value_name = "CONFIDENCE")]
+    #[arg(long, value_name = "CONFIDENCE", value_parser = whole::<u16>(0..=65535))]
     lost_below: Option<u16>,
     /// It is uncertain while the confidence is below this; at least --lost-below [robust] [default: 32500]
-    #[arg(long, value_name = "CONFIDENCE")]
+    #[arg(long, value_name = "CONFIDENCE", value_parser = whole::<u16>(0..=65535))]
     uncertain_below: Option<u16>,
     /// How far the filter goes towards what is best for the present frame, 0 to 256 256ths [robust] [default: 160]
-    #[arg(long, value_name = "256THS", value_parser = clap::value_parser!(u16).range(0..=256))]
+    #[arg(long, value_name = "256THS", value_parser = whole::<u16>(0..=256))]
     learning_rate: Option<u16>,
     /// How far the early template goes towards the present frame, 0 to 1024 1024ths [robust] [default: 1]
-    #[arg(long, value_name = "1024THS", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "1024THS", value_parser = whole::<u16>(0..=1024))]
     early_rate: Option<u16>,
     /// How scores are computed; changes nothing but the time [smr, robust] [default: the fastest that
     /// this machine has]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     backend: Option<Backend>,
     /// Update in steps of so much work, as firmware with a deadline does; changes no answer [smr, robust] [default: all at once]
-    #[arg(long, value_name = "WORK")]
+    #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
 }
 
@@ -286,6 +287,9 @@ impl TrackerOptions {
             }
         }
         if let Some(Ratio(k)) = self.k {
+            if k.denominator == 0 || k.numerator == 0 {
+                bail!("--k {}: expected a numerator and a denominator of 1 to 65535, like 1/4", Ratio(k));
+            }
             config.k = k;
         }
         if let Some(scale) = self.scale {

@@ -1,6 +1,7 @@
 //! `host-sim trax`: a tracker behind the TraX protocol, as the VOT toolkit and others run it.
 
 use super::Outcome;
+use super::number::whole;
 use super::tracker_options::TrackerOptions;
 use crate::evaluate::MethodKind;
 use crate::trax::{PROTOCOLS, Server, serve};
@@ -21,7 +22,7 @@ pub struct Trax {
     #[arg(long, value_enum, default_value = "smr")]
     method: MethodKind,
     /// The version of the protocol to begin with; clients of version 4 also speak the earlier ones
-    #[arg(long, value_name = "VERSION", default_value_t = *PROTOCOLS.end(), value_parser = clap::value_parser!(u8).range(1..=4))]
+    #[arg(long, value_name = "VERSION", default_value_t = *PROTOCOLS.end(), value_parser = whole::<u8>(1..=4))]
     protocol: u8,
     #[command(flatten)]
     tracker: TrackerOptions,

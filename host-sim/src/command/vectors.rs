@@ -1,6 +1,7 @@
 //! `host-sim vectors`: the conformance vectors, made anew.
 
 use super::Outcome;
+use super::places::Places;
 use crate::evaluate::CoreKind;
 use crate::output::{Output, print};
 use crate::vectors;
@@ -19,6 +20,11 @@ pub struct Vectors {
 }
 
 impl Vectors {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::default().writes("--out", self.out.as_ref())
+    }
+
     pub fn run(self) -> Result<Outcome> {
         let file = self.out.as_deref().map(Output::create).transpose()?;
         let text = match self.method {

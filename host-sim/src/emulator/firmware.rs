@@ -1,7 +1,9 @@
 //! The firmware as a file: how it is built, and what it takes of a chip.
 
 use super::qemu::Machine;
-use anyhow::{Context, Result, bail, ensure};
+use crate::ending::Process;
+use crate::input;
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use object::elf::{SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
 use object::read::elf::{ElfFile32, SectionHeader};
 use serde::Serialize;
@@ -24,9 +26,10 @@ impl Sizes {
     /// It is not firmware.
     pub fn of(elf: &Path) -> Result<Self> {
         let name = || elf.display().to_string();
-        let data = std::fs::read(elf).with_context(|| format!("cannot open the firmware {}", elf.display()))?;
-        let file = ElfFile32::<object::Endianness>::parse(data.as_slice())
-            .with_context(|| format!("{} is not firmware: expected an ELF file of 32 bits", name()))?;
+        let data = input::bytes(elf, &input::FIRMWARE);
+        let data = data.with_context(|| format!("cannot open the firmware {}", name()))?;
+        let file = ElfFile32::<object::Endianness>::parse(data.as_slice());
+        let file = file.map_err(|_| anyhow!("{} is not firmware: expected an ELF file of 32 bits", name()))?;
         let endian = file.endian();
         let mut sizes = Self::default();
         for section in file.elf_section_table().iter() {
@@ -61,11 +64,9 @@ pub fn build(example: &str, machine: Machine) -> Result<PathBuf> {
         let variable = target.replace(['-', '.'], "_").to_uppercase();
         cargo.env(format!("CARGO_TARGET_{variable}_RUSTFLAGS"), format!("-Ctarget-cpu={processor}"));
     }
-    let output = cargo
-        .current_dir(&sources)
-        .stdin(Stdio::null())
-        .stderr(Stdio::inherit())
-        .output()
+    cargo.current_dir(&sources).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::inherit());
+    let output = Process::start(&mut cargo)
+        .and_then(Process::finish)
         .with_context(|| format!("cannot start {CARGO}, which builds the firmware: give --elf"))?;
     let elf = executable(&String::from_utf8_lossy(&output.stdout));
     match elf {

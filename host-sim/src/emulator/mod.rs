@@ -11,7 +11,7 @@ pub mod protocol;
 pub mod qemu;
 
 use crate::Paper;
-use crate::evaluate::{CoreKind, Origin};
+use crate::evaluate::{CoreKind, Origin, Refused};
 use crate::sequence::GrayFrame;
 use crate::spread::Spread;
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -220,7 +220,9 @@ impl Host {
         let frame = GrayFrame { width: header.width, height: header.height, pixels };
         let mut host = Self { tracker: tracker(header.method, radius)?, frames, frame };
         host.read()?;
-        host.tracker.lock(&host.frame, header.target)?;
+        let bounds = host.frame.frame().bounds();
+        let refused = |error| Refused::or(error, header.method.into(), header.target, bounds);
+        host.tracker.lock(&host.frame, header.target).map_err(refused)?;
         Ok(host)
     }
 

@@ -1,12 +1,11 @@
 //! QEMU as a process: started with firmware, watched, and ended whatever happens.
 
+use crate::ending::Process;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::process::{ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -58,7 +57,7 @@ pub struct Setup {
 
 /// A running QEMU. Dropped, it is ended and reaped.
 pub struct Qemu {
-    process: Child,
+    process: Process,
     last_words: Receiver<String>,
     setup: Setup,
 }
@@ -71,20 +70,19 @@ impl Qemu {
     /// There is no QEMU, or no such file.
     pub fn start(setup: &Setup, elf: &Path, folder: &Path, log: Stdio) -> Result<Self> {
         let elf = elf.canonicalize().with_context(|| format!("cannot open the firmware {}", elf.display()))?;
-        end_with_signals();
         let program = &setup.program;
         let mut command = Command::new(program);
         command.args(["-machine", setup.machine.name(), "-icount", "shift=0"]);
         command.args(["-display", "none", "-monitor", "none", "-serial", "null", "-chardev", "stdio,id=log"]);
         command.args(["-semihosting-config", "enable=on,target=native,chardev=log", "-kernel"]).arg(elf);
         command.current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(Stdio::piped());
-        let mut process = match command.spawn() {
+        let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 bail!("there is no {program}: install QEMU for Arm (Debian: qemu-system-arm), or name it with --qemu")
             }
             other => other.with_context(|| format!("cannot start {program}"))?,
         };
-        let complaints = process.stderr.take().context("QEMU's standard error is piped")?;
+        let complaints = process.complaints().context("QEMU's standard error is piped")?;
         let (sender, last_words) = channel();
         thread::spawn(move || sender.send(last_line(complaints)));
         Ok(Self { process, last_words, setup: setup.clone() })
@@ -92,18 +90,18 @@ impl Qemu {
 
     /// What the firmware logs, if that was piped.
     pub fn log(&mut self) -> Option<ChildStdout> {
-        self.process.stdout.take()
+        self.process.output()
     }
 
     /// Asks `there` again and again until it says yes. `what` is what is waited for.
     ///
     /// # Errors
-    /// QEMU has ended before, it took longer than the setup's patience, or the user does not want any more.
+    /// QEMU has ended before, or it took longer than the setup's patience.
     pub fn wait_for(&mut self, what: &str, mut there: impl FnMut() -> Result<bool>) -> Result<()> {
         let start = Instant::now();
         loop {
             // First whether it has ended, then what it has left behind: nothing is missed in between.
-            let ended = self.process.try_wait().context("cannot wait for QEMU")?;
+            let ended = self.process.ended().context("cannot wait for QEMU")?;
             if there()? {
                 return Ok(());
             }
@@ -116,9 +114,8 @@ impl Qemu {
     }
 
     /// # Errors
-    /// It has been too long since `start`, or the user does not want any more.
+    /// It has been too long since `start`.
     pub fn check_patience(&self, start: Instant, what: &str) -> Result<()> {
-        check_interrupted()?;
         let (program, patience) = (&self.setup.program, self.setup.patience);
         let waited = start.elapsed() > patience;
         ensure!(!waited, "{program} hangs: {what} has not come within {} s (see --timeout)", patience.as_secs());
@@ -148,7 +145,7 @@ impl Qemu {
     fn exit_status(&mut self) -> Result<ExitStatus> {
         let start = Instant::now();
         loop {
-            if let Some(status) = self.process.try_wait().context("cannot wait for QEMU")? {
+            if let Some(status) = self.process.ended().context("cannot wait for QEMU")? {
                 return Ok(status);
             }
             self.check_patience(start, "the end of the firmware")?;
@@ -170,29 +167,6 @@ impl Qemu {
     fn last_words(&self) -> String {
         self.last_words.recv_timeout(Duration::from_secs(1)).unwrap_or_default()
     }
-}
-
-impl Drop for Qemu {
-    fn drop(&mut self) {
-        // Both fail only if the process has ended and been reaped.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// From here on Ctrl-C and its like do not end this program at once, but make [`check_interrupted`] fail: so QEMU is
-/// ended and the temporary folder removed on the way out.
-fn end_with_signals() {
-    static ONCE: Once = Once::new();
-    // Without the handler a signal ends this program only; QEMU then ends with the recording.
-    ONCE.call_once(|| drop(ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed))));
-}
-
-fn check_interrupted() -> Result<()> {
-    ensure!(!INTERRUPTED.load(Ordering::Relaxed), "interrupted");
-    Ok(())
 }
 
 /// The last line that is not blank. Everything is read, or the writer would block.

@@ -1,21 +1,29 @@
 //! What every tracker that can be run here has in common: [`Method`]; both of smr-core as two of them, and a [`Run`] of any.
 
-use super::Configs;
 use super::baseline::{Baseline, Flow, Measure};
+use super::{Configs, Refused};
 use crate::Paper;
 use crate::sequence::{BoundingBox, GrayFrame};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use clap::ValueEnum;
 use serde::Serialize;
-use smr_core::{Answer, Frame, Image, LockError, Rect, Robust, State, Target, Tracker};
+use smr_core::{Answer, Frame, Image, Quality, Rect, Robust, State, Target, Tracker};
 
 /// A tracker that follows one box.
 pub trait Method {
+    /// Which one it is.
+    fn kind(&self) -> MethodKind;
+
     /// Starts on the target in `target`.
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()>;
 
     /// Looks for the target in the next frame.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
+
+    /// How well the target can be told from what lies beside it; `None` before the first lock, and from the baselines.
+    fn quality(&self) -> Option<Quality> {
+        None
+    }
 
     /// What a baseline will compare the next frame with; `None` before the first lock, and from smr-core's trackers, which show more than
     /// that: see `report`.
@@ -152,8 +160,8 @@ impl MethodKind {
     pub fn build(self, configs: &Configs) -> Result<Box<dyn Method>> {
         let baseline = |measure| Box::new(Baseline::new(measure, &configs.paper));
         Ok(match self {
-            Self::Smr => Box::new(Stepped::<Paper>::new(configs.paper, configs.step)?),
-            Self::Robust => Box::new(Stepped::<Robust>::new(configs.robust, configs.step)?),
+            Self::Smr => Box::new(Stepped::<Paper>::new(self, configs.paper, configs.step)?),
+            Self::Robust => Box::new(Stepped::<Robust>::new(self, configs.robust, configs.step)?),
             Self::Sad => baseline(Measure::Absolute),
             Self::Ssd => baseline(Measure::Squared),
             Self::Ncc => baseline(Measure::Correlation),
@@ -164,27 +172,29 @@ impl MethodKind {
 
 /// A tracker of smr-core, updated in steps of so much work.
 struct Stepped<T: Target> {
+    kind: MethodKind,
     tracker: Tracker<T>,
     step: u32,
 }
 
 impl<T: Target> Stepped<T> {
-    fn new(config: T::Config, step: u32) -> Result<Self> {
-        Ok(Self { tracker: Tracker::new(config)?, step })
+    fn new(kind: MethodKind, config: T::Config, step: u32) -> Result<Self> {
+        Ok(Self { kind, tracker: Tracker::new(config)?, step })
     }
 }
 
 impl<T: Target> Method for Stepped<T> {
+    fn kind(&self) -> MethodKind {
+        self.kind
+    }
+
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        let locked = self.tracker.lock(frame, target).map_err(|error| match error {
-            LockError::BoxTooLarge => anyhow!(
-                "{error}: expected at most {}, as a score has 32 bits; --method robust has no such bound",
-                crate::MOST_PIXELS
-            ),
-            LockError::WindowTooLarge => anyhow!("{error}: expected at most {} on an axis", crate::MOST_OFFSETS),
-            error => error.into(),
-        });
-        locked.map(|_| ())
+        self.tracker.lock(frame, target)?;
+        Ok(())
+    }
+
+    fn quality(&self) -> Option<Quality> {
+        self.tracker.quality()
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
@@ -209,6 +219,12 @@ impl Run {
         Self { method, start, frames: 0 }
     }
 
+    /// See [`Method::quality`].
+    #[must_use]
+    pub fn quality(&self) -> Option<Quality> {
+        self.method.quality()
+    }
+
     /// What the method says about the next frame.
     ///
     /// # Errors
@@ -226,13 +242,9 @@ impl Run {
 /// Starts `method` on the target in `target`.
 ///
 /// # Errors
-/// The method's, with the numbers that it is about.
+/// What the method refuses is a [`Refused`].
 pub fn lock(method: &mut dyn Method, frame: &Frame<'_>, target: Rect) -> Result<()> {
-    method.lock(frame, target).with_context(|| {
-        let (Rect { x, y, width, height }, bounds) = (target, frame.bounds());
-        let pixels = u64::from(width) * u64::from(height);
-        format!("the box {x},{y},{width},{height} of {pixels} pixels in a frame of {}x{}", bounds.width, bounds.height)
-    })
+    method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
 }
 
 #[cfg(test)]
@@ -274,8 +286,8 @@ mod tests {
             assert_eq!(format!("{error:#}"), format!("frame 2: {}", UpdateError::FrameSizeChanged));
             let mut run = Run::new(built(kind), Rect::new(13, 2, 4, 4));
             let error = run.step(&plain(16, 12)).unwrap_err();
-            let numbers = "the box 13,2,4,4 of 16 pixels in a frame of 16x12";
-            assert_eq!(format!("{error:#}"), format!("frame 1: {numbers}: {}", LockError::BoxOutsideFrame));
+            let expected = "the box 13,2,4,4 (x,y,width,height) is not wholly inside the frame of 16x12 pixels";
+            assert_eq!(format!("{error:#}"), format!("frame 1: {expected}"));
         }
     }
 

@@ -10,6 +10,7 @@ mod method;
 mod otb;
 mod protocol;
 pub mod published;
+mod refused;
 mod results;
 pub mod robustness;
 mod table;
@@ -21,11 +22,12 @@ pub use layout::Layout;
 pub use method::{Evidence, Method, MethodKind, Report, Run, lock, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
+pub use refused::Refused;
 pub use results::Results;
 pub(crate) use table::aligned;
 pub use vot::Vot;
 
-use crate::sequence::{BoundingBox, GrayFrame, Sequence, boxes};
+use crate::sequence::{BoundingBox, GrayFrame, RESULTS, Sequence, boxes};
 use anyhow::{Context, Error, Result, ensure};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -174,7 +176,7 @@ fn follow(
 /// There is such a folder, but it cannot be read.
 pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
-    let folder = folder.join("trackers");
+    let folder = folder.join(RESULTS);
     if !folder.is_dir() {
         return Ok(Vec::new());
     }

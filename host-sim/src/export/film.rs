@@ -1,47 +1,65 @@
 //! Frames that were drawn on, as something to watch: an MP4 file (through ffmpeg), an animated GIF, or a folder of PNG pictures.
 
 use super::draw::{Ink, Overlay};
-use crate::output::{self, Folder, Output};
-use anyhow::{Context, Result, bail, ensure};
+use crate::ending::Process;
+use crate::output::{Folder, Output};
+use crate::sequence::silent;
+use anyhow::{Context, Error, Result, bail, ensure};
+use gif::{Encoder, EncodingError};
 use image::{ExtendedColorType, ImageFormat};
 use std::borrow::Cow;
-use std::fs::{File, OpenOptions};
+use std::fs;
 use std::io::{Cursor, ErrorKind, Read, Write};
 use std::num::NonZeroU16;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::thread::JoinHandle;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime};
 
 /// A film under way. Until [`Film::finish`] nothing has its name.
 pub struct Film {
+    name: PathBuf,
     way: Way,
     /// Frames a second.
     rate: u16,
     frames: usize,
+    /// How long ffmpeg may do nothing.
+    patience: Duration,
 }
 
 enum Way {
-    Mp4 { output: Output, ffmpeg: Option<Ffmpeg> },
-    Gif { output: Output, encoder: Option<gif::Encoder<File>> },
+    /// ffmpeg first: it ends before its file is removed.
+    Mp4 {
+        ffmpeg: Option<Ffmpeg>,
+        output: Output,
+    },
+    /// The first frame, which tells the size, makes the encoder.
+    Gif {
+        output: Option<Output>,
+        encoder: Option<Encoder<Output>>,
+    },
     Pictures(Folder),
 }
 
 impl Film {
-    /// Begins the film `out`: .mp4, .gif, or a new folder for pictures.
+    /// Begins the film `out`: .mp4, .gif, or a new folder for pictures. An ffmpeg that does nothing for as long as `patience` is ended.
     ///
     /// # Errors
     /// It cannot be written there, or its extension is that of another kind of video.
-    pub fn create(out: &Path, rate: NonZeroU16) -> Result<Self> {
+    pub fn create(out: &Path, rate: NonZeroU16, patience: Duration) -> Result<Self> {
         let extension = out.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let way = match extension.as_str() {
-            "mp4" => Way::Mp4 { output: Output::create(out)?, ffmpeg: None },
-            "gif" => Way::Gif { output: Output::create(out)?, encoder: None },
+            "mp4" => Way::Mp4 { ffmpeg: None, output: Output::create(out)? },
+            "gif" => Way::Gif { output: Some(Output::create(out)?), encoder: None },
             "" => Way::Pictures(Folder::create(out)?),
             _ => {
                 bail!("{}: expected a video that ends in .mp4 or .gif, or a folder without an extension", out.display())
             }
         };
-        Ok(Self { way, rate: rate.get(), frames: 0 })
+        Ok(Self { name: out.to_owned(), way, rate: rate.get(), frames: 0, patience })
     }
 
     /// Adds a frame. All must be of the size of the first.
@@ -52,22 +70,21 @@ impl Film {
         self.frames += 1;
         let (width, height) = overlay.size();
         match &mut self.way {
-            Way::Mp4 { output, ffmpeg } => {
+            Way::Mp4 { ffmpeg, output } => {
                 if ffmpeg.is_none() {
-                    *ffmpeg = Some(Ffmpeg::start(file_of(output)?, overlay.size(), self.rate)?);
+                    *ffmpeg = Some(Ffmpeg::start(file_of(output)?, overlay.size(), self.rate, self.patience)?);
                 }
-                ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(&overlay.rgb()))
+                let written = ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(overlay.rgb()));
+                written.with_context(|| cannot_write(&self.name))
             }
             Way::Gif { output, encoder } => {
-                if encoder.is_none() {
-                    *encoder = Some(gif_encoder(file_of(output)?, overlay.size())?);
-                }
-                let Some(encoder) = encoder else { return Ok(()) };
-                let indices: Vec<u8> = overlay.pixels().map(|(gray, ink)| index(gray, ink)).collect();
-                // In hundredths of a second; shorter than 2 is taken for 10 by browsers.
-                let delay = ((100 + self.rate / 2) / self.rate).max(2);
-                let frame = gif::Frame { width, height, delay, buffer: Cow::Owned(indices), ..gif::Frame::default() };
-                encoder.write_frame(&frame).context("cannot write the animation")
+                let written = match (output.take(), encoder) {
+                    (Some(output), encoder) => gif_encoder(output, overlay.size())
+                        .and_then(|made| gif_frame(encoder.insert(made), overlay, self.rate)),
+                    (None, Some(encoder)) => gif_frame(encoder, overlay, self.rate),
+                    (None, None) => Ok(()),
+                };
+                written.map_err(of_gif).with_context(|| cannot_write(&self.name))
             }
             Way::Pictures(folder) => {
                 let mut bytes = Cursor::new(Vec::new());
@@ -80,7 +97,7 @@ impl Film {
                     color,
                     ImageFormat::Png,
                 )?;
-                output::write(&folder.path().join(format!("{:05}.png", self.frames)), &bytes.into_inner())
+                folder.write(&format!("{:05}.png", self.frames), &bytes.into_inner())
             }
         }
     }
@@ -90,21 +107,27 @@ impl Film {
     /// # Errors
     /// The disk's, or ffmpeg's.
     pub fn finish(self) -> Result<()> {
+        let name = self.name;
         match self.way {
-            Way::Mp4 { output, ffmpeg } => {
-                ffmpeg.map_or(Ok(()), Ffmpeg::end)?;
+            Way::Mp4 { ffmpeg, output } => {
+                ffmpeg.map_or(Ok(()), Ffmpeg::end).with_context(|| cannot_write(&name))?;
                 output.finish()
             }
             Way::Gif { output, encoder } => {
                 // What is written last is the end of the file.
-                encoder
-                    .map_or(Ok(()), |encoder| encoder.into_inner().map(drop))
-                    .context("cannot write the animation")?;
-                output.finish()
+                let output = match encoder {
+                    Some(encoder) => Some(encoder.into_inner().map_err(of_gif).with_context(|| cannot_write(&name))?),
+                    None => output,
+                };
+                output.map_or(Ok(()), Output::finish)
             }
             Way::Pictures(folder) => folder.finish(),
         }
     }
+}
+
+fn cannot_write(name: &Path) -> String {
+    format!("cannot write {}", name.display())
 }
 
 /// Where others write to.
@@ -115,13 +138,28 @@ fn file_of(output: &Output) -> Result<&Path> {
 /// Gray levels of a GIF: so many that the inks fit in its 256 colours, too.
 const LEVELS: usize = 256 - Ink::ALL.len();
 
-fn gif_encoder(file: &Path, (width, height): (u16, u16)) -> Result<gif::Encoder<File>> {
+fn gif_encoder(output: Output, (width, height): (u16, u16)) -> Result<Encoder<Output>, EncodingError> {
     let levels = (0..LEVELS).map(|level| (level * 255 / (LEVELS - 1)).to_le_bytes()[0]);
     let palette: Vec<u8> = levels.map(|level| [level; 3]).chain(Ink::ALL.map(Ink::color)).flatten().collect();
-    let file = OpenOptions::new().write(true).truncate(true).open(file).context("cannot write the animation")?;
-    let mut encoder = gif::Encoder::new(file, width, height, &palette).context("cannot write the animation")?;
+    let mut encoder = Encoder::new(output, width, height, &palette)?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     Ok(encoder)
+}
+
+fn gif_frame(encoder: &mut Encoder<Output>, overlay: &Overlay, rate: u16) -> Result<(), EncodingError> {
+    let (width, height) = overlay.size();
+    let indices: Vec<u8> = overlay.pixels().map(|(gray, ink)| index(gray, ink)).collect();
+    // In hundredths of a second; shorter than 2 is taken for 10 by browsers.
+    let delay = ((100 + rate / 2) / rate).max(2);
+    encoder.write_frame(&gif::Frame { width, height, delay, buffer: Cow::Owned(indices), ..gif::Frame::default() })
+}
+
+/// What the disk says is told as it is.
+fn of_gif(error: EncodingError) -> Error {
+    match error {
+        EncodingError::Io(error) => error.into(),
+        other => other.into(),
+    }
 }
 
 fn index(gray: u8, ink: Option<Ink>) -> u8 {
@@ -132,14 +170,28 @@ fn index(gray: u8, ink: Option<Ink>) -> u8 {
     index.to_le_bytes()[0]
 }
 
-/// An ffmpeg that writes a video. Dropped, it is ended.
+/// How many frames wait for ffmpeg.
+const WAITING: usize = 2;
+
+/// So many bytes are written at a time: each is a sign of life.
+const CHUNK: usize = 1 << 16;
+
+/// An ffmpeg that writes a video.
 struct Ffmpeg {
-    process: Child,
-    said: Option<JoinHandle<String>>,
+    process: Process,
+    said: Receiver<String>,
+    /// To the thread that writes into ffmpeg, which may block.
+    frames: Sender<Vec<u8>>,
+    /// From it, one for each frame.
+    taken: Receiver<()>,
+    waiting: usize,
+    chunks: Arc<AtomicU64>,
+    file: PathBuf,
+    patience: Duration,
 }
 
 impl Ffmpeg {
-    fn start(file: &Path, (width, height): (u16, u16), rate: u16) -> Result<Self> {
+    fn start(file: &Path, (width, height): (u16, u16), rate: u16, patience: Duration) -> Result<Self> {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
         command.args(["-video_size", &format!("{width}x{height}"), "-framerate", &rate.to_string(), "-i", "-"]);
@@ -147,7 +199,7 @@ impl Ffmpeg {
         command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]);
         command.args(["-f", "mp4", "-y"]).arg(file);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut process = match command.spawn() {
+        let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 bail!(
                     "an MP4 video needs ffmpeg, and there is none on the PATH: install the package `ffmpeg`, or write a .gif"
@@ -155,29 +207,64 @@ impl Ffmpeg {
             }
             other => other.context("cannot start ffmpeg")?,
         };
-        let mut complaints = process.stderr.take().context("standard error is piped")?;
-        let said = std::thread::spawn(move || {
+        let mut complaints = process.complaints().context("standard error is piped")?;
+        let (sender, said) = channel();
+        thread::spawn(move || {
             let mut text = Vec::new();
             let _ = complaints.read_to_end(&mut text);
-            String::from_utf8_lossy(&text).into_owned()
+            sender.send(String::from_utf8_lossy(&text).into_owned())
         });
-        Ok(Self { process, said: Some(said) })
+        let mut pipe = process.input().context("standard input is piped")?;
+        let ((frames, to_write), (written, taken)) = (channel::<Vec<u8>>(), channel());
+        let chunks = Arc::new(AtomicU64::new(0));
+        let count = Arc::clone(&chunks);
+        thread::spawn(move || {
+            for frame in to_write {
+                for chunk in frame.chunks(CHUNK) {
+                    // It has ended, and knows why.
+                    let Ok(()) = pipe.write_all(chunk) else { return };
+                    count.fetch_add(1, Ordering::Relaxed);
+                }
+                let Ok(()) = written.send(()) else { return };
+            }
+        });
+        Ok(Self { process, said, frames, taken, waiting: 0, chunks, file: file.to_owned(), patience })
     }
 
-    fn write(&mut self, bytes: &[u8]) -> Result<()> {
-        let written = self.process.stdin.as_mut().map_or(Ok(()), |pipe| pipe.write_all(bytes));
-        // It has ended, and knows why.
-        written.or_else(|_| self.verdict())
+    fn write(&mut self, bytes: Vec<u8>) -> Result<()> {
+        while self.waiting >= WAITING {
+            let before = self.chunks.load(Ordering::Relaxed);
+            match self.taken.recv_timeout(self.patience) {
+                Ok(()) => self.waiting -= 1,
+                Err(RecvTimeoutError::Disconnected) => return self.verdict(),
+                Err(RecvTimeoutError::Timeout) => {
+                    ensure!(before != self.chunks.load(Ordering::Relaxed), silent(self.patience));
+                }
+            }
+        }
+        self.waiting += 1;
+        // If nobody takes it, the next one waits in vain, and learns why.
+        let _ = self.frames.send(bytes);
+        Ok(())
     }
 
     fn end(mut self) -> Result<()> {
+        // The thread writes what waits, then closes the pipe.
+        self.frames = channel().0;
         self.verdict()
     }
 
-    fn verdict(&mut self) -> Result<()> {
-        drop(self.process.stdin.take());
-        let status = self.process.wait().context("cannot wait for ffmpeg")?;
-        let said = self.said.take().and_then(|said| said.join().ok()).unwrap_or_default();
+    fn verdict(&self) -> Result<()> {
+        let (mut last, mut since) = (self.signs_of_life(), Instant::now());
+        let status = self.process.wait_while(|_| {
+            let now = self.signs_of_life();
+            if now != last {
+                (last, since) = (now, Instant::now());
+            }
+            since.elapsed() <= self.patience
+        });
+        let status = status.context("cannot wait for ffmpeg")?.ok_or_else(|| silent(self.patience))?;
+        let said = self.said.recv_timeout(self.patience).unwrap_or_default();
         let last = said.trim().lines().next_back().unwrap_or("");
         ensure!(
             status.success(),
@@ -186,13 +273,11 @@ impl Ffmpeg {
         );
         Ok(())
     }
-}
 
-impl Drop for Ffmpeg {
-    fn drop(&mut self) {
-        // Both fail only if the process has ended and been reaped.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+    /// What changes as long as it reads frames or writes its file.
+    fn signs_of_life(&self) -> (u64, Option<(u64, SystemTime)>) {
+        let file = fs::metadata(&self.file).ok().and_then(|data| Some((data.len(), data.modified().ok()?)));
+        (self.chunks.load(Ordering::Relaxed), file)
     }
 }
 
@@ -200,7 +285,9 @@ impl Drop for Ffmpeg {
 mod tests {
     use super::*;
     use crate::sequence::{self, BoundingBox, GrayFrame};
-    use std::fs;
+    use std::fs::File;
+
+    const PATIENCE: Duration = Duration::from_secs(60);
 
     /// Odd sides, which MP4 cannot have.
     fn frames() -> impl Iterator<Item = Overlay> {
@@ -213,7 +300,7 @@ mod tests {
     }
 
     fn filmed(out: &Path) {
-        let mut film = Film::create(out, NonZeroU16::new(25).unwrap()).unwrap();
+        let mut film = Film::create(out, NonZeroU16::new(25).unwrap(), PATIENCE).unwrap();
         for frame in frames() {
             film.frame(&frame).unwrap();
             assert!(!out.exists());
@@ -270,10 +357,10 @@ mod tests {
     fn what_breaks_off_or_is_unknown_leaves_nothing() {
         let above = tempfile::tempdir().unwrap();
         for name in ["film.gif", "film"] {
-            let mut film = Film::create(&above.path().join(name), NonZeroU16::MIN).unwrap();
+            let mut film = Film::create(&above.path().join(name), NonZeroU16::MIN, PATIENCE).unwrap();
             film.frame(&frames().next().unwrap()).unwrap();
         }
-        let error = Film::create(&above.path().join("film.avi"), NonZeroU16::MIN).err().unwrap().to_string();
+        let error = Film::create(&above.path().join("film.avi"), NonZeroU16::MIN, PATIENCE).err().unwrap().to_string();
         assert!(
             error.ends_with("film.avi: expected a video that ends in .mp4 or .gif, or a folder without an extension")
         );

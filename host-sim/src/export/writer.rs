@@ -1,7 +1,7 @@
 //! A recording as files that this program, others, and firmware read.
 
 use super::{c_array, pgm, png};
-use crate::output::{self, Folder, Output};
+use crate::output::{Folder, Output};
 use crate::sequence::{BoundingBox, GrayFrame, boxes};
 use anyhow::Result;
 use serde::Serialize;
@@ -104,7 +104,7 @@ impl Writer {
         // Files already there would become part of the recording, or be lost.
         let folder = Folder::create(out)?;
         let place = if format.is_file() {
-            let file = Output::create(&folder.path().join(format!("{name}.{}", format.name())))?;
+            let file = folder.file(&format!("{name}.{}", format.name()))?;
             Place::FileIn(folder, file)
         } else {
             Place::Pictures(folder)
@@ -142,7 +142,7 @@ impl Writer {
             Place::File(file) | Place::FileIn(_, file) => file.write(&bytes),
             Place::Pictures(folder) => {
                 let name = format!("{:05}.{}", self.written.frames, self.format.name());
-                output::write(&folder.path().join(name), &bytes)
+                folder.write(&name, &bytes)
             }
         }
     }
@@ -182,7 +182,7 @@ impl Writer {
         let truth = truth.map(|truth| truth.iter().map(line).collect::<String>());
         for (name, text) in [("init.txt", init), ("gt.txt", truth)] {
             if let Some(text) = text {
-                output::write(&folder.path().join(name), text.as_bytes())?;
+                folder.write(name, text.as_bytes())?;
                 written.boxes.push(name);
             }
         }

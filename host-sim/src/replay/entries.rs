@@ -1,11 +1,14 @@
 //! The entries of a flight record, one after the other, from bytes or from a printed log; what cannot be read is said, not guessed.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use smr_core::record::{AROUND, HEAD, Tag};
-use std::io::{BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read};
 
 /// More than any entry has: two windows of the largest frame are not kept in one.
 const MOST: usize = 256 << 20;
+
+/// How much may lie between two entries, in MiB: what goes on longer than that is no record.
+const MOST_BETWEEN: u32 = 64;
 
 /// What stands before the bytes in a line of a log.
 const LOGGED: &[u8] = b"smr-record [";
@@ -67,6 +70,7 @@ impl<R: Read> Entries<R> {
             let step = rest.iter().skip(1).position(|&byte| byte == b'S').map_or(rest.len(), |place| place + 1);
             self.done += step;
             bytes += step as u64;
+            ensure!(bytes <= u64::from(MOST_BETWEEN) << 20, "{}", nothing_in(at));
             if !self.has(1)? || (self.has(HEAD)? && self.peek_whole()?) {
                 return Ok(Next::Skipped { at, bytes });
             }
@@ -123,6 +127,10 @@ impl<R: Read> Entries<R> {
     }
 }
 
+fn nothing_in(at: u64) -> String {
+    format!("no entry in {MOST_BETWEEN} MiB after byte {at}: expected less than that between two of them")
+}
+
 /// That of Ethernet and zip, by a table of 256 entries.
 pub fn crc32(bytes: &[u8]) -> u32 {
     const TABLE: [u32; 256] = {
@@ -155,7 +163,7 @@ pub fn bytes_of(mut source: impl Read + 'static) -> Result<Box<dyn Read>> {
     let logged = !binary && first.windows(LOGGED.len()).any(|part| part == LOGGED);
     let source = Cursor::new(first).chain(source);
     Ok(if logged {
-        Box::new(Log { source: BufReader::new(source), bytes: Vec::new(), done: 0 })
+        Box::new(Log { source: BufReader::new(source), bytes: Vec::new(), done: 0, between: 0, at: 0 })
     } else {
         Box::new(source)
     })
@@ -166,17 +174,26 @@ struct Log<R> {
     source: R,
     bytes: Vec<u8>,
     done: usize,
+    /// How much of the log was read since a line of the record.
+    between: u64,
+    at: u64,
 }
 
 impl<R: BufRead> Read for Log<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         while self.done == self.bytes.len() {
             let mut line = Vec::new();
             // A line that never ends is no log.
-            if self.source.by_ref().take(MOST as u64).read_until(b'\n', &mut line)? == 0 {
+            let length = self.source.by_ref().take(MOST as u64).read_until(b'\n', &mut line)? as u64;
+            if length == 0 {
                 return Ok(0);
             }
             (self.bytes, self.done) = (logged(&line), 0);
+            self.at += length;
+            self.between = if self.bytes.is_empty() { self.between + length } else { 0 };
+            if self.between > u64::from(MOST_BETWEEN) << 20 {
+                return Err(io::Error::new(ErrorKind::InvalidData, nothing_in(self.at - self.between)));
+            }
         }
         let count = buffer.len().min(self.bytes.len() - self.done);
         buffer[..count].copy_from_slice(&self.bytes[self.done..][..count]);

@@ -4,7 +4,7 @@ use super::entrants::ResultFile;
 use super::look::{self, Shown, Sight};
 use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
-use crate::evaluate::{Contestant, Evaluation, Report, Score, Variant};
+use crate::evaluate::{Contestant, Evaluation, Refused, Report, Score, Variant};
 use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence, boxes};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
@@ -90,7 +90,11 @@ pub fn watch(
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
         let look = |(tracker, variant): (&mut Box<dyn Shown>, &Variant)| {
-            let look = if index == 0 { tracker.lock(&frame, start) } else { tracker.update(&frame) };
+            let refused = |error| Refused::or(error, variant.kind, start, frame.frame().bounds());
+            let look = match index {
+                0 => tracker.lock(&frame, start).map_err(refused),
+                _ => tracker.update(&frame),
+            };
             look.with_context(|| format!("{name}: {}: frame {}", variant.name, index + 1))
         };
         let looks: Result<Vec<(Report, Sight)>> = trackers.iter_mut().zip(methods).map(look).collect();

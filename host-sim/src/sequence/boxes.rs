@@ -10,6 +10,7 @@
 //!
 //! Numbers are separated by commas, tabs or spaces. Other trackers' results have the TLD form, too.
 
+use crate::input;
 use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::FineRect;
 use smr_core::Rect;
@@ -230,13 +231,19 @@ pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
 }
 
+/// True of the names of the files that lie beside recordings.
+pub(super) fn is_known(file: &Path) -> bool {
+    let names = ["init.txt", "gt.txt", "groundtruth_rect.txt", VOT, "absence.label"];
+    file.file_name().is_some_and(|name| names.iter().any(|known| name == *known))
+}
+
 /// True if there is something of this name: a link to nothing is not passed over, but an error when it is read.
 fn is_named(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
 
 fn read<T>(path: &Path, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = input::text(path, &input::BOXES).with_context(|| format!("cannot read {}", path.display()))?;
     parse(&text, entry).with_context(|| path.display().to_string())
 }
 

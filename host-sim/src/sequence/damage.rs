@@ -1,6 +1,7 @@
 //! Damaged input, and the one rule for all sources: it is an error, unless one goes on and counts.
 
 use super::{Frames, GrayFrame};
+use crate::words;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::sync::Arc;
@@ -45,16 +46,22 @@ pub(super) enum Instead {
 
 impl fmt::Display for Damaged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lenient = match self.instead {
-            Instead::Decoded(_) => "takes what can be decoded",
-            Instead::Former => "takes the frame before it once more",
-            Instead::End(_) => "takes the frames that were decoded",
-        };
-        write!(f, "{} (--lenient {lenient})", self.why)
+        f.write_str(&self.why)
     }
 }
 
 impl std::error::Error for Damaged {}
+
+impl Damaged {
+    /// What `--lenient` does with it, if it helps in a frame of this number; the first is 1.
+    fn lenient(&self, number: u64) -> Option<&'static str> {
+        match self.instead {
+            Instead::Decoded(_) => Some("takes what can be decoded"),
+            Instead::Former => (number > 1).then_some("takes the frame before it once more"),
+            Instead::End(_) => (number > 1).then_some("takes the frames that were decoded"),
+        }
+    }
+}
 
 /// What holds for every source: at least one frame, all of one size, nothing after an error, and damage as `reading` says.
 pub(super) fn frames(
@@ -104,15 +111,23 @@ impl<S: Iterator<Item = Result<GrayFrame>>> Checked<S> {
 
     /// What there is in place of a frame that could not be read; `None` where that is nothing.
     fn repaired(&mut self, error: anyhow::Error) -> Result<Option<GrayFrame>> {
+        let says = words::of(&error);
         if !self.reading.lenient {
-            return Err(error);
+            let lenient = error.downcast_ref::<Damaged>().and_then(|damaged| damaged.lenient(self.number));
+            return Err(lenient.map_or(error, |lenient| anyhow!("{says} (--lenient {lenient})")));
         }
-        let says = format!("{error:#}");
         let Damaged { instead, .. } = error.downcast::<Damaged>()?;
         let (frame, count) = match instead {
             Instead::Decoded(frame) => (Some(frame), 1),
             // Of the first frame there is none before it.
-            Instead::Former => (Some(self.former.clone().ok_or_else(|| anyhow!("{says}; there is none"))?), 1),
+            Instead::Former => (
+                Some(
+                    self.former
+                        .clone()
+                        .ok_or_else(|| anyhow!("{says}; there is no frame before it to take once more"))?,
+                ),
+                1,
+            ),
             Instead::End(frames) => {
                 ensure!(self.number > 1, says);
                 (None, frames)

@@ -5,11 +5,11 @@
 
 use super::damage::{Damaged, Instead};
 use super::{GrayFrame, has_extension};
+use crate::input;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
-use std::fs;
-use std::io::Cursor;
+use std::io::{Cursor, ErrorKind};
 use std::path::{Path, PathBuf};
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -51,7 +51,7 @@ pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
 }
 
 fn read(file: &Path) -> Result<GrayFrame> {
-    decode(file, &fs::read(file)?)
+    decode(file, &input::bytes(file, &input::PICTURE)?)
 }
 
 pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<GrayFrame> {
@@ -90,7 +90,7 @@ fn jpeg(bytes: &[u8]) -> Result<GrayFrame> {
     let broken = match jpeg_as(bytes, true) {
         Ok(frame) if has_end(bytes) => return Ok(frame),
         Ok(_) => "its end is missing".to_owned(),
-        Err(error) => format!("{error:#}"),
+        Err(error) => error.to_string(),
     };
     let why = format!("{EXPECTED}: {broken}");
     match jpeg_as(bytes, false) {
@@ -104,16 +104,18 @@ fn jpeg_as(bytes: &[u8], strict: bool) -> Result<GrayFrame> {
     let side = usize::from(u16::MAX);
     let options = DecoderOptions::default().set_strict_mode(strict).set_max_width(side).set_max_height(side);
     let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers()?;
+    let broken = |_| anyhow!("it is damaged");
+    decoder.decode_headers().map_err(broken)?;
+    let too_long = |_| anyhow!("expected at most 65535 pixels on each side");
     let (width, height) = decoder.dimensions().context("its size is missing")?;
-    let (width, height) = (u16::try_from(width)?, u16::try_from(height)?);
+    let (width, height) = (u16::try_from(width).map_err(too_long)?, u16::try_from(height).map_err(too_long)?);
     check_size(width.into(), height.into())?;
     let colors = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => ColorSpace::Luma,
         _ => ColorSpace::RGB,
     };
     decoder.set_options(decoder.options().jpeg_set_out_colorspace(colors));
-    let decoded = decoder.decode()?;
+    let decoded = decoder.decode().map_err(broken)?;
     let pixels = match colors {
         ColorSpace::Luma => decoded,
         _ => decoded.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
@@ -129,12 +131,15 @@ fn has_end(bytes: &[u8]) -> bool {
     last([0xFF, 0xD9]) > last([0xFF, 0xDA])
 }
 
-/// The errors of `image` already contain their causes: as a chain they would be printed twice.
+/// What a decoder says is for who wrote it.
 fn undecodable(error: ImageError) -> anyhow::Error {
-    let why = format!("{EXPECTED}: {error}");
     match error {
-        ImageError::Decoding(_) | ImageError::IoError(_) => damaged(why),
-        _ => anyhow!(why),
+        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            damaged(format!("{EXPECTED}: it is cut short"))
+        }
+        ImageError::Decoding(_) | ImageError::IoError(_) => damaged(format!("{EXPECTED}: it is damaged")),
+        ImageError::Limits(_) => anyhow!("it is too large: expected at most {MOST_PIXELS} pixels"),
+        _ => anyhow!("{EXPECTED}, of a form that cameras and programs write"),
     }
 }
 

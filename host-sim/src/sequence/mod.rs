@@ -23,6 +23,7 @@ pub(crate) use images::luma;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
 pub use resize::Resize;
+pub(crate) use video::{PATIENCE as FFMPEG_PATIENCE, silent};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use damage::Reading;
@@ -101,6 +102,9 @@ impl OpenOptions {
     }
 }
 
+/// The folder beside a recording with what other trackers answered on it.
+pub const RESULTS: &str = "trackers";
+
 /// Where the pictures of a recording in the layouts of OTB and VOT are.
 const INNER: [&str; 2] = ["img", "color"];
 
@@ -126,7 +130,8 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         built_in
     } else {
         let kind = fs::metadata(path).with_context(|| {
-            format!("cannot open {}: expected a folder, a file, or one of {}", path.display(), BUILT_IN.join(", "))
+            let known = BUILT_IN.join(", ");
+            format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
         })?;
         if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
     };
@@ -290,6 +295,16 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
     ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
     let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
     Ok(Source::new(video::open(file, patience)?, None, file, options.reading()))
+}
+
+/// True if a file of this name holds frames of the recording that its folder is.
+pub(crate) fn is_of_frames(file: &Path) -> bool {
+    images::is_picture(file) || is_recording(file)
+}
+
+/// True if a file of this name holds boxes of the recording beside it, or what another tracker answered on it.
+pub(crate) fn is_of_boxes(file: &Path) -> bool {
+    boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
 }
 
 /// The files in a folder, and links to files that are not there. Hidden ones are not meant: systems leave thumbnails and

@@ -7,6 +7,9 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
+/// The largest frame that memory is taken for: 16384x16384.
+const FRAME_BYTES: u64 = 1 << 28;
+
 pub(super) fn is_raw(file: &Path) -> bool {
     has_extension(file, &["raw", "gray", "bin", "y8"])
 }
@@ -16,10 +19,11 @@ pub(super) fn open(file: &Path, size: (u16, u16)) -> Result<(Frames, Option<usiz
     let (width, height) = size;
     ensure!(width > 0 && height > 0, "--size {width}x{height}: expected at least 1x1");
     let cannot_open = || format!("cannot open {}", file.display());
+    let frame = u64::from(width) * u64::from(height);
+    ensure!(frame <= FRAME_BYTES, "--size {width}x{height}: a frame has {frame} bytes: expected at most {FRAME_BYTES}");
     let dump = File::open(file).with_context(cannot_open)?;
     let data = dump.metadata().with_context(cannot_open)?;
-    let bytes = u64::from(width) * u64::from(height);
-    let length = data.is_file().then(|| usize::try_from(data.len() / bytes).ok()).flatten();
+    let length = data.is_file().then(|| usize::try_from(data.len() / frame).ok()).flatten();
     Ok((Frames { dump: BufReader::new(dump), file: file.to_owned(), width, height, number: 0 }, length))
 }
 

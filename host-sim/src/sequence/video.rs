@@ -5,17 +5,18 @@
 
 use super::damage::{Damaged, Instead};
 use super::{GrayFrame, has_extension, y4m};
+use crate::ending::Process;
 use anyhow::{Context, Result, bail, ensure};
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
+use std::process::{ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel, sync_channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How long ffmpeg may be silent, unless said otherwise.
-pub(super) const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What is looked for in a folder. A file that is named is given to ffmpeg whatever its extension.
 const EXTENSIONS: [&str; 22] = [
@@ -123,14 +124,15 @@ impl Read for Patient {
     }
 }
 
-fn silent(patience: Duration) -> io::Error {
+/// What ffmpeg that does nothing is told about.
+pub(crate) fn silent(patience: Duration) -> io::Error {
     let seconds = patience.as_secs_f64();
     io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
 }
 
-/// A running ffmpeg. Dropped, it is ended and reaped.
+/// A running ffmpeg.
 struct Ffmpeg {
-    process: Child,
+    process: Process,
     said: Receiver<Said>,
     file: String,
     patience: Duration,
@@ -144,14 +146,14 @@ struct Ended {
 
 impl Ffmpeg {
     fn start(program: &str, file: &Path, patience: Duration) -> Result<Self> {
-        let mut process = match command(program, file).spawn() {
+        let process = match Process::start(&mut command(program, file)) {
             Err(error) if error.kind() == ErrorKind::NotFound => bail!(
                 "{} needs ffmpeg to be decoded, and there is none on the PATH: install the package `ffmpeg` (5.1 or later)",
                 file.display()
             ),
             other => other.context("cannot start ffmpeg")?,
         };
-        let complaints = process.stderr.take().expect("standard error is piped");
+        let complaints = process.complaints().expect("standard error is piped");
         let (sender, said) = channel();
         let name = file.display().to_string();
         thread::spawn(move || sender.send(Said::read(complaints, &name)));
@@ -159,20 +161,14 @@ impl Ffmpeg {
     }
 
     fn output(&mut self) -> Patient {
-        Patient::new(self.process.stdout.take().expect("standard output is piped"), self.patience)
+        Patient::new(self.process.output().expect("standard output is piped"), self.patience)
     }
 
     /// Waits for the end.
     fn end(&mut self) -> Result<Ended> {
-        let begin = Instant::now();
-        let status = loop {
-            if let Some(status) = self.process.try_wait().context("cannot wait for ffmpeg")? {
-                break status;
-            }
-            if begin.elapsed() > self.patience {
-                return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.file));
-            }
-            thread::sleep(Duration::from_millis(1));
+        let status = self.process.wait_while(|waited| waited <= self.patience).context("cannot wait for ffmpeg")?;
+        let Some(status) = status else {
+            return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.file));
         };
         let said = self.said.recv_timeout(self.patience).unwrap_or_default();
         Ok(Ended { status, said })
@@ -193,14 +189,6 @@ impl Ffmpeg {
         let frames = said.damaged_frames.max(1);
         let why = format!("{file} is damaged, says ffmpeg: {}", said.or(status));
         Err(Damaged { why, instead: Instead::End(frames) }.into())
-    }
-}
-
-impl Drop for Ffmpeg {
-    fn drop(&mut self) {
-        // Both fail only if the process has ended and been reaped.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
     }
 }
 
@@ -310,7 +298,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let short = Duration::from_millis(300);
         let frame = r"printf 'YUV4MPEG2 W2 H1 F25:1 Cmono\nFRAME\nab'";
-        let begin = Instant::now();
+        let begin = std::time::Instant::now();
         let silent = "ffmpeg has done nothing for 0.3 s (--ffmpeg-timeout)";
 
         let never = program(folder.path(), "exec sleep 60");

@@ -51,8 +51,9 @@ impl<R: BufRead> Frames<R> {
         let header = Header::parse(&line).with_context(|| name.clone())?;
         let count = Arc::new(AtomicU64::new(0));
         let stream = Counted { inner: Cursor::new(line).chain(stream), count: Arc::clone(&count) };
-        let decoder = Decoder::new_with_limits(stream, Limits { bytes: FRAME_BYTES })
-            .map_err(|error| anyhow!("{name}: its header is not understood: {error}"))?;
+        let decoder = Decoder::new_with_limits(stream, Limits { bytes: FRAME_BYTES }).map_err(|_| {
+            anyhow!("{name}: its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it")
+        })?;
         let Header { size, frame_bytes } = header;
         Ok(Self { decoder, count, size, frame_bytes, name, number: 0 })
     }
@@ -76,7 +77,7 @@ impl<R: Read> Frames<R> {
                 Ok(None)
             }
             Err(Error::IoError(error)) => Err(error.into()),
-            Err(error) => bail!("expected a frame of YUV4MPEG2: {error}"),
+            Err(_) => bail!("it does not begin as a frame of YUV4MPEG2 does: expected a line FRAME before its pixels"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! An image of the protocol as a frame: `file:///path`, `image:WIDTH;HEIGHT;FORMAT;BASE64` or `data:image/png;BASE64`.
 
 use crate::sequence::{self, GrayFrame};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::path::Path;
@@ -61,7 +61,7 @@ fn picture(text: &str) -> Result<GrayFrame> {
 }
 
 fn decoded(text: &str) -> Result<Vec<u8>> {
-    STANDARD.decode(text).context("expected BASE64")
+    STANDARD.decode(text).map_err(|_| anyhow!("its data are not base 64: expected BASE64"))
 }
 
 #[cfg(test)]
@@ -112,7 +112,7 @@ mod tests {
             ("image:0;3;gray8;AA==", "an image in memory: the side \"0\": expected 1 to 65535"),
             ("image:4;3;bgr;AA==", "an image in memory: the format \"bgr\": "),
             ("image:65535;65535;rgb;AA==", "an image in memory: 65535x65535 rgb in 1 bytes: expected 12884508675"),
-            ("image:4;3;gray8;!", "an image in memory: expected BASE64"),
+            ("image:4;3;gray8;!", "an image in memory: its data are not base 64: expected BASE64"),
             ("data:image/png;AAAA", "an image in a buffer: expected a PNG, JPEG"),
             ("data:AAAA", "an image in a buffer: expected image/png"),
         ] {

@@ -4,6 +4,7 @@ use super::message::Message;
 use super::{image, region};
 use crate::evaluate::{Method, Report, lock};
 use crate::sequence::{BoundingBox, GrayFrame};
+use crate::words;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use std::io::{BufRead, Read, Write};
 use std::ops::RangeInclusive;
@@ -46,7 +47,7 @@ pub fn serve<F: Fn() -> Result<Box<dyn Method>>>(
             Ok(Next::Answers(answers)) => answers,
             Ok(Next::Over) => return Ok(()),
             Err(error) => {
-                let quit = Message::new("quit").property("trax.reason", format!("{error:#}"));
+                let quit = Message::new("quit").property("trax.reason", words::of(&error));
                 // That nobody hears it any more is no news.
                 let _ = send(&mut output, &quit);
                 return Err(error);
@@ -105,6 +106,7 @@ struct Session<'a, F> {
     objects: Vec<Object>,
     /// Objects that are to be started in the next frame.
     new: Vec<BoundingBox>,
+    /// Of this session.
     frames: u64,
 }
 
@@ -124,8 +126,14 @@ impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
             // Both forms are taken whatever was said in the introduction: the number of arguments tells which one it is.
             ("initialize", [picture, target]) => {
                 let target = region::parse(target)?;
-                (self.objects, self.new) = (Vec::new(), vec![target]);
+                self.reset();
+                self.new.push(target);
                 self.frame(picture)?
+            }
+            // So clients of version 4 begin again: what is followed comes in further messages.
+            ("initialize", []) => {
+                self.reset();
+                Vec::new()
             }
             ("initialize", [target]) => {
                 let most = if self.server.protocol >= 4 { MOST_OBJECTS } else { 1 };
@@ -137,7 +145,7 @@ impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
             ("frame", [picture]) => self.frame(picture)?,
             ("initialize" | "frame" | "quit", _) => {
                 let expected = match name.as_str() {
-                    "initialize" => "an image and a region, or a region",
+                    "initialize" => "an image and a region, a region, or none",
                     "frame" => "an image",
                     _ => "none",
                 };
@@ -146,6 +154,11 @@ impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
             _ => bail!("the message {name:?}: expected initialize, frame or quit"),
         };
         Ok(Next::Answers(answers))
+    }
+
+    /// Follows nothing.
+    fn reset(&mut self) {
+        (self.objects, self.new, self.frames) = (Vec::new(), Vec::new(), 0);
     }
 
     /// Answers of the objects that are followed, then of those that begin in this frame.

@@ -2,7 +2,7 @@
 
 use host_sim::command::settings;
 use host_sim::evaluate::robustness::Former;
-use host_sim::evaluate::{Method, Report};
+use host_sim::evaluate::{Method, MethodKind, Report};
 use host_sim::sequence::{self, BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
 use host_sim::trax::{PROTOCOLS, Server, serve};
 use smr_core::{Frame, Rect, Tracker};
@@ -110,6 +110,10 @@ pub(crate) fn words(bytes: &[u8]) {
 struct Still(Rect);
 
 impl Method for Still {
+    fn kind(&self) -> MethodKind {
+        MethodKind::Smr
+    }
+
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> anyhow::Result<()> {
         assert!(frame.bounds().contains(target) && !target.is_empty(), "{target:?}");
         self.0 = target;

@@ -1,4 +1,5 @@
-"""The client of vot-trax, the protocol's own implementation: leads a session with `host-sim trax`, and prints each answer.
+"""The client of vot-trax, the protocol's own implementation: leads two sessions in a row with one `host-sim trax`, as the VOT toolkit does for
+repetitions, and prints each answer.
 
 Usage: client.py HOST_SIM METHOD PROTOCOL WAY FORM FOLDER FRAMES X Y WIDTH HEIGHT
 WAY: path, memory or buffer. FORM: rectangle or polygon. FOLDER: pictures 00001.png ...
@@ -45,7 +46,7 @@ def main():
     assert set(client.region_formats) == {"rectangle", "polygon"}, client.region_formats
     corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
     region = Polygon.create(corners) if form == "polygon" else Rectangle.create(x, y, width, height)
-    for number in range(1, int(frames) + 1):
+    for number in 2 * list(range(1, int(frames) + 1)):
         images = {"color": image(way, folder, number)}
         if number == 1:
             answers, _ = client.initialize(images, [(region, {})], {})

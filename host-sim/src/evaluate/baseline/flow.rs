@@ -2,7 +2,7 @@
 //! coarse to fine. Window, padding and template update are those of the other baselines; positions are finer than a pixel.
 
 use super::first_template;
-use crate::evaluate::method::{Method, Report};
+use crate::evaluate::method::{Method, MethodKind, Report};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
 use smr_core::paper::{Config, Radius};
@@ -75,6 +75,10 @@ impl Flow {
 }
 
 impl Method for Flow {
+    fn kind(&self) -> MethodKind {
+        MethodKind::Lk
+    }
+
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
         self.template = first_template(frame, target)?;
         (self.size, self.bounds) = ((target.width, target.height), frame.bounds());

@@ -11,7 +11,7 @@ mod flow;
 
 pub(super) use flow::Flow;
 
-use super::method::{Method, Report};
+use super::method::{Method, MethodKind, Report};
 use anyhow::Result;
 use correlation::Correlation;
 use smr_core::paper::{Config, Radius};
@@ -31,7 +31,7 @@ pub(super) enum Measure {
 }
 
 /// The most pixels of a box, 1024x1024: all sums are exact.
-const MAX_PIXELS: u32 = 1 << 20;
+pub(super) const MAX_PIXELS: u32 = 1 << 20;
 
 pub(super) struct Baseline {
     measure: Measure,
@@ -68,6 +68,14 @@ impl Baseline {
 }
 
 impl Method for Baseline {
+    fn kind(&self) -> MethodKind {
+        match self.measure {
+            Measure::Absolute => MethodKind::Sad,
+            Measure::Squared => MethodKind::Ssd,
+            Measure::Correlation => MethodKind::Ncc,
+        }
+    }
+
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
         self.template = first_template(frame, target)?;
         (self.target, self.bounds) = (target, frame.bounds());
@@ -111,8 +119,7 @@ fn first_template(frame: &Frame<'_>, target: Rect) -> Result<Vec<u8>> {
         return Err(LockError::BoxOutsideFrame.into());
     }
     if target.area() > MAX_PIXELS {
-        let error = anyhow::Error::from(LockError::BoxTooLarge);
-        return Err(error.context(format!("expected at most {MAX_PIXELS} pixels")));
+        return Err(LockError::BoxTooLarge.into());
     }
     let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
     Ok(patch.rows().flatten().copied().collect())

@@ -406,9 +406,8 @@ mod tests {
         };
         let result = measured(&["a/bare", "a/moving", "a/outside"], open, Starts::Near);
         let failures: Vec<String> = result.failures.iter().map(|error| format!("{error:#}")).collect();
-        let numbers = "the box 21,6,5,4 of 20 pixels in a frame of 24x20";
-        let reason = smr_core::LockError::BoxOutsideFrame;
-        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {numbers}: {reason}"));
+        let reason = "the box 21,6,5,4 (x,y,width,height) is not wholly inside the frame of 24x20 pixels";
+        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
         assert_eq!(failures.len(), 3);
         assert!(failures.iter().any(|failure| failure.starts_with("bare: no ground truth")));
         assert!(expected.iter().all(|line| failures.contains(line)), "{failures:?}");

@@ -4,9 +4,9 @@
 use super::standard_error::Headline;
 use super::{Robustness, Row, name_of};
 use crate::evaluate::aligned;
-use anyhow::{Context, Result, bail, ensure};
+use crate::input;
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::Path;
 
 /// The mean over recordings of the difference between two methods.
@@ -53,10 +53,11 @@ impl Former {
     /// # Errors
     /// It is none.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+        let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
         let read = serde_json::from_str(&text);
-        let mut former: Self = read.with_context(|| {
-            format!("{}: expected what eval --robustness --json writes in this version", file.display())
+        let mut former: Self = read.map_err(|error: serde_json::Error| {
+            let (name, line, expected) = (file.display(), error.line(), input::FORMER.expected);
+            anyhow!("{name}: line {line}: expected {expected} in this version")
         })?;
         former.name = file.display().to_string();
         ensure!(!former.recordings.is_empty(), "{}: there is no recording in it", former.name);
@@ -185,6 +186,7 @@ mod tests {
     use super::super::table::tests::row;
     use super::*;
     use crate::evaluate::robustness::Figures;
+    use std::fs;
 
     fn figures(correct: f64) -> Figures {
         Figures { mean_correct: correct, mean_correct_50: correct / 2.0, f: correct, ..Figures::default() }
@@ -268,7 +270,11 @@ robust - smr                3   +0.100       +0.050  +0.100
         for text in ["", "[]", "{\"recordings\": [{}]}"] {
             fs::write(&file, text).unwrap();
             let error = format!("{:#}", Former::read(&file).unwrap_err());
-            assert!(error.contains("former.json: expected what eval --robustness --json writes"), "{error}");
+            assert!(
+                error.contains("former.json: line ")
+                    && error.contains(": expected what `host-sim eval --robustness --json` writes"),
+                "{error}"
+            );
         }
         fs::write(&file, "{\"recordings\": []}").unwrap();
         assert!(Former::read(&file).unwrap_err().to_string().ends_with("there is no recording in it"));

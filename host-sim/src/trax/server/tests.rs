@@ -78,6 +78,27 @@ fn several_objects_are_followed_at_a_time() {
     assert_eq!(names(&answers), ["hello", "state", "quit"]);
 }
 
+/// The reference client says `initialize` without an argument before a second session.
+#[test]
+fn an_empty_initialize_begins_a_new_session() {
+    let begin = |text: &str| Message::new("initialize").argument(text).line();
+    let frame = |index| Message::new("frame").argument(picture(index)).line();
+    let empty = "@@TRAX:initialize\n".to_owned();
+    let of_session = [begin(&region::text(&target())), frame(0), frame(1), frame(2)].concat();
+    for kind in [MethodKind::Smr, MethodKind::Robust] {
+        let (answers, ended) = session(kind, 4, [&*of_session, &*empty, &*of_session].concat().as_bytes());
+        ended.unwrap();
+        assert_eq!(names(&answers), ["hello", "state", "state", "state", "state", "state", "state"]);
+        assert_eq!(answers[1..4], answers[4..], "nothing is left of the first");
+    }
+    // Also what was announced and has not begun.
+    let lines = [&*begin("1,1,9,9"), &*empty, &*of_session].concat();
+    assert_eq!(session(MethodKind::Smr, 4, lines.as_bytes()).0.len(), 4);
+    let (answers, ended) = session(MethodKind::Smr, 4, [of_session, empty, frame(0)].concat().as_bytes());
+    assert_eq!(ended.unwrap_err().to_string(), "frame before initialize: there is nothing to follow");
+    assert_eq!(names(&answers), ["hello", "state", "state", "state", "quit"]);
+}
+
 #[test]
 fn what_a_client_must_not_say_is_answered_with_the_reason() {
     let frame = picture(0);

@@ -1,0 +1,276 @@
+//! What must not outlive this program: unfinished files and folders, and the programs that it started. A signal that ends this program
+//! removes and ends them first.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, Read};
+use std::path::PathBuf;
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// What is to be removed or ended.
+enum Thing {
+    File(PathBuf),
+    Folder(PathBuf),
+    Process(Arc<Mutex<Child>>),
+}
+
+/// All there is at present, by the number of its [`Kept`].
+struct Things {
+    next: u64,
+    all: BTreeMap<u64, Thing>,
+}
+
+static THINGS: Mutex<Things> = Mutex::new(Things { next: 0, all: BTreeMap::new() });
+
+/// A signal has come: this program removes what is left, and ends.
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Whatever a thread that panicked held is still to be removed.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Something that a signal removes or ends. Dropped, it is no longer: it has its name, or is gone.
+pub struct Kept(u64);
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        locked(&THINGS).all.remove(&self.0);
+    }
+}
+
+/// Makes something that a signal shall remove. No signal comes in between.
+fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing) -> io::Result<(T, Kept)> {
+    let mut things = locked(&THINGS);
+    let made = make()?;
+    let number = things.next;
+    things.next += 1;
+    things.all.insert(number, thing(&made));
+    Ok((made, Kept(number)))
+}
+
+/// Makes a file that is removed if this program is ended before the file has its name.
+///
+/// # Errors
+/// Those of `make`.
+pub fn file(make: impl FnOnce() -> io::Result<tempfile::NamedTempFile>) -> io::Result<(tempfile::NamedTempFile, Kept)> {
+    keep(make, |file| Thing::File(file.path().to_owned()))
+}
+
+/// The same of a folder.
+///
+/// # Errors
+/// Those of `make`.
+pub fn folder(make: impl FnOnce() -> io::Result<tempfile::TempDir>) -> io::Result<(tempfile::TempDir, Kept)> {
+    keep(make, |folder| Thing::Folder(folder.path().to_owned()))
+}
+
+/// A program that was started. Dropped, it is ended and reaped.
+pub struct Process {
+    child: Arc<Mutex<Child>>,
+    _kept: Kept,
+}
+
+impl Process {
+    /// # Errors
+    /// It cannot be started.
+    pub fn start(command: &mut Command) -> io::Result<Self> {
+        // In a group of its own: Ctrl-C at the terminal reaches this program alone, which then ends the other in order.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(command, 0);
+        let start = || Ok(Arc::new(Mutex::new(command.spawn()?)));
+        let (child, _kept) = keep(start, |child| Thing::Process(Arc::clone(child)))?;
+        Ok(Self { child, _kept })
+    }
+
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        locked(&self.child).id()
+    }
+
+    /// What it reads, if that is piped and was not taken before.
+    #[must_use]
+    pub fn input(&self) -> Option<ChildStdin> {
+        locked(&self.child).stdin.take()
+    }
+
+    /// What it writes, if that is piped and was not taken before.
+    #[must_use]
+    pub fn output(&self) -> Option<ChildStdout> {
+        locked(&self.child).stdout.take()
+    }
+
+    /// What it complains about, if that is piped and was not taken before.
+    #[must_use]
+    pub fn complaints(&self) -> Option<ChildStderr> {
+        locked(&self.child).stderr.take()
+    }
+
+    /// `None` while it runs.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
+        locked(&self.child).try_wait()
+    }
+
+    /// Waits until it has ended; `None` if `more` says no before that. `more` is told how long it was asked for.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
+        let begin = Instant::now();
+        loop {
+            if let Some(status) = self.ended()? {
+                return Ok(Some(status));
+            }
+            if !more(begin.elapsed()) {
+                return Ok(None);
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Waits for the end, with all that it has written to what is piped.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn finish(self) -> io::Result<Output> {
+        fn all(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
+            thread::spawn(move || {
+                let mut bytes = Vec::new();
+                // What came before an error is all there is.
+                let _ = stream.map(|mut stream| stream.read_to_end(&mut bytes));
+                bytes
+            })
+        }
+        let (out, complaints) = (all(self.output()), all(self.complaints()));
+        let status = self.wait_while(|_| true)?.ok_or(io::ErrorKind::TimedOut)?;
+        let read = |thread: thread::JoinHandle<Vec<u8>>| thread.join().unwrap_or_default();
+        Ok(Output { status, stdout: read(out), stderr: read(complaints) })
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        end(&self.child);
+    }
+}
+
+fn end(child: &Mutex<Child>) {
+    let mut child = locked(child);
+    // Both fail only if the process has ended and been reaped.
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// From here on SIGINT, SIGTERM and SIGHUP remove what is left before they end this program, with exit code 128 and their number. A SIGHUP that
+/// is ignored, as by `nohup`, stays so.
+///
+/// # Errors
+/// The system's.
+#[cfg(unix)]
+pub fn heed_signals() -> io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(signal));
+    let mut signals = signal_hook::iterator::Signals::new(wanted)?;
+    thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            end_by(signal);
+        }
+    });
+    Ok(())
+}
+
+/// The same where there is no other signal than Ctrl-C and its like.
+///
+/// # Errors
+/// The system's.
+#[cfg(not(unix))]
+pub fn heed_signals() -> io::Result<()> {
+    ctrlc::set_handler(|| end_by(2)).map_err(io::Error::other)
+}
+
+/// As Linux tells; elsewhere nobody says so without unsafe code.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    ignored >> (signal - 1) & 1 == 1
+}
+
+fn end_by(signal: i32) -> ! {
+    ENDING.store(true, Ordering::SeqCst);
+    // Held to the end: nothing new is begun.
+    let things = locked(&THINGS);
+    // First the programs, which write into the files.
+    for thing in things.all.values() {
+        if let Thing::Process(child) = thing {
+            end(child);
+        }
+    }
+    for thing in things.all.values() {
+        // What is not there any more has its name, or is gone already.
+        let _ = match thing {
+            Thing::File(file) => fs::remove_file(file),
+            Thing::Folder(folder) => fs::remove_dir_all(folder),
+            Thing::Process(_) => Ok(()),
+        };
+    }
+    std::process::exit(128 + signal)
+}
+
+/// To be called before an error is told: once a signal has come, errors are those of what it removed, and it ends this program.
+pub fn yield_to_signal() {
+    while ENDING.load(Ordering::SeqCst) {
+        thread::park();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::Stdio;
+
+    #[test]
+    fn what_has_its_name_is_kept_no_longer() {
+        let folder = tempfile::tempdir().unwrap();
+        let count = || {
+            locked(&THINGS)
+                .all
+                .values()
+                .filter(|thing| matches!(thing, Thing::File(file) if file.starts_with(folder.path())))
+                .count()
+        };
+        let (made, kept) = file(|| tempfile::NamedTempFile::new_in(folder.path())).unwrap();
+        assert_eq!(count(), 1);
+        made.persist(folder.path().join("name")).unwrap();
+        drop(kept);
+        assert_eq!(count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_program_writes_and_how_it_ends() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "echo out; echo complaint >&2; exit 3"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let Output { status, stdout, stderr } = Process::start(&mut command).unwrap().finish().unwrap();
+        assert_eq!((status.code(), &stdout[..], &stderr[..]), (Some(3), &b"out\n"[..], &b"complaint\n"[..]));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_program_that_is_not_waited_for_is_ended() {
+        let process = Process::start(Command::new("sleep").arg("600")).unwrap();
+        assert!(process.wait_while(|waited| waited < Duration::from_millis(20)).unwrap().is_none());
+        let id = process.id().to_string();
+        drop(process);
+        let there = Command::new("kill").args(["-0", &id]).stderr(Stdio::null()).status().unwrap();
+        assert!(!there.success());
+    }
+}

@@ -1,0 +1,121 @@
+//! A box that a tracker does not start on: what is wrong with it, and what its user can do about it.
+
+use super::MethodKind;
+use super::baseline::MAX_PIXELS;
+use anyhow::Error;
+use smr_core::{LockError, Rect};
+use std::fmt;
+
+/// A box that a tracker does not start on. As text it says what is wrong; [`Refused::way_out`] says the rest.
+#[derive(Debug)]
+pub struct Refused {
+    kind: MethodKind,
+    target: Rect,
+    frame: Rect,
+    why: LockError,
+}
+
+impl Refused {
+    /// `error`, put into words if it is about the box `target` in a frame of the bounds `frame`.
+    #[must_use]
+    pub fn or(error: Error, kind: MethodKind, target: Rect, frame: Rect) -> Error {
+        match error.downcast_ref::<LockError>() {
+            Some(&why) => Self { kind, target, frame, why }.into(),
+            None => error,
+        }
+    }
+
+    /// What can be done, with the options that the command has.
+    #[must_use]
+    pub fn way_out(&self, has: impl Fn(&str) -> bool) -> String {
+        let all = match self.why {
+            LockError::BoxTooLarge => [
+                (has("method") && self.kind != MethodKind::Robust, "--method robust, which takes every box"),
+                (has("init"), "a smaller box (--init)"),
+                (!has("init"), "a smaller box"),
+                (has("resize"), "--resize 1/2"),
+            ],
+            LockError::WindowTooLarge => [
+                (has("method"), "--method robust"),
+                (has("window-limit"), "a smaller --window-limit"),
+                (has("padding"), "a smaller --padding"),
+                (has("resize"), "--resize 1/2"),
+            ],
+            _ => [
+                (has("init"), "--init X,Y,W,H with a box in the frame (`host-sim frame` shows coordinates)"),
+                (!has("init"), "a box in the frame"),
+                (false, ""),
+                (false, ""),
+            ],
+        };
+        let ways: Vec<&str> = all.into_iter().filter(|(there, _)| *there).map(|(_, way)| way).collect();
+        format!("use {}", ways.join(", or "))
+    }
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Rect { x, y, width, height } = self.target;
+        let tracker = self.kind.name();
+        write!(f, "the box {x},{y},{width},{height} (x,y,width,height) ")?;
+        match self.why {
+            LockError::BoxOutsideFrame => {
+                let Rect { width, height, .. } = self.frame;
+                write!(f, "is not wholly inside the frame of {width}x{height} pixels")
+            }
+            LockError::BoxTooLarge => {
+                let pixels = u64::from(width) * u64::from(height);
+                let most = if self.kind.is_core() { crate::MOST_PIXELS as u64 } else { MAX_PIXELS.into() };
+                write!(f, "has {pixels} pixels; the tracker {tracker} takes at most {most}")
+            }
+            LockError::WindowTooLarge => {
+                let most = crate::MOST_OFFSETS;
+                write!(
+                    f,
+                    "could be looked for in a window of more than {most} offsets on an axis; the tracker {tracker} takes at most {most}"
+                )
+            }
+            why => write!(f, "cannot be followed by the tracker {tracker}: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(kind: MethodKind, why: LockError) -> Refused {
+        let (target, frame) = (Rect::new(1, 2, 300, 250), Rect::new(0, 0, 320, 240));
+        Refused::or(why.into(), kind, target, frame).downcast().unwrap()
+    }
+
+    #[test]
+    fn the_box_and_the_bound_are_said() {
+        let large = refused(MethodKind::Smr, LockError::BoxTooLarge).to_string();
+        let expected = format!(
+            "the box 1,2,300,250 (x,y,width,height) has 75000 pixels; the tracker smr takes at most {}",
+            crate::MOST_PIXELS
+        );
+        assert_eq!(large, expected);
+        let outside = refused(MethodKind::Lk, LockError::BoxOutsideFrame).to_string();
+        assert_eq!(outside, "the box 1,2,300,250 (x,y,width,height) is not wholly inside the frame of 320x240 pixels");
+    }
+
+    #[test]
+    fn no_option_is_named_that_the_command_lacks() {
+        let all = ["method", "init", "resize", "window-limit", "padding"];
+        for why in [LockError::BoxTooLarge, LockError::WindowTooLarge, LockError::BoxOutsideFrame, LockError::BoxEmpty]
+        {
+            let refused = refused(MethodKind::Smr, why);
+            assert!(refused.way_out(|name| all.contains(&name)).contains("--"), "{why}");
+            for missing in all {
+                let way = refused.way_out(|name| all.contains(&name) && name != missing);
+                assert!(!way.contains(&format!("--{missing}")), "{why}: {way}");
+            }
+        }
+        let way = refused(MethodKind::Smr, LockError::BoxTooLarge).way_out(|_| true);
+        assert_eq!(way, "use --method robust, which takes every box, or a smaller box (--init), or --resize 1/2");
+    }
+}

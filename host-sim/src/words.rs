@@ -1,0 +1,49 @@
+//! Errors as people read them: in words of their own, not in those of the system or of a library.
+
+use std::error::Error;
+use std::io::{self, ErrorKind};
+
+/// The error and its causes in one line.
+#[must_use]
+pub fn of(error: &anyhow::Error) -> String {
+    error.chain().map(of_cause).collect::<Vec<_>>().join(": ")
+}
+
+fn of_cause(cause: &(dyn Error + 'static)) -> String {
+    cause.downcast_ref().map_or_else(|| cause.to_string(), of_io)
+}
+
+/// What the system says, without the number of its error.
+#[must_use]
+pub fn of_io(error: &io::Error) -> String {
+    let words = match error.kind() {
+        ErrorKind::NotFound => "there is no such file",
+        ErrorKind::PermissionDenied => "the system does not permit it",
+        ErrorKind::NotADirectory => "what should be a folder is a file",
+        ErrorKind::IsADirectory => "it is a folder",
+        ErrorKind::AlreadyExists => "there is something of that name",
+        ErrorKind::UnexpectedEof => "it ends too early",
+        _ => {
+            let text = error.to_string();
+            return text.split(" (os error").next().unwrap_or(&text).to_owned();
+        }
+    };
+    words.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn no_number_and_no_name_of_the_system_is_left() {
+        let missing = std::fs::read("no/such/file").context("cannot read no/such/file").unwrap_err();
+        assert_eq!(of(&missing), "cannot read no/such/file: there is no such file");
+        // ENOSPC: 28 on Linux, macOS and the BSDs.
+        #[cfg(unix)]
+        assert_eq!(of_io(&io::Error::from_raw_os_error(28)), "No space left on device");
+        assert_eq!(of_io(&io::Error::new(ErrorKind::TimedOut, "our own words")), "our own words");
+        assert_eq!(of(&anyhow::anyhow!("b").context("a")), "a: b");
+    }
+}
