@@ -29,6 +29,34 @@ fn a_picture_without_pixels_is_bad_input() {
     }
 }
 
+/// It is followed all the same.
+#[test]
+fn a_target_that_cannot_be_told_from_its_surroundings_is_said_to_be_so() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, texture) in [("flat", 0), ("textured", 97)] {
+        let pixels: Vec<u8> = (0..40 * 30_u32).map(|at| (90 + at / 3 * texture % 120).to_le_bytes()[0]).collect();
+        let frames = folder.path().join(name);
+        fs::create_dir(&frames).unwrap();
+        for number in 1..=2 {
+            let picture = [b"P5\n40 30\n255\n".as_slice(), &pixels].concat();
+            fs::write(frames.join(format!("{number}.pgm")), picture).unwrap();
+        }
+        for method in ["smr", "robust"] {
+            let said = host_sim(&["track", utf8(&frames), "--init", "10,10,12,12", "--json", "--method", method]);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            assert_eq!(
+                said.err.contains("warning: flat: the target can hardly be told"),
+                name == "flat",
+                "{}",
+                said.err
+            );
+            let lines: Vec<Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+            assert_eq!(lines[0]["quality"].as_f64() == Some(0.0), name == "flat", "{}", lines[0]);
+            assert!(lines[1].get("quality").is_none(), "{}", lines[1]);
+        }
+    }
+}
+
 /// A video as `arguments` of ffmpeg make it; `None`, and a word about it, without ffmpeg.
 fn film(test: &str, file: &Path, arguments: &[&str]) -> Option<()> {
     let source = ["-v", "error", "-f", "lavfi", "-i"];

@@ -132,7 +132,21 @@ impl<T: Fuzzed> Pair<T> {
         assert!(window.is_empty() || self.scene.bounds().contains(window), "lock window {window:?}");
         let Some(part) = self.scene.part(window, gap(u)?).or_else(|| self.corner()) else { return Ok(()) };
         let (before, frame) = (saved(&self.any), frame(&self.scene, &part, None));
-        let locked = self.any.lock(&frame, target);
+        let locked = if u.arbitrary()? {
+            self.any.lock(&frame, target)
+        } else {
+            count(Reached::LockInSteps);
+            let begun = self.any.begin_lock(&frame, target).map(|mut lock| {
+                lock.step(1);
+            });
+            begun.and_then(|()| {
+                assert_eq!((self.any.bbox(), self.any.window()), (None, None));
+                let step = u32::from(u.arbitrary::<u8>().unwrap_or(0)) << 16;
+                while !self.any.resume_lock(&frame).expect("it was begun").step(step) && !u.is_empty() {}
+                self.any.resume_lock(&frame).map(smr_core::Lock::finish)
+            })
+        };
+        assert_eq!(self.any.resume_lock(&frame).err(), Some(LockError::NotBegun));
         count(match locked {
             Ok(_) => Reached::LockDone,
             Err(LockError::BoxEmpty) => Reached::LockBoxEmpty,

@@ -35,6 +35,7 @@ tally! {
     LockWindowTooLarge = "lock: WindowTooLarge",
     LockAnotherError = "lock: another error",
     LockDone = "lock: done",
+    LockInSteps = "lock: in steps",
     Moved = "moved",
     NewRefused = "new: refused",
     OtherSizeFrameSizeChanged = "other size: FrameSizeChanged",
