@@ -257,7 +257,7 @@ impl Steps for Robust {
         workspace.progress.begun = None;
         let before = self.state();
         if let Some(mut next) = workspace.progress.next {
-            if !workspace.progress.lost {
+            if workspace.progress.learns {
                 let patch = workspace.patch(&next.grid);
                 patch.into_iter().for_each(|patch| self.early.learn(patch, self.config.early_rate));
             }
