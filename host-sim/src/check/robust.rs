@@ -343,7 +343,7 @@ mod tests {
             ("least contrast", |numbers| numbers.least_contrast = 0.0),
             ("margin", |numbers| numbers.margin = 5),
             ("lost", |numbers| numbers.lost_below = 10_000.0),
-            ("uncertain", |numbers| numbers.uncertain_below = 20_000.0),
+            ("uncertain", |numbers| numbers.uncertain_below = 19_300.0),
             ("learned", |numbers| numbers.learned_from = 98_304.0),
             ("found", |numbers| numbers.found_from = 98_304.0),
             ("better", |numbers| numbers.better_by = 98_304.0),
