@@ -105,7 +105,8 @@ mod tests {
         let means: Vec<u32> = sequences()
             .into_iter()
             .map(|sequence| {
-                let frame = sequence.frames.into_iter().next().unwrap().unwrap();
+                let mut frames = sequence.frames;
+                let frame = frames.next().unwrap().unwrap();
                 let (left, top) = (28, 52);
                 let rows = frame.pixels.chunks(WIDTH.into()).skip(top).take(36);
                 rows.flat_map(|row| &row[left..left + 36]).map(|&pixel| u32::from(pixel)).sum::<u32>() / (36 * 36)

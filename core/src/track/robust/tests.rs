@@ -292,7 +292,7 @@ fn light_may_change() {
 fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
     let hash = |x: usize, y: usize| (x * 31 + y * 57 + kind).wrapping_mul(2_654_435_761) >> 16;
     let (left, top) = (40 + frame / 2, 30 + frame / 4);
-    let noise = self::noise(160 * 120, frame as u32);
+    let pattern = noise(160 * 120, frame as u32);
     let pixel = |at: usize| {
         let (x, y) = (at % 160, at / 160);
         if !(left..left + 40).contains(&x) || !(top..top + 40).contains(&y) {
@@ -305,7 +305,7 @@ fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
             1 => 200 + tile / 2,
             2 => 10 + 2 * tile,
             3 => 50 + 2 * x + y,
-            _ => 20 + 3 * tile / 2 + usize::from(noise[at]) / 5,
+            _ => 20 + 3 * tile / 2 + usize::from(pattern[at]) / 5,
         }
     };
     (0..160 * 120).map(|at| pixel(at) as u8).collect()
@@ -316,7 +316,7 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
     for (kind, name) in ["dark", "bright", "textured", "smooth", "noisy"].into_iter().enumerate() {
         for level in [0, 255, 128] {
             let mut tracker = Box::new(Tracker::<Robust>::new(Config::robust()).unwrap());
-            let mut update =
+            let update =
                 |tracker: &mut Tracker<Robust>, pixels: &[u8]| tracker.update(&whole(pixels, 160, 120)).unwrap();
             tracker.lock(&whole(&on_ground(kind, 0), 160, 120), Rect::new(40, 30, 40, 40)).unwrap();
             for frame in 1..20 {
