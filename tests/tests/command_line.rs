@@ -224,6 +224,7 @@ const KEYS: [&str; 14] = [
     "scale",
     "found_again",
     "work",
+    "quality",
 ];
 
 #[test]
@@ -240,7 +241,9 @@ fn every_method_answers_with_the_same_fields() {
             let lost = line["state"] == "lost";
             assert_eq!((line["box"].is_null(), line["fine"].is_null()), (lost, lost), "{line}");
         }
-        // Of the first frame nothing is known but the box.
+        let quality = lines.iter().map(|line| !line["quality"].is_null());
+        assert!(quality.eq((0..19).map(|number| number == 0 && METHODS[..2].contains(&method))), "{method}");
+        // Of the first frame nothing else is known but the box.
         assert_eq!((&lines[0]["confidence"], &lines[0]["state"]), (&Value::Null, &"tracking".into()));
         let known = |key: &str| lines[1..].iter().all(|line| !line[key].is_null());
         for key in ["confidence", "ratio", "scale", "found_again", "work"] {

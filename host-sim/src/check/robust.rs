@@ -343,10 +343,11 @@ mod tests {
     /// The numbers of trust and of the sweep, on a target that is hidden and comes back elsewhere.
     #[test]
     fn other_numbers_of_trust_are_noticed() {
-        let others: [Change<Numbers>; 9] = [
+        let others: [Change<Numbers>; 10] = [
+            ("least contrast", |numbers| numbers.least_contrast = 0.0),
             ("margin", |numbers| numbers.margin = 5),
             ("lost", |numbers| numbers.lost_below = 10_000.0),
-            ("uncertain", |numbers| numbers.uncertain_below = 20_000.0),
+            ("uncertain", |numbers| numbers.uncertain_below = 19_300.0),
             ("learned", |numbers| numbers.learned_from = 98_304.0),
             ("found", |numbers| numbers.found_from = 98_304.0),
             ("better", |numbers| numbers.better_by = 98_304.0),
@@ -355,6 +356,22 @@ mod tests {
             ("sweep", |numbers| numbers.parts.sweep = false),
         ];
         noticed(&others, hidden);
+    }
+
+    /// What is cut off at black and white, though it has contrast, shows nothing.
+    #[test]
+    fn another_part_that_is_cut_off_is_noticed() {
+        let others: [Change<Numbers>; 1] = [("most cut off", |numbers| numbers.most_cut_off = 1.0)];
+        let cut_off = |mut frame: GrayFrame| {
+            frame.pixels.iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });
+            frame
+        };
+        let report = |numbers: Numbers| {
+            let check = lock("cut off", numbers, Config::robust(), &still(0), Rect::new(14, 14, 32, 32));
+            through(check, [still(0), cut_off(still(0)), cut_off(still(0)), still(0)].into_iter())
+        };
+        assert_eq!(report(Numbers::robust()).violation, None);
+        noticed(&others, report);
     }
 
     /// A target that is seen again where it was lost is found again without the sweep.

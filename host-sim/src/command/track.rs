@@ -87,8 +87,7 @@ struct JsonLine<'a> {
     scale: Option<f64>,
     found_again: Option<bool>,
     work: Option<u32>,
-    /// In the frame that was locked on: how well the target can be told from what lies beside it, 0 to 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Of the frame that was locked on: how well the target can be told from what lies beside it, 0 to 1.
     quality: Option<f64>,
 }
 
@@ -278,7 +277,7 @@ mod tests {
         let expected = r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"#;
         let fine = r#""fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
         let nothing = r#""confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"#;
-        let end = r#""found_again":null,"work":null}"#;
+        let end = r#""found_again":null,"work":null,"quality":null}"#;
         let head = head("sad", r#"{"window":"9x8"}"#);
         let arguments = ["--json", "--method", "sad", "--window", "9x8"];
         assert_eq!(line(&arguments, &report), [&head, expected, fine, nothing, end].concat());
@@ -300,7 +299,7 @@ mod tests {
         assert_eq!(line(&["--format", "vot"], &report), "0");
         assert_eq!(line(&["--format", "csv"], &report), "7,,,,,lost,0,0.666667,0.5,13,1,9");
         let expected = r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"#;
-        let rest = r#""runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9}"#;
+        let rest = r#""runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null}"#;
         assert_eq!(line(&["--json"], &report), [&head("smr", "{}"), expected, rest].concat());
     }
 }

@@ -3,6 +3,7 @@
 mod baseline;
 mod configs;
 mod core_kind;
+pub mod covered;
 pub mod faults;
 mod layout;
 mod means;

@@ -5,6 +5,7 @@
 
 mod border;
 pub mod boxes;
+pub mod cover;
 mod damage;
 pub mod fault;
 mod images;
@@ -13,6 +14,7 @@ mod part;
 mod periodic;
 mod raw;
 mod resize;
+pub mod slow;
 pub mod synthetic;
 mod video;
 mod y4m;

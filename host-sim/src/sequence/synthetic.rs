@@ -28,13 +28,13 @@ pub const WIDTH: u16 = 160;
 pub const HEIGHT: u16 = 120;
 
 /// Positions are counted in sixteenths of a pixel.
-const PIXEL: i32 = 16;
+pub(super) const PIXEL: i32 = 16;
 const TARGET_WIDTH: i32 = 24 * PIXEL;
 const TARGET_HEIGHT: i32 = 28 * PIXEL;
 const POST_WIDTH: i32 = 36 * PIXEL;
 
 /// Frame and value: what holds in that frame; between two of them the value goes smoothly from one to the other.
-type Keys = [(i32, i32)];
+pub(super) type Keys = [(i32, i32)];
 
 /// Left and top edge of the target, in pixels. It is moved by whole ones: a template that is replaced every frame loses
 /// a fraction of a pixel at each step of a slow motion, and this recording is to be followed to its end.
@@ -148,7 +148,7 @@ impl Scene {
 }
 
 /// The value in `frame`, times `unit`: slow at each key, fastest half way between (3 t^2 - 2 t^3).
-fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
+pub(super) fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
     let next = keys.partition_point(|&(key, _)| key <= frame);
     let Some(&(start, from)) = keys.get(next.saturating_sub(1)) else { return 0 };
     let Some(&(end, to)) = keys.get(next.max(1)) else { return from * unit };
@@ -158,12 +158,12 @@ fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
 }
 
 /// 256x256 gray levels: the low byte of a coordinate is the column or the row.
-struct Texture(Vec<u8>);
+pub(super) struct Texture(Vec<u8>);
 
 impl Texture {
     /// Random gray levels `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between them
     /// blended; from `darkest` to `brightest`.
-    fn new(seed: u64, (coarse, fine): (i32, i32), (darkest, brightest): (i32, i32)) -> Self {
+    pub(super) fn new(seed: u64, (coarse, fine): (i32, i32), (darkest, brightest): (i32, i32)) -> Self {
         let mut random = Random(seed);
         let mut grid = || Self((0..1 << 16).map(|_| random.next().to_le_bytes()[0]).collect());
         let (first, second) = (grid(), grid());
@@ -176,7 +176,7 @@ impl Texture {
     }
 
     /// Blended from the four pixels around the position, in 256ths of a gray level.
-    fn sample(&self, x: i32, y: i32) -> i32 {
+    pub(super) fn sample(&self, x: i32, y: i32) -> i32 {
         let (column, row) = (x.div_euclid(PIXEL), y.div_euclid(PIXEL));
         let (right, low) = (x.rem_euclid(PIXEL), y.rem_euclid(PIXEL));
         let upper = self.at(column, row) * (PIXEL - right) + self.at(column + 1, row) * right;
@@ -226,7 +226,7 @@ impl Random {
     }
 
     /// Nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
-    fn noise(&mut self) -> i32 {
+    pub(super) fn noise(&mut self) -> i32 {
         let [a, b, c, d, ..] = self.next().to_le_bytes().map(i32::from);
         (a + b + c + d - 4 * 255 / 2 + 32) >> 6
     }

@@ -36,7 +36,7 @@ impl Compared<'_> {
     }
 
     /// Makes `lit`, the early template in the light of a place, and the table that it is compared by: alpha is the mean absolute deviation
-    /// of what is seen.
+    /// of what is seen. True if what is seen there can show the target at all.
     #[inline(never)] // one copy in flash
     pub(super) fn light(
         &self,
@@ -44,10 +44,12 @@ impl Compared<'_> {
         lit: &mut Vec<u8, MOST_PIXELS>,
         table: &mut CutTable,
         similarity: &Table,
-    ) {
-        let Some(seen) = self.seen(at) else { return };
+    ) -> bool {
+        let Some(seen) = self.seen(at) else { return false };
         self.early.copy_to(lit);
-        table.set(similarity, light::of(lit, self.was, seen).threshold());
+        let is = light::of(lit, self.was, seen);
+        table.set(similarity, is.threshold());
+        is.shows(self.was)
     }
 
     /// The score of a place, in the light that `lit` is in.

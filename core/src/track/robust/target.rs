@@ -277,7 +277,7 @@ impl Steps for Robust {
     fn conclude(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
         let before = self.state();
         if let Some(mut next) = workspace.progress.next {
-            if !workspace.progress.lost {
+            if workspace.progress.learns {
                 let patch = workspace.patch(&next.grid);
                 patch.into_iter().for_each(|patch| self.early.learn(patch, self.config.early_rate));
             }

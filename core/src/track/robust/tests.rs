@@ -377,6 +377,62 @@ fn light_may_change() {
     }
 }
 
+/// Targets of 40x40 pixels on ground of their own, in frames of 160x120: dark, bright, textured, smooth, noisy. They move slowly.
+fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
+    let hash = |x: usize, y: usize| (x * 31 + y * 57 + kind).wrapping_mul(2_654_435_761) >> 16;
+    let (left, top) = (40 + frame / 2, 30 + frame / 4);
+    let pattern = noise(160 * 120, frame as u32);
+    let pixel = |at: usize| {
+        let (x, y) = (at % 160, at / 160);
+        if !(left..left + 40).contains(&x) || !(top..top + 40).contains(&y) {
+            return 100 + hash(x / 12, y / 12) % 60;
+        }
+        let (x, y) = (x - left, y - top);
+        let tile = hash(x / 5, y / 5) % 100;
+        match kind {
+            0 => 5 + tile / 2,
+            1 => 200 + tile / 2,
+            2 => 10 + 2 * tile,
+            3 => 50 + 2 * x + y,
+            _ => 20 + 3 * tile / 2 + usize::from(pattern[at]) / 5,
+        }
+    };
+    (0..160 * 120).map(|at| pixel(at) as u8).collect()
+}
+
+#[test]
+fn a_covered_lens_is_lost_and_teaches_nothing() {
+    for (kind, name) in ["dark", "bright", "textured", "smooth", "noisy"].into_iter().enumerate() {
+        for level in [0, 255, 128] {
+            let mut tracker = Box::new(Tracker::<Robust>::new(Config::robust()).unwrap());
+            let update =
+                |tracker: &mut Tracker<Robust>, pixels: &[u8]| tracker.update(&whole(pixels, 160, 120)).unwrap();
+            tracker.lock(&whole(&on_ground(kind, 0), 160, 120), Rect::new(40, 30, 40, 40)).unwrap();
+            for frame in 1..20 {
+                let answer = update(&mut tracker, &on_ground(kind, frame));
+                assert_eq!(answer.state, State::Tracking, "{name}, {frame}: {answer:?}");
+            }
+            let learned = |tracker: &Tracker<Robust>| -> (Vec<i32>, Vec<u8>) {
+                let target = tracker.target();
+                (target.weights().to_vec(), target.early_template().unwrap().collect())
+            };
+            let before = learned(&tracker);
+            let states: Vec<State> = (0..300).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
+            let tracking = states.iter().filter(|&&state| state == State::Tracking).count();
+            assert!(tracking <= 2, "{name}, {level}: {tracking} times tracking");
+            assert!(states[..30].contains(&State::Lost), "{name}, {level}: {:?}", &states[..30]);
+            assert!(states[30..].iter().all(|&state| state == State::Lost), "{name}, {level}");
+            assert!(learned(&tracker) == before, "{name}, {level}: something was learned");
+            let place = |frame: usize| (40 + frame / 2, 30 + frame / 4);
+            let again = (20..30).find(|&frame| {
+                let answer = update(&mut tracker, &on_ground(kind, frame));
+                answer.state != State::Lost && iou(answer.fine, place(frame)) > 0.25
+            });
+            assert!(again.is_some(), "{name}, {level}: not found again");
+        }
+    }
+}
+
 #[test]
 fn a_hidden_target_is_lost_and_found_where_it_comes_back() {
     let mut both = Both::lock(320, 240, &scene(Some((40, 40)), 100), Rect::new(40, 40, 40, 40));

@@ -104,6 +104,11 @@ impl Track {
         self.place = place;
     }
 
+    /// Nothing is seen of it: it stays, and is expected to go on half as fast.
+    pub(super) fn hold(&mut self) {
+        self.follow(self.place);
+    }
+
     /// The picture has moved, by units of 1/256 pixel; the target is expected in the frame. Its own velocity stays.
     pub(super) fn moved(&mut self, right: i32, down: i32) {
         let Place { x, y, scale } = self.place;

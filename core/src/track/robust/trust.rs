@@ -32,6 +32,9 @@ pub(super) const fn is_certain(agreement: u16) -> bool {
 }
 
 impl Evidence {
+    /// Of a look that cannot show the target.
+    pub(super) const NONE: Self = Self(0);
+
     /// By how well the early template agrees, in units of 1/65535, and by the filter's response.
     pub(super) fn of(agreement: u16, response: i32) -> Self {
         Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))

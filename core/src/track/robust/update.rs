@@ -104,8 +104,8 @@ pub(super) struct Progress {
     /// How steep the way is.
     descent: i64,
     pub(super) change: Option<Change>,
-    /// Nothing is learned.
-    pub(super) lost: bool,
+    /// Filter and early template learn from this frame.
+    pub(super) learns: bool,
 }
 
 /// What a look at a window says.
@@ -114,11 +114,13 @@ pub(super) struct Look {
     pub(super) place: Place,
     pub(super) peak: Peak,
     pub(super) agreement: u16,
+    /// What is seen there can show the target.
+    shows: bool,
 }
 
 impl Look {
     fn evidence(&self) -> Evidence {
-        Evidence::of(self.agreement, self.peak.response)
+        if self.shows { Evidence::of(self.agreement, self.peak.response) } else { Evidence::NONE }
     }
 }
 
@@ -126,7 +128,7 @@ impl Progress {
     #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
         let place = Place { x: 0, y: 0, scale: 0 };
-        let look = Look { place, peak: Peak { x: 0, y: 0, response: 0, height: 0 }, agreement: 0 };
+        let look = Look { place, peak: Peak { x: 0, y: 0, response: 0, height: 0 }, agreement: 0, shows: false };
         Self {
             stage: Stage::Done,
             next: None,
@@ -143,7 +145,7 @@ impl Progress {
             coded: 0,
             descent: 0,
             change: None,
-            lost: false,
+            learns: false,
         }
     }
 }
@@ -265,7 +267,7 @@ impl Target<'_> {
         let peak = responses.peak(self.config.parts.near);
         // 1/256 cell is 1/64 pixel of the grid.
         let at = centre.moved(grid, (peak.x, peak.y)).inside(self.track.bounds);
-        progress.looking = Look { place: at, peak, agreement: 0 };
+        progress.looking = Look { place: at, peak, agreement: 0, shows: false };
         progress.nearest = Nearest::new();
         at.view(grid).begin(self.track.bounds, strip.scratch(), view);
         Stage::View(place, 0)
@@ -309,8 +311,11 @@ impl Target<'_> {
         let Workspace { view, lit, table, progress, under_way, .. } = workspace;
         if let Some(compared) = self.compared(view, progress.was) {
             let at = progress.nearest.at;
-            compared.light(at, lit, table, self.config.table);
-            progress.looking.agreement = compared.agreement(at, lit, &Scorer::new(self.backend(), table));
+            let look = &mut progress.looking;
+            look.shows = compared.light(at, lit, table, self.config.table);
+            if look.shows {
+                look.agreement = compared.agreement(at, lit, &Scorer::new(self.backend(), table));
+            }
         }
         under_way.spend((LIT + COMPARED) * self.track.grid.pixels());
         if place == Where::Elsewhere { self.swept(workspace) } else { Stage::Refine }
@@ -386,19 +391,23 @@ impl Target<'_> {
 
     /// The scale is known.
     fn sized(&self, workspace: &mut Workspace) -> Stage {
-        let Progress { next, look, scale, growth, lost, .. } = &mut workspace.progress;
+        let Progress { next, look, scale, growth, learns, .. } = &mut workspace.progress;
         let Some(next) = next else { return Stage::Done };
         look.place.scale = match growth {
             Some(growth) if self.config.size => grown(look.place.scale, *growth),
             _ => *scale,
         };
-        next.follow(look.place);
-        *lost = next.trust.state(self.config) == State::Lost;
-        if *lost {
+        if look.shows || !self.config.parts.verification {
+            next.follow(look.place);
+        } else {
+            next.hold();
+        }
+        if next.trust.state(self.config) == State::Lost {
             return if self.config.sweep { self.look(workspace, Where::Elsewhere) } else { Stage::Done };
         }
         let Parts { caution, verification, .. } = self.config.parts;
         let teaches = look.evidence().teaches() || !caution || !verification;
+        *learns = teaches;
         if teaches { Stage::Errors } else { Stage::Done }
     }
 

@@ -18,6 +18,15 @@ pub fn threshold(numbers: &Numbers, seen: &Patch) -> f64 {
     (deviation / real(seen.columns * seen.rows)).floor().clamp(least, most)
 }
 
+/// Whether `seen` can show `target`: it has at least a part of its contrast, and not too many of its pixels are cut off at black or white.
+pub fn shows(numbers: &Numbers, target: &Patch, seen: &Patch) -> bool {
+    let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
+    let cut_off = seen.pixels.iter().filter(|&&pixel| pixel <= 0.0 || pixel >= 255.0).count();
+    #[allow(clippy::cast_precision_loss)] // a few thousand
+    let part = cut_off as f64 / seen.pixels.len() as f64;
+    is >= was * numbers.least_contrast && part <= numbers.most_cut_off
+}
+
 /// `template` in the light of `seen`: the gain is on a grid of 1/256, its product with a deviation is rounded down.
 pub fn in_light_of(numbers: &Numbers, template: &Patch, seen: &Patch) -> Patch {
     let (was, is) = (mean_and_deviation(template), mean_and_deviation(seen));

@@ -62,11 +62,13 @@ struct Look {
     response: f64,
     nearest: Nearest,
     agreement: f64,
+    /// What is seen there can show the target.
+    shows: bool,
 }
 
 impl Look {
     fn evidence(&self) -> f64 {
-        evidence(self.agreement, self.response)
+        if self.shows { evidence(self.agreement, self.response) } else { 0.0 }
     }
 }
 
@@ -182,7 +184,7 @@ impl Reference {
         let lost = belief(&self.numbers, self.trust) == Belief::Lost;
         let seen = look.evidence() >= self.numbers.learned_from;
         let learned = !lost && (seen || !parts.caution || !parts.verification);
-        if !lost {
+        if learned {
             towards(&mut self.early, &look.nearest.seen, self.numbers.early_rate);
         }
         // In cells, on a grid of 1/256.
@@ -194,6 +196,9 @@ impl Reference {
                 Some(growth) => self.within(look.place.scale + down(look.place.scale * growth, SCALE)),
                 None => self.size(&frame, &coded, &look),
             };
+        }
+        if parts.verification && !look.shows {
+            look.place = self.place;
         }
         let followed = |to: f64, from: f64, velocity: f64| {
             down(velocity + (to - from - velocity) * self.numbers.last_move, POSITION)
@@ -263,8 +268,10 @@ impl Reference {
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
         let nearest = exact::nearest(&self.numbers, &self.similarity, &view, &self.early());
-        let agreement = self.similarity.agreement(&self.numbers, &nearest.seen, &self.early());
-        Look { cells, responses, place, response, nearest, agreement }
+        let shows = light::shows(&self.numbers, &self.early(), &nearest.seen);
+        let agreement =
+            if shows { self.similarity.agreement(&self.numbers, &nearest.seen, &self.early()) } else { 0.0 };
+        Look { cells, responses, place, response, nearest, agreement, shows }
     }
 
     /// Moves a place to where the early template lies, if it agrees well; then says how much the target has grown, too.

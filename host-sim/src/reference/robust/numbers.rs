@@ -63,6 +63,10 @@ pub struct Numbers {
     pub scale: f64,
     pub most_gain: f64,
     pub alpha_bounds: (f64, f64),
+    /// What can show the target at all: its contrast over the early template's is at least this; the part of its pixels that are cut off
+    /// at black or white is not more than the most.
+    pub least_contrast: f64,
+    pub most_cut_off: f64,
     pub parts_across: i64,
     pub ratio_that_counts: usize,
     /// How far the template is compared beyond the filter's place and from one place to the next at first, in pixels of the grid; the
@@ -124,6 +128,8 @@ impl Numbers {
             scale: 255.0,
             most_gain: 2.0,
             alpha_bounds: (8.0, 100.0),
+            least_contrast: 0.25,
+            most_cut_off: 0.5,
             parts_across: 4,
             ratio_that_counts: 4,
             margin: 3,

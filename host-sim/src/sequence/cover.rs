@@ -1,0 +1,77 @@
+//! What a camera shows while something covers its lens, or while it delivers another scene's frame: nothing of the target.
+
+use super::GrayFrame;
+use super::synthetic::Random;
+
+/// What every frame shows while the target cannot be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cover {
+    /// All pixels are 0.
+    Black,
+    /// All pixels are 255.
+    White,
+    /// All pixels are 128.
+    Gray,
+    /// Every pixel of every frame is random by itself, 0 to 255.
+    Noise,
+    /// The same frame of another scene, again and again.
+    Frozen,
+}
+
+/// The seed of the noise; with the number of the frame.
+const SEED: u64 = 0xC0FE_0000;
+
+impl Cover {
+    /// All that there are.
+    pub const ALL: [Self; 5] = [Self::Black, Self::White, Self::Gray, Self::Noise, Self::Frozen];
+
+    /// As in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Black => "black",
+            Self::White => "white",
+            Self::Gray => "gray",
+            Self::Noise => "noise",
+            Self::Frozen => "frozen",
+        }
+    }
+
+    /// Frame `index` of the covered ones, counted from 0. `other` is a frame of another scene, of the size that all have.
+    #[must_use]
+    pub fn frame(self, index: usize, other: &GrayFrame) -> GrayFrame {
+        let mut made = other.clone();
+        match self {
+            Self::Black => made.pixels.fill(0),
+            Self::White => made.pixels.fill(255),
+            Self::Gray => made.pixels.fill(128),
+            Self::Noise => {
+                let mut random = Random(SEED + index as u64);
+                for pixels in made.pixels.chunks_mut(8) {
+                    pixels.copy_from_slice(&random.next().to_le_bytes()[..pixels.len()]);
+                }
+            }
+            Self::Frozen => {}
+        }
+        made
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_shows_what_it_is_called() {
+        let other = GrayFrame { width: 21, height: 3, pixels: (1..64).collect() };
+        let shown = |cover: Cover, index| cover.frame(index, &other);
+        for (cover, level) in [(Cover::Black, 0), (Cover::White, 255), (Cover::Gray, 128)] {
+            assert_eq!(shown(cover, 7).pixels, [level; 63], "{}", cover.name());
+        }
+        assert_eq!(shown(Cover::Frozen, 9), other);
+        assert_eq!(shown(Cover::Noise, 5), shown(Cover::Noise, 5), "always the same");
+        assert_ne!(shown(Cover::Noise, 5), shown(Cover::Noise, 6));
+        let levels: std::collections::BTreeSet<u8> = shown(Cover::Noise, 0).pixels.into_iter().collect();
+        assert!(levels.len() > 40, "{levels:?}");
+    }
+}

@@ -1,0 +1,118 @@
+//! Generated recordings of one target each that moves slowly on ordinary ground: dark, bright, textured, smooth and noisy, so that what
+//! is measured on them is measured on each kind of target. Integers only, own random numbers, fixed seeds.
+
+use super::synthetic::{Keys, PIXEL, Random, Texture, between};
+use super::{BoundingBox, GrayFrame, Sequence, Source};
+
+/// Frames in each.
+pub const LENGTH: usize = 120;
+const WIDTH: u16 = 160;
+const HEIGHT: u16 = 120;
+/// Width and height of the target, in pixels.
+const SIDE: i32 = 36;
+
+/// Left and top edge of the target, in pixels.
+const X: &Keys = &[(0, 28), (70, 84), (119, 60)];
+const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
+
+/// What a target looks like.
+struct Kind {
+    name: &'static str,
+    /// Pixels between the random levels of its texture, coarse and fine.
+    grain: (i32, i32),
+    /// Its darkest and its brightest level.
+    levels: (i32, i32),
+    /// How much of the sensor's noise there is; 1 is a standard deviation of 2.3 gray levels.
+    noise: i32,
+}
+
+const KINDS: [Kind; 5] = [
+    Kind { name: "dark", grain: (8, 4), levels: (5, 60), noise: 1 },
+    Kind { name: "bright", grain: (8, 4), levels: (195, 250), noise: 1 },
+    Kind { name: "textured", grain: (8, 4), levels: (10, 225), noise: 1 },
+    Kind { name: "smooth", grain: (32, 16), levels: (60, 200), noise: 1 },
+    Kind { name: "noisy", grain: (8, 4), levels: (10, 225), noise: 6 },
+];
+
+/// All of them.
+#[must_use]
+pub fn sequences() -> Vec<Sequence> {
+    KINDS.iter().zip(0..).map(|(kind, number)| kind.sequence(number)).collect()
+}
+
+/// Where the target is in frame `index`, in sixteenths of a pixel.
+fn place(index: usize) -> (i32, i32) {
+    let frame = i32::try_from(index).unwrap_or(i32::MAX);
+    (between(X, frame, PIXEL), between(Y, frame, PIXEL))
+}
+
+impl Kind {
+    fn sequence(&'static self, number: u64) -> Sequence {
+        // Each has ground of its own.
+        let target = Texture::new(0x7A00 + number, self.grain, self.levels);
+        let ground = Texture::new(0x6B00 + number, (16, 8), (40, 200));
+        let frames = (0..LENGTH).map(move |index| self.frame(index, number, &target, &ground));
+        let source = Source::made(frames, LENGTH, self.name);
+        let truth: Vec<_> = (0..LENGTH).map(|index| Some(truth(index))).collect();
+        Sequence {
+            name: self.name.to_owned(),
+            frames: source.frames,
+            length: source.length,
+            init: truth.first().copied().flatten(),
+            truth: Some(truth),
+            damage: source.damage,
+        }
+    }
+
+    fn frame(&self, index: usize, number: u64, target: &Texture, ground: &Texture) -> GrayFrame {
+        let mut noise = Random(0x5107_0000 + (number << 12) + index as u64);
+        let (left, top) = place(index);
+        let mut level = |x: i32, y: i32| {
+            // A pixel shows what is at its middle.
+            let (right, down) = (x * PIXEL + PIXEL / 2 - left, y * PIXEL + PIXEL / 2 - top);
+            let inside = (0..SIDE * PIXEL).contains(&right) && (0..SIDE * PIXEL).contains(&down);
+            let sampled = if inside { target.sample(right, down) } else { ground.sample(x * PIXEL, y * PIXEL) };
+            let level = (sampled >> 8) + self.noise * noise.noise();
+            u8::try_from(level.clamp(0, 255)).unwrap_or(u8::MAX)
+        };
+        let pixels = (0..i32::from(HEIGHT)).flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y)));
+        GrayFrame { width: WIDTH, height: HEIGHT, pixels: pixels.map(|(x, y)| level(x, y)).collect() }
+    }
+}
+
+fn truth(index: usize) -> BoundingBox {
+    let pixels = |sixteenths: i32| f64::from(sixteenths) / f64::from(PIXEL);
+    let ((x, y), side) = (place(index), f64::from(SIDE));
+    BoundingBox { x: pixels(x), y: pixels(y), width: side, height: side }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_move_slowly_and_stay_inside() {
+        for index in 1..LENGTH {
+            let ((x, y), (from_x, from_y)) = (place(index), place(index - 1));
+            assert!((x - from_x).abs() <= 2 * PIXEL && (y - from_y).abs() <= 2 * PIXEL, "frame {index}");
+            let inside = |at: i32, side: u16| 0 <= at && at + SIDE * PIXEL <= i32::from(side) * PIXEL;
+            assert!(inside(x, WIDTH) && inside(y, HEIGHT), "frame {index}");
+        }
+    }
+
+    #[test]
+    fn each_target_is_what_it_is_called() {
+        let means: Vec<u32> = sequences()
+            .into_iter()
+            .map(|sequence| {
+                let mut frames = sequence.frames;
+                let frame = frames.next().unwrap().unwrap();
+                let (left, top) = (28, 52);
+                let rows = frame.pixels.chunks(WIDTH.into()).skip(top).take(36);
+                rows.flat_map(|row| &row[left..left + 36]).map(|&pixel| u32::from(pixel)).sum::<u32>() / (36 * 36)
+            })
+            .collect();
+        assert!(means[0] < 60 && means[1] > 195, "{means:?}");
+        assert!(means[2..].iter().all(|mean| (80..180).contains(mean)), "{means:?}");
+    }
+}
