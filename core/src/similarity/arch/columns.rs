@@ -52,6 +52,11 @@ impl<const N: usize> Columns<N> {
         self.parts.clear();
     }
 
+    /// How many columns there are.
+    pub(crate) fn count(&self) -> usize {
+        self.from.len()
+    }
+
     /// A column `part` 256ths of the way from the number at `place` to the next one; none if there is no room.
     pub(crate) fn push(&mut self, place: u16, part: u8) {
         let _ = self.from.push(2 * (place % PLACES));

@@ -10,7 +10,7 @@ use super::update::{FIRST_STEPS, SIZE_REACH};
 use super::{MOST_CELLS, MOST_PIXELS};
 use crate::track::MostWork;
 
-/// A pixel of the grid of which features are made.
+/// A pixel of the grid that is sampled, and of which features are made.
 pub(super) const SEEN: u32 = 64;
 /// One of the view.
 pub(super) const VIEWED: u32 = 32;
@@ -58,10 +58,11 @@ impl Shape {
         (2 * self.reach + 1) * (2 * self.reach + 1)
     }
 
-    /// A window of cells that reaches so far beyond the filter. A row of cells more is gone through than there is.
+    /// A window of cells that reaches so far beyond the filter.
     const fn see(self, reach: u32) -> u32 {
-        let (columns, rows) = ((self.across + 2 * reach) * CELL as u32 + 2, self.down + 2 * reach);
-        (rows + 1) * LINES * columns * SEEN + read(columns, rows * CELL as u32 + 2)
+        let columns = (self.across + 2 * reach) * CELL as u32 + 2;
+        let rows = (self.down + 2 * reach) * CELL as u32 + 2;
+        columns * rows * SEEN + read(columns, rows)
     }
 
     const fn view(self) -> u32 {

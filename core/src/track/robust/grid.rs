@@ -191,12 +191,7 @@ impl Lattice {
             let (block, part) = across.place(column);
             scratch.columns.push(block.wrapping_sub(left), part);
         }
-        (scratch.made, scratch.read) = ([None; 2], 0);
-    }
-
-    /// The work of so many rows, so much for `each` pixel of the lattice; what is read of the frame is counted by `Scratch`.
-    pub(super) fn work(&self, rows: u16, each: u32) -> u32 {
-        each * u32::from(self.columns) * u32::from(rows)
+        (scratch.made, scratch.read, scratch.sampled) = ([None; 2], 0, 0);
     }
 
     /// Begins to sample into `out`; false, and nothing in `out`, if there is no room.
@@ -242,8 +237,9 @@ pub(super) struct Scratch {
     /// Two rows of block means, the ones that are being mixed, and which they are. Where nothing is halved, they are the frame's.
     means: [Vec<u8, ROW>; 2],
     made: [Option<u16>; 2],
-    /// Pixels of the frame that were read.
+    /// Pixels of the frame that were read, and of the lattice that were made of them.
     read: u32,
+    sampled: u32,
     /// Sums of blocks while a row of means is made; then a row that is mixed of two.
     mixed: Mixed,
 }
@@ -259,6 +255,7 @@ impl Scratch {
             means: [const { Vec::new() }; 2],
             made: [None; 2],
             read: 0,
+            sampled: 0,
             mixed: [0; Columns::<COLUMNS>::PLACES + 4],
         }
     }
@@ -271,9 +268,9 @@ impl Scratch {
         Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
     }
 
-    /// How many pixels of the frame were read since this was asked last, each once: part of the work.
-    pub(super) fn read(&mut self) -> u32 {
-        core::mem::take(&mut self.read)
+    /// The work since this was asked last: 1 for a pixel of the frame, and so much for `each` of the lattice.
+    pub(super) fn work(&mut self, each: u32) -> u32 {
+        core::mem::take(&mut self.read) + each * core::mem::take(&mut self.sampled)
     }
 }
 
@@ -293,10 +290,11 @@ impl Sampler<'_> {
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
         self.make(lower);
-        let Self { pixels, scratch: Scratch { columns, means, mixed, halvings, .. } } = self;
+        let Self { pixels, scratch: Scratch { columns, means, mixed, halvings, sampled, .. } } = self;
         mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), part, mixed);
         // After the last block comes none, and the part of that is 0.
         columns.mix(mixed, out);
+        *sampled += u32::try_from(columns.count()).unwrap_or(0);
     }
 
     /// Rows that follow each other are kept in turns.
@@ -473,7 +471,7 @@ mod tests {
         let frame = Frame::whole(Image::new(pixels, width, height).unwrap());
         let (mut scratch, mut sampled) = (Scratch::new(), Vec::<u8, 40_000>::new());
         assert!(lattice.sample(&frame, &mut scratch, &mut sampled));
-        let read = usize::try_from(scratch.read()).unwrap();
+        let read = usize::try_from(scratch.work(0)).unwrap();
         let (wanted, of) = plainly(lattice, pixels, width, height);
         assert!(sampled[..] == wanted[..], "{lattice:?} on {width}x{height}");
         assert_eq!(read, of, "{lattice:?} on {width}x{height}");

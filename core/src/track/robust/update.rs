@@ -239,7 +239,7 @@ impl Target<'_> {
         let lattice = self.window(place);
         let Workspace { strip, cells, under_way, .. } = workspace;
         let seen = strip.row(frame, &lattice, cells);
-        under_way.spend(lattice.work(CELL + 2, SEEN) + strip.scratch().read());
+        under_way.spend(strip.scratch().work(SEEN));
         if !seen {
             return Stage::See(place);
         }
@@ -277,7 +277,7 @@ impl Target<'_> {
         let Workspace { strip, view, progress, under_way, .. } = workspace;
         let lattice = progress.looking.place.view(&self.track.grid);
         lattice.sample_row(frame, strip.scratch(), row, view);
-        under_way.spend(lattice.work(1, VIEWED) + strip.scratch().read());
+        under_way.spend(strip.scratch().work(VIEWED));
         if row + 1 < lattice.rows {
             return Stage::View(place, row + 1);
         }
@@ -370,7 +370,7 @@ impl Target<'_> {
         let Workspace { strip, aside, progress, under_way, .. } = workspace;
         let Some((_, lattice)) = progress.aside(number, &self.track.grid) else { return Stage::Size(number) };
         let seen = strip.row(frame, &lattice, aside);
-        under_way.spend(lattice.work(CELL + 2, SEEN) + strip.scratch().read());
+        under_way.spend(strip.scratch().work(SEEN));
         if seen { Stage::Size(number) } else { Stage::SeeSize(number) }
     }
 
