@@ -957,7 +957,7 @@ smr_status smr_begin(struct smr_tracker *tracker,
  * @param work     Units of work to be done; 0 is taken for 1. For the paper's tracker a unit is a comparison of two bytes; a few
  *                 more are made, to come to a stop: at most the template's pixels or twice the pixels of a row of #smr_window,
  *                 whichever is more, and seven for each of #SMR_SPAN offsets. For the robust tracker it is about an instruction
- *                 of a Cortex-M4: an update takes at most 8.2 million, a lock 51.1 million, and a step at most 128,000 more than
+ *                 of a Cortex-M4: an update takes at most 6.5 million, a lock 50.5 million, and a step at most 128,000 more than
  *                 it was asked for.
  * @param done     Is set to 1 if nothing is left to do but #smr_finish or #smr_finish_lock, else to 0; left alone after an error.
  * @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
