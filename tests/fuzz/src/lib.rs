@@ -1,6 +1,7 @@
 //! What is fuzzed. A target takes any bytes, and panics if something is wrong.
 //!
 //! - `calls`: sequences of calls of a tracker, beside a plain one that must answer the same.
+//! - `huge`: targets and frames of any size.
 //! - `saved`: changed bytes of a saved target.
 //! - `flight`: changed entries of a flight record.
 //! - `readers`: the files, lines and words that host-sim reads.
@@ -10,6 +11,7 @@
 mod calls;
 mod extent;
 mod flight;
+mod huge;
 mod paper;
 mod readers;
 mod robust;
@@ -31,6 +33,7 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("robust", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::WIDE))),
     ("paper-short", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::SHORT))),
     ("robust-short", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::SHORT))),
+    ("robust-huge", |bytes| ran(huge::run(bytes))),
     ("saved-paper", |bytes| ran(saved::run::<paper::Small>(bytes))),
     ("saved-robust", |bytes| ran(saved::run::<smr_core::Robust>(bytes))),
     ("flight", |bytes| ran(flight::run(bytes))),

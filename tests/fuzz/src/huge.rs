@@ -1,0 +1,64 @@
+//! Targets and frames of any size, up to 65,535x65,535 pixels: no panic, no overflow, and no more work than is computed.
+//!
+//! A frame is nearly all black and lies in memory that is never touched, so it costs nothing. It needs 4 GiB of addresses.
+
+use arbitrary::{Result, Unstructured};
+use smr_core::{Frame, Image, Rect, Robust, Target, Tracker, robust::Config};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+/// The most pixels of a frame.
+const MOST: usize = u16::MAX as usize * u16::MAX as usize;
+
+/// All zeroes between two inputs.
+static MEMORY: LazyLock<Mutex<Vec<u8>>> = LazyLock::new(|| Mutex::new(vec![0; MOST]));
+
+pub(crate) fn run(bytes: &[u8]) -> Result<()> {
+    let u = &mut Unstructured::new(bytes);
+    let (width, height) = (side(u, u16::MAX)?, side(u, u16::MAX)?);
+    let pixels = usize::from(width) * usize::from(height);
+    let mut memory = MEMORY.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut dots = Vec::new();
+    for _ in 0..u.int_in_range(0..=32_u8)? {
+        dots.push((u.choose_index(pixels)?, u.arbitrary()?));
+    }
+    dots.iter().for_each(|&(at, pixel)| memory[at] = pixel);
+    let ran = follow(u, &Frame::whole(Image::new(&memory[..pixels], width, height).expect("as many as it says")));
+    dots.iter().for_each(|&(at, _)| memory[at] = 0);
+    ran
+}
+
+/// As often small as large.
+fn side(u: &mut Unstructured<'_>, most: u16) -> Result<u16> {
+    let places = u.int_in_range(0..=most.ilog2())?;
+    u.int_in_range(1..=most.min(u16::MAX >> (15 - places)))
+}
+
+fn follow(u: &mut Unstructured<'_>, frame: &Frame<'_>) -> Result<()> {
+    let mut config = Config::robust();
+    (config.reach, config.size, config.sweep) = (u.int_in_range(4..=8)?, u.arbitrary()?, u.arbitrary()?);
+    let (most, bounds) = (config.most_work(), frame.bounds());
+    let (width, height) = (side(u, bounds.width)?, side(u, bounds.height)?);
+    let (x, y) = (u.int_in_range(0..=bounds.width - width)?, u.int_in_range(0..=bounds.height - height)?);
+    let mut tracker = Box::new(Tracker::<Robust>::new(config).expect("one that a tracker takes"));
+    tracker.lock(frame, Rect::new(x.into(), y.into(), width, height)).expect("a box in the frame");
+    assert!(u64::from(tracker.work()) <= most.lock, "{} of {most:?}", tracker.work());
+    for _ in 0..u.int_in_range(1..=4_u8)? {
+        tracker.moved(u.arbitrary()?, u.arbitrary()?);
+        let mut update = tracker.begin(frame).expect("all of it is in memory");
+        let mut before = 0;
+        loop {
+            assert!(update.work() - before <= most.beyond_a_step, "{} of {most:?}", update.work() - before);
+            before = update.work();
+            if update.step(1) {
+                break;
+            }
+        }
+        let answer = update.finish();
+        assert!(u64::from(tracker.work()) <= most.update, "{} of {most:?}", tracker.work());
+        assert_eq!(answer.fine.whole(), answer.bbox);
+        let [window, sweep] = [tracker.window(), tracker.sweep_window()];
+        assert!(window.into_iter().chain(sweep).all(|window| bounds.contains(window)), "{window:?} {sweep:?}");
+    }
+    assert!(tracker.saved_size().expect("it is locked") <= Robust::SAVED_SIZE);
+    Ok(())
+}
