@@ -50,6 +50,6 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
 impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN> {
     #[inline(always)] // made where it stays
     fn default() -> Self {
-        const { Self::new() }
+        Self::new()
     }
 }

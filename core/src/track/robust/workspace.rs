@@ -78,6 +78,6 @@ impl Workspace {
 impl Default for Workspace {
     #[inline(always)] // made where it stays
     fn default() -> Self {
-        const { Self::new() }
+        Self::new()
     }
 }
