@@ -128,7 +128,7 @@ fn replay<T: Replayed>(
     let mut buffer = T::buffer();
     let buffer = buffer.as_mut();
     // Both stay where they are made: what is moved is on the stack twice.
-    let (mut made, mut workspace) = (T::new(T::numbers()), T::workspace());
+    let (mut made, mut workspace) = (T::new(T::numbers()), T::Workspace::default());
     let Ok(target) = &mut made else { return Err(Refusal::NoLock) };
     let ticks = timer.measure(|| spin(CALIBRATION)).1;
     #[allow(clippy::cast_possible_truncation)] // usize is u32 here

@@ -1,6 +1,5 @@
 //! A target with a workspace of its own: the usual way to follow one target.
 
-use super::update::SEAL;
 use super::{
     Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Target, Update, UpdateError,
 };
@@ -163,7 +162,7 @@ impl<T: Target> Tracker<T> {
 
     /// The work of the last update or lock, in the units of [`Update::step`]; how it was cut may change it by a little.
     pub fn work(&self) -> u32 {
-        T::work(&self.workspace, SEAL)
+        T::work(&self.workspace)
     }
 
     /// As [`Target::begin`].

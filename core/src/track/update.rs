@@ -86,7 +86,7 @@ impl UnderWay {
     }
 }
 
-/// What a tracker does in an update or a lock. It is sealed: nobody outside of the crate can call it.
+/// What a tracker does in an update or a lock. What changes something is sealed: nobody outside of the crate can call it.
 pub trait Steps: Sized {
     /// Scratch memory for an update.
     type Workspace: Default;
@@ -97,8 +97,8 @@ pub trait Steps: Sized {
     /// The workspace's side of it.
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
 
-    /// The work of what is under way, or was last.
-    fn work(workspace: &Self::Workspace, _: &Seal) -> u32;
+    /// The work of what is under way in this workspace, or was last: see [`Tracker::work`](super::Tracker::work).
+    fn work(workspace: &Self::Workspace) -> u32;
 
     /// Whether an update by `frame` can be made.
     ///
@@ -254,7 +254,7 @@ impl<'a, T: Steps> Update<'a, T> {
     /// `u32::MAX`, which [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
     #[must_use]
     pub fn work(&self) -> u32 {
-        T::work(self.0.workspace, SEAL)
+        T::work(self.0.workspace)
     }
 
     /// Does what is left, and gives the answer.
@@ -300,7 +300,7 @@ impl<'a, T: Steps> Lock<'a, T> {
     /// How much work has been done since the lock was begun, in the units of [`Update::step`].
     #[must_use]
     pub fn work(&self) -> u32 {
-        T::work(self.0.workspace, SEAL)
+        T::work(self.0.workspace)
     }
 
     /// Does what is left. From now on there is a target; how well it can be told from what lies beside it is returned.

@@ -212,7 +212,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         &mut workspace.under_way
     }
 
-    fn work(workspace: &Self::Workspace, _: &Seal) -> u32 {
+    fn work(workspace: &Self::Workspace) -> u32 {
         workspace.under_way.done()
     }
 

@@ -226,7 +226,7 @@ impl Steps for Robust {
         &mut workspace.under_way
     }
 
-    fn work(workspace: &Workspace, _: &Seal) -> u32 {
+    fn work(workspace: &Workspace) -> u32 {
         workspace.under_way.done()
     }
 
