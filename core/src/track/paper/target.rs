@@ -278,6 +278,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         self.decide(frame, track, workspace.found().unwrap_or(NOTHING))
     }
 
+    #[inline(never)] // its stack is not that of a step
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { locking, table, under_way, .. } = workspace;
         if let Some(patch) = frame.patch(locking.target) {

@@ -257,6 +257,7 @@ impl Steps for Robust {
         }
     }
 
+    #[inline(never)] // its stack is not that of a step
     fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, target: Rect, _: &Seal) {
         let track = Track::new(bounds, target);
         self.track = None;
@@ -267,11 +268,12 @@ impl Steps for Robust {
     }
 
     fn advance(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
-        let mut done = self.go_on(workspace, frame);
-        while done && self.learns_again(workspace) {
-            done = self.go_on(workspace, frame);
+        while self.go_on(workspace, frame) {
+            if !self.learns_again(workspace) {
+                return true;
+            }
         }
-        done
+        false
     }
 
     fn conclude(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
@@ -307,6 +309,7 @@ impl Steps for Robust {
         }
     }
 
+    #[inline(never)] // its stack is not that of a step
     fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
         let Some(mut track) = workspace.progress.next else { return Quality::NONE };
         workspace.table.set(self.config.table, FIRST_THRESHOLD);
@@ -328,6 +331,7 @@ impl Robust {
     }
 
     /// A step of learning of a lock is done: changes the weights. True if there is another one to come.
+    #[inline(never)] // its stack is not that of a step
     fn learns_again(&mut self, workspace: &mut Workspace) -> bool {
         if workspace.progress.lessons == 0 {
             return false;
