@@ -61,7 +61,7 @@ fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u1
     let (width, height) = (patch.width() - right, patch.height() - down);
     let part = |x: u16, y: u16| patch.crop(Rect::new(x.into(), y.into(), width, height));
     let score = match (part(0, 0), part(right, down)) {
-        (Some(here), Some(moved)) => scorer.score(here, moved),
+        (Some(here), Some(moved)) => scorer.score_at_least(here, moved, 0),
         _ => None,
     };
     let pixels = u32::from(width) * u32::from(height);
