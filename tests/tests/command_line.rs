@@ -188,6 +188,26 @@ fn eval_from_many_starts_says_what_it_cannot_do() {
     host_sim(&["eval", "synthetic", "--robustness", "--init", "500,0,9,9"]).refuses(&["synthetic", "inside the frame"]);
 }
 
+/// On the five recordings that are generated.
+#[test]
+fn eval_of_a_covered_lens_reports_as_json() {
+    let said = host_sim(&["eval", "--covered", "--method", "robust", "--json"]);
+    assert_eq!(said.code, Some(0));
+    let report = said.json();
+    let covers = report["covers"].as_array().unwrap();
+    let names: Vec<_> = covers.iter().map(|row| &row["cover"]).collect();
+    assert_eq!(names, ["black", "white", "gray", "noise", "frozen"]);
+    let black = &covers[0];
+    assert_eq!((&black["tracker"], &black["recordings"]), (&Value::from("robust"), &Value::from(5)));
+    assert_eq!((&black["tracking_most"], &black["lost_in_time"]), (&Value::from(0), &Value::from(5)));
+    let runs = report["recordings"].as_array().unwrap();
+    assert_eq!(runs.len(), 5 * 5);
+    for run in runs.iter().filter(|run| run["cover"] == "black") {
+        assert_eq!(run["tracking"], 0, "{run}");
+        assert!(run["lost_at"].as_u64() <= Some(30) && run["right_before"] == true, "{run}");
+    }
+}
+
 /// Every method by its name, wherever a tracker runs.
 const METHODS: [&str; 6] = ["smr", "robust", "sad", "ssd", "ncc", "lk"];
 

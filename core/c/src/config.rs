@@ -63,8 +63,10 @@ pub struct smr_gate {
     /// The other way to be believed, in every state: the peak is more than this many fully similar pixels above the
     /// runner-up.
     pub lead: u16,
-    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. 0 demands
-    /// nothing, which is the paper's.
+    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. Where it is not 0, a box inside
+    /// the frame must also show a quarter of the template's contrast (mean absolute deviation), and no more pixels cut off at 0 or 255 than
+    /// the template has and half of all: what a covered lens shows is no target. 0 demands nothing, neither of the ratio nor of the contrast,
+    /// which is the paper's.
     pub least_ratio: u16,
 }
 

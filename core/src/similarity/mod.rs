@@ -5,6 +5,7 @@
 //! padding.
 
 mod arch;
+mod contrast;
 mod products;
 mod scalar;
 mod table;
@@ -17,6 +18,7 @@ pub use arch::{Backend, Scorer};
 pub(crate) use arch::{Columns, LESS, Mixed, Move, Numbers, Products, lessen_by, rolled};
 #[cfg(smr_dsp)]
 pub(crate) use arch::{Directions, sectors};
+pub(crate) use contrast::Contrast;
 pub(crate) use products::{Layout, ROOM, Room};
 pub use table::{CutTable, Table, TableError};
 

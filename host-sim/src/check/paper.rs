@@ -153,3 +153,39 @@ fn state(belief: Belief) -> State {
         Belief::Lost => State::Lost,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Check, Report};
+    use super::*;
+    use smr_core::paper::Config;
+
+    /// A still frame of two levels, then another one, of `Config::camera()` and of a reference with these numbers.
+    fn report(numbers: Numbers, first: [u8; 2], second: [u8; 2]) -> Report<Counts> {
+        let frame = |levels: [u8; 2]| {
+            let pixels = (0..30 * 30).map(|at| levels[(at % 30 + at / 30) % 2]).collect();
+            GrayFrame { width: 30, height: 30, pixels }
+        };
+        let target = Rect::new(11, 11, 8, 8);
+        let mut check = Check::<Paper>::lock("two levels", (Config::camera(), numbers), 5000, &frame(first), target)
+            .expect("a box in the frame");
+        check.update(&frame(second)).expect("a frame of the same size");
+        check.into_report()
+    }
+
+    /// What is similar enough, but has less contrast than the target, and what has more pixels that are cut off.
+    #[test]
+    fn other_numbers_of_the_contrast_are_noticed() {
+        let others: [(fn(&mut Numbers), [u8; 2], [u8; 2]); 2] = [
+            (|numbers| numbers.gate.least_contrast = 0.0, [120, 140], [130, 130]),
+            (|numbers| numbers.gate.most_cut_off = 1.0, [5, 250], [0, 255]),
+        ];
+        for (change, first, second) in others {
+            let mut numbers = Numbers::camera();
+            assert_eq!(report(numbers.clone(), first, second).violation, None);
+            change(&mut numbers);
+            let violation = report(numbers, first, second).violation.expect("core says lost");
+            assert!(violation.what.contains("state"), "{violation:?}");
+        }
+    }
+}

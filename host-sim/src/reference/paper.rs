@@ -55,8 +55,12 @@ pub struct GateNumbers {
     pub lost: (f64, f64),
     /// In pixels' worth of 1.0.
     pub lead: f64,
-    /// The least score of a pixel on average, in units of 1/65535.
+    /// The least score of a pixel on average, in units of 1/65535. Where it is 0 nothing is asked of the contrast.
     pub least_ratio: f64,
+    /// The least contrast of what is seen, as a part of the template's, and the largest part of it that may be cut off at black or white
+    /// beyond those pixels that are so in the template.
+    pub least_contrast: f64,
+    pub most_cut_off: f64,
 }
 
 impl Numbers {
@@ -80,6 +84,8 @@ impl Numbers {
                 lost: (125.0, 100.0),
                 lead: 100.0,
                 least_ratio: 0.0,
+                least_contrast: 0.25,
+                most_cut_off: 0.5,
             },
             runner_up_always: false,
         }
@@ -185,6 +191,21 @@ impl Picture {
         let pixels = (y..y + height).flat_map(|row| self.row(x, row, width).iter().copied()).collect();
         Self { width, height, pixels }
     }
+
+    fn area(&self) -> f64 {
+        (self.width * self.height) as f64
+    }
+
+    /// The sum of all absolute deviations from the mean, which is rounded to a gray level.
+    fn deviation(&self) -> f64 {
+        let mean = (self.pixels.iter().sum::<f64>() / self.area()).round();
+        self.pixels.iter().map(|pixel| (pixel - mean).abs()).sum()
+    }
+
+    /// How many pixels are black or white.
+    fn cut_off(&self) -> f64 {
+        self.pixels.iter().map(|&pixel| if pixel <= 0.0 || pixel >= 255.0 { 1.0 } else { 0.0 }).sum()
+    }
 }
 
 /// The tracker in f64.
@@ -234,7 +255,7 @@ impl Reference {
         if !was_lost && over_border {
             self.been_at_border = true;
         }
-        if self.is_believed(peak.1, runner_up, needed) {
+        if self.is_believed(peak.1, runner_up, needed) && (over_border || self.is_shown(&frame, peak.0)) {
             self.position = peak.0;
             self.lost_for = 0;
             if was_lost {
@@ -326,8 +347,17 @@ impl Reference {
     fn is_believed(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
-        let area = (self.template.width * self.template.height) as f64;
-        stands_out && (peak / area).floor() >= gate.least_ratio
+        stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
+    }
+
+    /// Where there is a least ratio: whether the patch at a place inside the frame can show the template. It has a part of its contrast, and
+    /// not many more of its pixels are cut off than of the template's.
+    fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
+        let gate = &self.numbers.gate;
+        let seen = frame.cut(x, y, self.template.width, self.template.height);
+        let has_contrast = seen.deviation() >= self.template.deviation() * gate.least_contrast;
+        let more_cut_off = seen.cut_off() - self.template.cut_off();
+        gate.least_ratio == 0.0 || has_contrast && more_cut_off <= seen.area() * gate.most_cut_off
     }
 
     /// How many times as large as the runner-up the peak must be.

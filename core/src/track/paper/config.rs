@@ -106,8 +106,10 @@ pub struct Gate {
     /// The other way to be believed, in every state: the peak is more than this many fully similar pixels above the
     /// runner-up.
     pub lead: u16,
-    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. 0 demands
-    /// nothing, which is the paper's.
+    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. Where it is not 0, a box inside
+    /// the frame must also show a quarter of the template's contrast (mean absolute deviation), and no more pixels cut off at 0 or 255 than
+    /// the template has and half of all: what a covered lens shows is no target. 0 demands nothing, neither of the ratio nor of the contrast,
+    /// which is the paper's.
     pub least_ratio: u16,
 }
 
@@ -214,7 +216,8 @@ impl Config {
     ///   `SPAN` of 161 holds it.
     /// - The template is updated up to the edge of the picture, and a peak inside the picture need not exceed the runner-up.
     /// - alpha is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed: after a
-    ///   still scene a slight change of light would otherwise move the box to anywhere.
+    ///   still scene a slight change of light would otherwise move the box to anywhere. Nor is one that shows no contrast, as under a covered
+    ///   lens: see [`Gate::least_ratio`].
     #[must_use]
     pub const fn camera() -> Self {
         let paper = Self::paper();

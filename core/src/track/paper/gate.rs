@@ -54,12 +54,13 @@ impl Track {
         Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
     }
 
-    /// What is known after a frame in which `found` was found.
-    pub(super) fn after(self, found: &Found, config: &Config) -> Self {
+    /// What is known after a frame in which `found` was found. `shows` says whether what is seen in a box can show the target at all; it is
+    /// asked only where a least ratio is.
+    pub(super) fn after(self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
         let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
         let edge = self.edge || (!was_lost && state == State::Leaving);
-        if self.believes(found, state, config) {
+        if self.believes(found, state, config) && (config.gate.least_ratio == 0 || shows(target)) {
             Self { target, state, edge: edge && !was_lost, lost_for: 0, ..self }
         } else {
             Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..self }

@@ -103,7 +103,9 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
-        let track = track.after(&found, &self.config);
+        // A box partly outside the frame is not asked: part of what is compared there is padding.
+        let shows = |target| frame.patch(target).is_none_or(|patch| self.template.is_shown_by(patch));
+        let track = track.after(&found, &self.config, shows);
         if track.state != State::Lost
             && self.config.update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)

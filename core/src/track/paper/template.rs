@@ -2,7 +2,7 @@
 
 use super::config::Config;
 use crate::image::{Image, Rect};
-use crate::similarity::Table;
+use crate::similarity::{Contrast, Table};
 use heapless::Vec;
 
 /// Up to `PIXELS` gray pixels, their shape, and the threshold that they are compared with.
@@ -58,6 +58,12 @@ impl<const PIXELS: usize> Template<PIXELS> {
         if largest > 0 {
             self.threshold = threshold(largest, config).max(config.least_threshold.into());
         }
+    }
+
+    /// Whether `patch`, of the same size, can show it at all: it has a part of its contrast, and not many more pixels that are cut off.
+    pub(crate) fn is_shown_by(&self, patch: Image<'_>) -> bool {
+        let (was, is) = (self.image().map_or(Contrast::NONE, Contrast::of), Contrast::of(patch));
+        is.has_contrast_of(was) && !is.is_cut_off_beside(was)
     }
 
     /// The pixels; `None` before the first `start`.

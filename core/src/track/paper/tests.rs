@@ -263,6 +263,84 @@ fn a_lost_target_is_found_again_by_a_growing_window() {
     assert_eq!(tracker.target().offsets().unwrap().xs(), 23..=43, "the window has shrunk again");
 }
 
+/// 12x12 pixels at (20, 20): the level that `level` gives for a pixel's number, and one level around them.
+fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
+    let pixel = |at: usize| match ((at % 64).wrapping_sub(20), (at / 64).wrapping_sub(20)) {
+        (column, row) if column < 12 && row < 12 => level(row * 12 + column),
+        _ => around,
+    };
+    Picture { width: 64, height: 48, pixels: (0..64 * 48).map(pixel).collect() }
+}
+
+/// What is said of the second picture by who is locked on the first, and where alpha lets every pixel count.
+fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
+    let window = Radius { x: 0, y: 0 };
+    let mut config = Config { first_threshold: 255, window, ..small_config() };
+    config.gate.least_ratio = least_ratio;
+    let mut tracker = Small::new(config).unwrap();
+    tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    tracker.update(&second.frame()).unwrap().state
+}
+
+#[test]
+fn a_patch_without_contrast_is_not_believed() {
+    let contrast = |by: u8| plain_but(100, move |at| if at % 2 == 0 { 100 - by } else { 100 + by });
+    let target = contrast(40);
+    assert_eq!(seen_after(&target, &contrast(10), 1), State::Tracking, "a quarter is enough");
+    assert_eq!(seen_after(&target, &contrast(9), 1), State::Lost);
+    assert_eq!(seen_after(&target, &plain_but(128, |_| 128), 1), State::Lost);
+    assert_eq!(seen_after(&target, &contrast(9), 0), State::Tracking, "where there is no least ratio nothing is asked");
+    assert_eq!(seen_after(&contrast(0), &contrast(0), 1), State::Tracking, "a plain target has no contrast to miss");
+}
+
+#[test]
+fn a_patch_that_is_mostly_cut_off_is_not_believed() {
+    let target = plain_but(100, |at| if at % 2 == 0 { 60 } else { 140 });
+    let cut_off = |pixels: usize| plain_but(100, move |at| if at < pixels { 255 * (at % 2) as u8 } else { 100 });
+    assert_eq!(seen_after(&target, &cut_off(72), 1), State::Tracking, "half of 144");
+    assert_eq!(seen_after(&target, &cut_off(73), 1), State::Lost);
+    assert_eq!(seen_after(&target, &cut_off(73), 0), State::Tracking);
+    assert_eq!(seen_after(&cut_off(73), &cut_off(73), 1), State::Tracking, "a target may be so itself");
+    let black = plain_but(0, |_| 0);
+    assert_eq!(seen_after(&black, &black, 1), State::Tracking);
+}
+
+#[test]
+fn a_covered_lens_leaves_box_template_and_alpha() {
+    let first = plain_but(100, |at| if at % 2 == 0 { 60 } else { 140 });
+    let gray = plain_but(128, |_| 128);
+    let mut tracker = Small::new(Config { first_threshold: 255, ..small_config() }).unwrap();
+    tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    let state = |tracker: &Small| {
+        let target = tracker.target();
+        (target.template().unwrap().rows().flatten().copied().collect::<Vec<_>>(), target.alpha())
+    };
+    let before = state(&tracker);
+    for frames in 1..=3 {
+        let answer = tracker.update(&gray.frame()).unwrap();
+        assert_eq!((answer.state, answer.bbox, answer.confidence), (State::Lost, Rect::new(20, 20, 12, 12), 0));
+        assert!(answer.ratio > 0, "it was similar");
+        assert_eq!(state(&tracker), before);
+        assert_eq!(tracker.target().offsets().unwrap().xs(), 10 - frames..=30 + frames);
+    }
+}
+
+/// There is padding in it, which has no contrast.
+#[test]
+fn a_box_partly_outside_the_frame_may_have_no_contrast() {
+    let mut config = Config { first_threshold: 255, ..small_config() };
+    config.gate.leaving = Fraction::new(0, 1);
+    let mut tracker = Small::new(config).unwrap();
+    let board = Picture {
+        pixels: (0..64 * 48).map(|at| if at % 64 < 8 && at % 2 == 0 { 90 } else { 10 }).collect(),
+        ..Picture::noise(64, 48, 1)
+    };
+    tracker.lock(&board.frame(), Rect::new(0, 20, 12, 12)).unwrap();
+    // Of white nothing is similar; of the padding black is, to most of the target.
+    let white = plain_but(255, |_| 255);
+    assert_eq!(tracker.update(&white.frame()).unwrap().state, State::Leaving);
+}
+
 #[test]
 fn the_window_grows_to_its_limit_and_never_overflows() {
     let mut tracker = locked_at(20, 20);

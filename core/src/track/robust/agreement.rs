@@ -7,9 +7,9 @@
 use super::MOST_PIXELS;
 use super::early::Early;
 use super::exact::MARGIN;
-use super::light::{self, Contrast};
+use super::light;
 use crate::image::{Image, Rect};
-use crate::similarity::{CutTable, Scorer, Table};
+use crate::similarity::{Contrast, CutTable, Scorer, Table};
 use heapless::Vec;
 
 /// Parts along a side.
@@ -48,8 +48,8 @@ impl Compared<'_> {
         let Some(seen) = self.seen(at) else { return false };
         self.early.copy_to(lit);
         let is = light::of(lit, self.was, seen);
-        table.set(similarity, is.threshold());
-        is.shows(self.was)
+        table.set(similarity, light::threshold(is));
+        is.has_contrast_of(self.was) && !is.is_cut_off_beside(Contrast::NONE)
     }
 
     /// The score of a place, in the light that `lit` is in.

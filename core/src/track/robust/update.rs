@@ -11,13 +11,12 @@ use super::exact::{Exact, MARGIN, Nearest, PLACES};
 use super::features::{CELL, CHANNELS};
 use super::filter::{Change, Filter, Sample, layout};
 use super::grid::{Grid, Lattice, SCALE};
-use super::light::Contrast;
 use super::responses::{self, Peak};
 use super::track::{Place, Track};
 use super::trust::{Evidence, Trust};
 use super::workspace::Workspace;
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{Backend, Layout, Products, Scorer};
+use crate::similarity::{Backend, Contrast, Layout, Products, Scorer};
 use crate::track::State;
 
 /// The scales beside the last one: 1.02 times and 1 / 1.02 times.

@@ -1,0 +1,95 @@
+//! Contrast: whether a patch can show a target at all, however similar it is. What a covered lens shows cannot.
+
+use super::rolled;
+use crate::image::Image;
+
+/// Mean and mean absolute deviation from it; the mean is rounded to a gray level, the sum of deviations is exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Contrast {
+    pub(crate) pixels: u32,
+    pub(crate) mean: u32,
+    /// The sum over all pixels.
+    pub(crate) deviation: u32,
+    /// Pixels that are cut off at black or at white.
+    cut_off: u32,
+}
+
+impl Contrast {
+    /// Of nothing.
+    pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, cut_off: 0 };
+
+    /// Of at most [`Table::MAX_PIXELS`](super::Table::MAX_PIXELS) pixels: their sums, and 256 times these, are less than 2^32.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn of(pixels: Image<'_>) -> Self {
+        let sum_of = |pixels: &[u8], count: fn(u8, u32) -> u32, mean| {
+            rolled(pixels.iter()).map(|&pixel| count(pixel, mean)).sum::<u32>()
+        };
+        let rows = || (0..pixels.height()).map(|y| pixels.row(y));
+        let count = u32::from(pixels.width()) * u32::from(pixels.height());
+        let sum = rows().map(|row| sum_of(row, |pixel, _| pixel.into(), 0)).sum::<u32>();
+        let mean = (sum + count / 2) / count.max(1);
+        let (mut deviation, mut cut_off) = (0, 0);
+        for part in rows().flat_map(|row| row.chunks(PART)) {
+            // Both in one pass: the upper half of a sum counts what is cut off, the lower one holds the deviations.
+            let sums = sum_of(
+                part,
+                |pixel, mean| u32::from(pixel).abs_diff(mean) + (u32::from(matches!(pixel, 0 | u8::MAX)) << 16),
+                mean,
+            );
+            deviation += sums & 0xffff;
+            cut_off += sums >> 16;
+        }
+        Self { pixels: count, mean, deviation, cut_off }
+    }
+
+    /// Whether a patch like this one has at least a quarter of the contrast of `target`, which has as many pixels.
+    pub(crate) const fn has_contrast_of(&self, target: Self) -> bool {
+        SHOWN * self.deviation >= target.deviation
+    }
+
+    /// Whether more pixels are cut off than in `target`, which has as many pixels, by more than half of all.
+    pub(crate) const fn is_cut_off_beside(&self, target: Self) -> bool {
+        2 * self.cut_off > self.pixels + 2 * target.cut_off
+    }
+}
+
+/// Pixels of a row that are summed at once: 257 * 255 is the most that 16 bits hold.
+const PART: usize = 257;
+/// So many times the contrast of what is seen must be at least that of the target.
+const SHOWN: u32 = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::similarity::Table;
+    use std::vec::Vec;
+
+    #[test]
+    fn little_contrast_and_pixels_that_are_cut_off_are_noticed() {
+        let contrast = |pixels: &[u8]| Contrast::of(Image::new(pixels, 4, 1).unwrap());
+        let target = contrast(&[60, 140, 60, 140]);
+        let has_contrast = |pixels: &[u8; 4]| contrast(pixels).has_contrast_of(target);
+        assert!(has_contrast(&[90, 110, 90, 110]) && !has_contrast(&[90, 109, 90, 110]), "a quarter of 40 is 10");
+        assert!(contrast(&[7; 4]).has_contrast_of(contrast(&[90; 4])), "a plain target has no contrast to miss");
+        let is_cut_off = |pixels: &[u8; 4], target| contrast(pixels).is_cut_off_beside(target);
+        assert!(!is_cut_off(&[0, 200, 50, 255], target), "two of four may be");
+        assert!(is_cut_off(&[0, 255, 50, 255], target), "three may not");
+        assert!(!is_cut_off(&[0, 255, 50, 255], contrast(&[0, 200, 50, 90])), "where one is in the target, three may");
+    }
+
+    #[test]
+    fn the_largest_sums() {
+        let of = |pixels: &[u8], width, height| Contrast::of(Image::new(pixels, width, height).unwrap());
+        let board: Vec<u8> = (0..Table::MAX_PIXELS).map(|at| if at % 2 == 0 { 0 } else { 255 }).collect();
+        let contrast = of(&board, 65535, 1);
+        assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (127, 32768 * 127 + 32767 * 128, 65535));
+        let contrast = of(&board[..65536], 256, 256);
+        assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (128, 32768 * 255, 65536));
+        // In the first part each pixel differs by as much as it can, or nearly.
+        let mut rows = [255; 257 * 255];
+        rows[..257].fill(0);
+        let contrast = of(&rows, 257, 255);
+        assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (254, 257 * 254 + 257 * 254, 257 * 255));
+        assert!(u32::try_from(Table::MAX_PIXELS).is_ok_and(|most| most.checked_mul(256 * 255).is_some()));
+    }
+}
