@@ -272,7 +272,8 @@ fn an_update_does_not_outlive_the_target_that_began_it<T: Target>(config: T::Con
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
     let other = saved(locked::<T>(config).target());
-    let changes: [fn(&mut Tracker<T>, &[u8], T::Config); 5] = [
+    type Change<T> = fn(&mut Tracker<T>, &[u8], <T as Target>::Config);
+    let changes: [Change<T>; 5] = [
         |tracker, other, _| tracker.restore(other).unwrap(),
         |tracker, _, _| tracker.moved(0, 0),
         |tracker, other, config| {

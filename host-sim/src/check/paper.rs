@@ -176,7 +176,8 @@ mod tests {
     /// What is similar enough, but has less contrast than the target, and what has more pixels that are cut off.
     #[test]
     fn other_numbers_of_the_contrast_are_noticed() {
-        let others: [(fn(&mut Numbers), [u8; 2], [u8; 2]); 2] = [
+        type Other = (fn(&mut Numbers), [u8; 2], [u8; 2]);
+        let others: [Other; 2] = [
             (|numbers| numbers.gate.least_contrast = 0.0, [120, 140], [130, 130]),
             (|numbers| numbers.gate.most_cut_off = 1.0, [5, 250], [0, 255]),
         ];

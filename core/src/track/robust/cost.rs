@@ -1,6 +1,7 @@
 //! What each part of an update costs in units of work, and the most that an update, a lock and a step can cost.
 //!
 //! A unit is about an instruction of a Cortex-M4. A product of a weight and a byte counts 1; so does a pixel of the frame that is read.
+#![allow(clippy::cast_possible_truncation)] // of numbers of a few thousand, in functions that are `const`
 
 use super::config::Config;
 use super::exact::{MARGIN, PLACES};
