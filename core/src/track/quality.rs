@@ -1,7 +1,7 @@
 //! How well a target can be told from what lies beside it, as measured when it is locked.
 
 use crate::image::{Image, Rect};
-use crate::similarity::{Scorer, Table};
+use crate::similarity::{Backend, CutTable, Scorer, Table};
 
 /// How well a target can be told from what lies beside it: what [`Target::lock`](crate::Target::lock) says.
 ///
@@ -46,9 +46,10 @@ impl Quality {
         self.0 < Self::POOR_BELOW
     }
 
-    /// Of a patch of at most [`Table::MAX_PIXELS`] pixels.
+    /// Of a patch of at most [`Table::MAX_PIXELS`] pixels, by the plain loop: once a lock it need not be fast.
     #[inline(never)] // its stack is not that of a step
-    pub(super) fn of(patch: Image<'_>, scorer: &Scorer<'_>) -> Self {
+    pub(super) fn of(patch: Image<'_>, table: &CutTable) -> Self {
+        let scorer = &Scorer::new(Backend::Scalar, table);
         let quarter = |side: u16| side.div_ceil(4);
         let across = ratio(patch, (quarter(patch.width()), 0), scorer);
         let down = ratio(patch, (0, quarter(patch.height())), scorer);
@@ -71,13 +72,12 @@ fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u1
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::{Backend, CutTable};
 
     fn quality(pixel: impl Fn(usize, usize) -> u8, (width, height): (u16, u16)) -> u16 {
         let places = (0..usize::from(height)).flat_map(|y| (0..usize::from(width)).map(move |x| (x, y)));
         let pixels: std::vec::Vec<u8> = places.map(|(x, y)| pixel(x, y)).collect();
         let table = CutTable::new(&Table::PAPER, 13);
-        Quality::of(Image::new(&pixels, width, height).unwrap(), &Scorer::new(Backend::Scalar, &table)).value()
+        Quality::of(Image::new(&pixels, width, height).unwrap(), &table).value()
     }
 
     #[test]

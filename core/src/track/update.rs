@@ -135,6 +135,7 @@ pub trait Steps: Sized {
 }
 
 /// Writes down on both sides that something begins.
+#[inline(never)] // one copy in flash
 fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) {
     let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
     let ticket = target.ticket(SEAL);
@@ -145,6 +146,7 @@ fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) {
 }
 
 /// True if it is this target's, and both sides say so.
+#[inline(never)] // one copy in flash
 fn is_under_way<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) -> bool {
     let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
     let Ticket { generation, workspace: begun_in } = *target.ticket(SEAL);

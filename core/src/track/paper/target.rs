@@ -288,8 +288,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         }
         under_way.spend(3 * locking.target.area());
         table.set(self.config.table, self.template.threshold());
-        let scorer = Scorer::new(self.config.backend.unwrap_or_else(Backend::best), table);
-        let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, &scorer));
+        let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
         self.track = Some(Track { quality, ..*locking });
         quality
     }

@@ -11,7 +11,7 @@ use super::track::{Place, Track};
 use super::update::{SIZE_REACH, other_scales};
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
-use crate::similarity::{Backend, Products, Scorer};
+use crate::similarity::{Backend, Products};
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{SEAL, Seal, Steps, Ticket, UnderWay};
 use crate::track::{
@@ -314,8 +314,7 @@ impl Steps for Robust {
         let Some(mut track) = workspace.progress.next else { return Quality::NONE };
         workspace.table.set(self.config.table, FIRST_THRESHOLD);
         if let Some(patch) = workspace.patch(&track.grid) {
-            let scorer = Scorer::new(self.config.backend.unwrap_or_else(Backend::best), &workspace.table);
-            track.quality = Quality::of(patch, &scorer);
+            track.quality = Quality::of(patch, &workspace.table);
             self.early.start(patch);
         }
         self.track = Some(track);
