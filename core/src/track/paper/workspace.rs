@@ -14,15 +14,16 @@ use crate::track::update::UnderWay;
 /// static WORKSPACE: smr_core::paper::Workspace<4096, 33> = smr_core::paper::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 4096 + 20 * 33 + 900);
 /// ```
+#[repr(C)] // what may end in padding stands before a vector: before zeroes, both are made on the stack and copied
 pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
-    pub(super) search: Search<PIXELS, SPAN>,
-    /// What the update that is under way scores by.
-    pub(super) table: CutTable,
     pub(super) under_way: UnderWay,
     /// What a lock under way will begin with.
     pub(super) locking: Track,
     /// What is searched in.
     pub(super) window: Window,
+    /// What the update that is under way scores by.
+    pub(super) table: CutTable,
+    pub(super) search: Search<PIXELS, SPAN>,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
@@ -32,10 +33,10 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
     pub const fn new() -> Self {
         Self {
             search: Search::new(),
-            table: CutTable::EMPTY,
-            under_way: UnderWay::NOTHING,
-            locking: Track::new(Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0)),
-            window: Window::NONE,
+            table: const { CutTable::EMPTY },
+            under_way: const { UnderWay::NOTHING },
+            locking: const { Track::new(Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0)) },
+            window: const { Window::NONE },
         }
     }
 

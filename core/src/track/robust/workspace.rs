@@ -31,7 +31,6 @@ const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
 #[repr(C)] // what may end in padding stands before a vector: before zeroes, both are made on the stack and copied
 pub struct Workspace {
     pub(super) progress: Progress,
-    pub(super) under_way: UnderWay,
     /// Cells of the window.
     pub(super) cells: Vec<i8, WINDOW>,
     pub(super) responses: Responses,
@@ -42,6 +41,7 @@ pub struct Workspace {
     pub(super) aside: Vec<i8, ASIDE>,
     pub(super) strip: Strip,
     pub(super) view: Vec<u8, VIEW>,
+    pub(super) under_way: UnderWay,
     pub(super) lit: Vec<u8, MOST_PIXELS>,
 }
 
