@@ -120,7 +120,7 @@ const ROBUST: [Mutant; 24] = [
     ("the table of the label", "track/robust/label.rs", "5 * FINE as usize", "2 * FINE as usize"),
     ("near", "track/robust/responses.rs", "const FAR: u32 = 77;", "const FAR: u32 = 128;"),
     ("velocity", "track/robust/track.rs", "self.place.x + self.right) >> 1", "self.place.x + self.right) >> 2"),
-    ("first steps", "track/robust/target.rs", "const FIRST_STEPS: u32 = 25;", "const FIRST_STEPS: u32 = 24;"),
+    ("first steps", "track/robust/update.rs", "const FIRST_STEPS: u32 = 25;", "const FIRST_STEPS: u32 = 24;"),
     ("scales", "track/robust/update.rs", "const SIZE_STEP: u64 = 66_847;", "const SIZE_STEP: u64 = 66_848;"),
     ("what other scales count", "track/robust/update.rs", "const SIZE_PART: i64 = 252;", "const SIZE_PART: i64 = 128;"),
     ("the early template", "track/robust/config.rs", "early_rate: 1,", "early_rate: 16,"),

@@ -252,8 +252,8 @@ impl Steps for Robust {
     }
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
-        if let Some(target) = self.given(self.track) {
-            target.begin(workspace);
+        if let Some(track) = self.track {
+            self.given(track).begin(workspace);
         }
     }
 
@@ -262,9 +262,7 @@ impl Steps for Robust {
         let track = Track::new(bounds, target);
         self.track = None;
         self.filter.start(&track.grid);
-        if let Some(target) = self.given(Some(track)) {
-            target.begin_lock(workspace);
-        }
+        self.given(track).begin_lock(workspace);
     }
 
     fn advance(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
@@ -325,8 +323,11 @@ impl Steps for Robust {
 impl Robust {
     /// Goes on until what is granted is spent; true when a step of learning, or all else, is done.
     fn go_on(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
-        let track = self.track.or(workspace.progress.next);
-        self.given(track).is_none_or(|target| target.step(workspace, frame))
+        // A lock has its track in the workspace. Not by `or`, which would have both on the stack.
+        let Some(track) = (if self.track.is_some() { &self.track } else { &workspace.progress.next }) else {
+            return true;
+        };
+        self.given(*track).step(workspace, frame)
     }
 
     /// A step of learning of a lock is done: changes the weights. True if there is another one to come.
@@ -340,9 +341,9 @@ impl Robust {
         }
         workspace.progress.lessons -= 1;
         if workspace.progress.lessons > 0
-            && let Some(target) = self.given(workspace.progress.next)
+            && let Some(track) = workspace.progress.next
         {
-            target.next_lesson(workspace);
+            self.given(track).next_lesson(workspace);
         }
         workspace.progress.lessons > 0
     }

@@ -515,9 +515,9 @@ impl Workspace {
 
 impl Robust {
     /// What an update goes by, or a lock that will have this track.
-    pub(super) fn given(&self, track: Option<Track>) -> Option<Target<'_>> {
+    pub(super) fn given(&self, track: Track) -> Target<'_> {
         let Self { config, filter, early, .. } = self;
-        track.map(|track| Target { config, filter, early, track })
+        Target { config, filter, early, track }
     }
 }
 
