@@ -78,7 +78,7 @@ pub trait Target: Steps {
     /// # Errors
     /// [`LockError`]; the target is then as it was before, and so is an update that is under way.
     fn lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
-        Ok(self.begin_lock(workspace, frame, target)?.finish())
+        super::update::lock(self, workspace, frame, target)
     }
 
     /// The same lock in steps of a bounded amount of work. See [`Lock`].

@@ -208,12 +208,30 @@ impl<T: Steps> Under<'_, T> {
         T::under_way(self.workspace, SEAL).grant(work);
         self.target.advance(self.workspace, &self.frame, SEAL)
     }
+}
 
-    fn complete(&mut self) {
-        while !self.step(u32::MAX) {}
-        T::under_way(self.workspace, SEAL).end();
-        self.target.ticket(SEAL).change();
+/// Does all that is left but to conclude.
+fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) {
+    T::under_way(workspace, SEAL).grant(u32::MAX);
+    while !target.advance(workspace, frame, SEAL) {
+        T::under_way(workspace, SEAL).grant(u32::MAX);
     }
+    T::under_way(workspace, SEAL).end();
+    target.ticket(SEAL).change();
+}
+
+/// A lock at once: without the frame on the stack once more.
+pub(super) fn lock<T: Steps>(
+    target: &mut T,
+    workspace: &mut T::Workspace,
+    frame: &Frame<'_>,
+    rect: Rect,
+) -> Result<Quality, LockError> {
+    target.check_lock(frame, rect, SEAL)?;
+    begin(target, workspace, Kind::Lock);
+    target.start_lock(workspace, frame.bounds(), rect, SEAL);
+    complete(target, workspace, frame);
+    Ok(target.conclude_lock(workspace, frame, SEAL))
 }
 
 impl<'a, T: Steps> Update<'a, T> {
@@ -261,9 +279,10 @@ impl<'a, T: Steps> Update<'a, T> {
 
     /// Does what is left, and gives the answer.
     #[must_use]
-    pub fn finish(mut self) -> Answer {
-        self.0.complete();
-        self.0.target.conclude(self.0.workspace, &self.0.frame, SEAL)
+    pub fn finish(self) -> Answer {
+        let Under { target, workspace, frame } = self.0;
+        complete(target, workspace, &frame);
+        target.conclude(workspace, &frame, SEAL)
     }
 }
 
@@ -306,8 +325,9 @@ impl<'a, T: Steps> Lock<'a, T> {
     }
 
     /// Does what is left. From now on there is a target; how well it can be told from what lies beside it is returned.
-    pub fn finish(mut self) -> Quality {
-        self.0.complete();
-        self.0.target.conclude_lock(self.0.workspace, &self.0.frame, SEAL)
+    pub fn finish(self) -> Quality {
+        let Under { target, workspace, frame } = self.0;
+        complete(target, workspace, &frame);
+        target.conclude_lock(workspace, &frame, SEAL)
     }
 }
