@@ -78,6 +78,7 @@
 extern crate std;
 
 mod image;
+mod kernels;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
 pub mod search;

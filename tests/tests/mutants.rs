@@ -17,10 +17,10 @@ const PAPER: [Mutant; 22] = [
         "        table.fill(scale);",
         "table.fill(scale); table.entries[7] += 1;",
     ),
-    ("strictness of the threshold", "similarity/table.rs", ".get(..threshold.into())", ".get(..=threshold.into())"),
+    ("strictness of the threshold", "kernels/cut_table.rs", ".get(..threshold.into())", ".get(..=threshold.into())"),
     ("tie rule: distance", "search/mod.rs", "dx * dx + dy * dy", "dx * dx"),
     ("tie rule: order", "search/mod.rs", "candidate.y, candidate.x))", "candidate.x, candidate.y))"),
-    ("padding", "similarity/scalar.rs", "pixel(0, g, table)", "pixel(1, g, table)"),
+    ("padding", "kernels/plain/scores.rs", "pixel(0, g, table)", "pixel(1, g, table)"),
     ("rounding of alpha", "track/paper/config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "track/paper/template.rs", "if largest > 0", "if true"),
     ("the peak's neighbourhood", "search/maxima.rs", "usize::from(neighbourhood) + 1", "usize::from(neighbourhood)"),
@@ -103,7 +103,7 @@ const PAPER: [Mutant; 22] = [
 /// The same for the robust tracker.
 const ROBUST: [Mutant; 24] = [
     ("cells of the filter", "track/robust/mod.rs", "const MOST_CELLS: usize = 200;", "const MOST_CELLS: usize = 190;"),
-    ("a direction", "track/robust/gradients.rs", "(703, 256)", "(702, 256)"),
+    ("a direction", "kernels/plain/gradients.rs", "(703, 256)", "(702, 256)"),
     (
         "the norm's floor",
         "track/robust/features.rs",

@@ -1,7 +1,7 @@
 //! Contrast: whether a patch can show a target at all, however similar it is. What a covered lens shows cannot.
 
-use super::rolled;
 use crate::image::Image;
+use crate::kernels::rolled;
 
 /// Mean and mean absolute deviation from it; the mean is rounded to a gray level, the sum of deviations is exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

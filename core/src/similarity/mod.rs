@@ -1,26 +1,17 @@
 //! The measure: how similar a patch is to the template.
 //!
-//! A [`Table`] is the specification of a pixel's similarity, `scalar.rs` that of a score; a [`Backend`] computes the same
+//! A [`Table`] is the specification of a pixel's similarity, `kernels/plain/scores.rs` that of a score; a [`Backend`] computes the same
 //! score faster. Here they meet the frame: [`score_at`] scores any offset, also one whose box reaches into the
 //! padding.
 
-mod arch;
 mod contrast;
-mod products;
-mod scalar;
 mod table;
 
-#[cfg(smr_helium)]
-pub(crate) use arch::cells;
 #[cfg(feature = "verify")]
-pub use arch::verify_filter;
-pub use arch::{Backend, Scorer};
-pub(crate) use arch::{Columns, LESS, Mixed, Move, Numbers, Products, lessen_by, rolled};
-#[cfg(smr_dsp)]
-pub(crate) use arch::{Directions, sectors};
+pub use crate::kernels::verify_filter;
+pub use crate::kernels::{Backend, CutTable, Scorer};
 pub(crate) use contrast::Contrast;
-pub(crate) use products::{Layout, ROOM, Room};
-pub use table::{CutTable, Table, TableError};
+pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};
 

@@ -3,6 +3,7 @@
 //! It is computed in integers by a `const fn`, so it stands in flash before the program runs and is the same on every
 //! platform. Every entry is the correctly rounded one; the tests say how that is known.
 
+use crate::kernels::{self, CutTable};
 use core::fmt;
 
 /// p by difference: entry d is 65535 * exp(-d / scale), rounded to the nearest integer. 512 bytes.
@@ -34,10 +35,10 @@ impl defmt::Format for Table {
 
 impl Table {
     /// The similarity of equal pixels: 1.0.
-    pub const ONE: u16 = u16::MAX;
+    pub const ONE: u16 = kernels::ONE;
 
     /// The most pixels whose similarities a score can sum: 65537.
-    pub const MAX_PIXELS: usize = u32::MAX as usize / Self::ONE as usize;
+    pub const MAX_PIXELS: usize = kernels::MAX_PIXELS;
 
     /// The steepest and the flattest scale of [`Table::new`].
     pub const SCALES: core::ops::RangeInclusive<u16> = 1..=4096;
@@ -116,36 +117,7 @@ impl Table {
     }
 }
 
-/// A table cut off at a threshold (step 2 of the method): from that difference on all entries are 0. Scores are looked up
-/// here, so a pixel that does not count needs no test.
-///
-/// A [`Scorer`](super::Scorer) borrows it. It takes half a kilobyte and is made anew where the threshold changes.
-///
-/// ```
-/// use smr_core::similarity::{CutTable, Table};
-/// let cut = CutTable::new(&Table::PAPER, 13);
-/// assert_eq!(cut.similarity(12), Table::PAPER.similarity(12));
-/// assert_eq!(cut.similarity(13), 0);
-/// assert_eq!(cut.threshold(), 13);
-/// ```
-#[derive(Clone, Debug)]
-pub struct CutTable {
-    entries: [u16; 256],
-    threshold: u16,
-    /// See [`CutTable::chord`]. Kept by those that need it in every step and divide slowly.
-    #[cfg(any(smr_dsp, smr_helium))]
-    chord: u32,
-}
-
 impl CutTable {
-    /// The one with the threshold 0, by which nothing counts.
-    pub(crate) const EMPTY: Self = Self {
-        entries: [0; 256],
-        threshold: 0,
-        #[cfg(any(smr_dsp, smr_helium))]
-        chord: 0,
-    };
-
     /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
     #[must_use]
     #[inline] // made where it stays
@@ -156,61 +128,9 @@ impl CutTable {
     }
 
     /// The same in place.
+    #[inline(always)] // a name for another function
     pub(crate) fn set(&mut self, table: &Table, threshold: u16) {
-        let counting = table.entries.get(..threshold.into()).unwrap_or(&table.entries);
-        if let Some((live, rest)) = self.entries.split_at_mut_checked(counting.len()) {
-            live.copy_from_slice(counting);
-            rest.fill(0);
-        }
-        self.threshold = threshold;
-        #[cfg(any(smr_dsp, smr_helium))]
-        {
-            self.chord = self.flattest();
-        }
-    }
-
-    /// p of a difference of `difference` gray levels, in units of 1/65535; 0 from the threshold on.
-    #[must_use]
-    #[inline]
-    #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries
-    pub const fn similarity(&self, difference: u8) -> u16 {
-        self.entries[difference as usize]
-    }
-
-    /// A pixel counts if it differs by less.
-    #[must_use]
-    #[inline]
-    pub const fn threshold(&self) -> u16 {
-        self.threshold
-    }
-
-    #[inline]
-    #[allow(dead_code)] // for backends, of which there may be none
-    pub(super) const fn entries(&self) -> &[u16; 256] {
-        &self.entries
-    }
-
-    /// c such that a pixel that counts and has the difference d loses at least c * d of its 65535: the largest such integer.
-    ///
-    /// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
-    /// table. No slope of a convex p is looked for, all differences below the threshold are gone through; for a table of exp
-    /// the largest of them decides, as the chord from p(0) to it is then the flattest.
-    #[cfg(any(smr_dsp, smr_helium))]
-    #[inline]
-    pub(super) const fn chord(&self) -> u32 {
-        self.chord
-    }
-
-    #[cfg(all(target_arch = "x86_64", not(any(smr_dsp, smr_helium))))]
-    pub(super) fn chord(&self) -> u32 {
-        self.flattest()
-    }
-
-    #[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))] // for backends that filter by it
-    fn flattest(&self) -> u32 {
-        let one = u32::from(Table::ONE);
-        let counting = (0u16..).zip(&self.entries).skip(1).take_while(|&(d, _)| d < self.threshold);
-        counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d.max(1))).min().unwrap_or(one)
+        self.cut(table.entries(), threshold);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::MOST_PIXELS;
 use crate::image::Image;
-use crate::similarity::rolled;
+use crate::kernels::rolled;
 use heapless::Vec;
 
 /// A running mean of patches, in units of 1/256 gray level.

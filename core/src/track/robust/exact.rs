@@ -9,7 +9,7 @@ use super::features::CELL;
 use super::grid::row_of;
 use super::trust::is_certain;
 use crate::image::Image;
-use crate::similarity::rolled;
+use crate::kernels::rolled;
 
 /// How far the template is compared to each side, in pixels of the grid; the view has so many more on each side.
 pub(super) const MARGIN: u16 = 3;

@@ -7,20 +7,13 @@
 //! so it takes no root, no angle and no division.
 
 use super::REACH;
-#[cfg(not(smr_helium))]
-use super::gradients::gradients;
 use super::grid::{COLUMNS, Lattice, MOST_SIDE, Scratch};
 use crate::image::{Frame, Rect};
-#[cfg(smr_helium)]
-use crate::similarity::cells;
-use crate::similarity::{ROOM, Room, rolled};
+pub use crate::kernels::{CELL, CHANNELS};
+use crate::kernels::{ROOM, Room, SIDE, gradients, rolled, scale};
 use core::cell::Cell;
 use heapless::Vec;
 
-/// Pixels of the grid on a side of a cell.
-pub const CELL: u16 = 4;
-/// Bytes of a cell.
-pub const CHANNELS: usize = 10;
 /// Cells in a row, at most.
 pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
@@ -33,9 +26,6 @@ const GAIN: u32 = 635;
 /// 1.02 * 4 = 23,600), and gray levels (at most 4,080).
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= ROOM);
-
-/// Pixels on a side of a cell with its neighbours.
-pub(super) const SIDE: usize = CELL as usize + 2;
 
 /// Scratch: lines of the grid and rows of cells, as many as are needed at a time.
 pub(super) struct Strip {
@@ -136,23 +126,6 @@ impl Strip {
     }
 }
 
-/// The sums of a row of cells, and their energies: eight cells at a time. There is room for as many, also on the lines.
-#[cfg(smr_helium)]
-#[inline(never)] // one copy in flash
-fn gradients(lines: &[[u8; COLUMNS]; SIDE], sums: &mut Row, energies: &mut [u32; ROW], across: usize) {
-    let Some(sums) = sums.first_chunk_mut() else { return };
-    for block in 0..across.div_ceil(cells::LANES) {
-        cells::eight_cells(lines, block, sums, energies);
-    }
-    #[cfg(feature = "verify")]
-    {
-        let (mut wanted, mut energy) = ([[0; ROW]; CHANNELS], [0; ROW]);
-        super::gradients::gradients(lines, &mut wanted, &mut energy, across);
-        assert!(sums.iter().zip(&wanted).all(|(row, wanted)| row.get(..across) == wanted.get(..across)), "sums");
-        assert_eq!(energies.get(..across), energy.get(..across), "energies");
-    }
-}
-
 /// A row of cells as bytes, by their energies and those in the rows above and below, of which so many are in the lattice; the others
 /// are 0. What is above is not needed again: its place is used.
 #[inline(never)] // one copy in flash
@@ -161,23 +134,7 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     let Some(inverses) = above.get_mut(..out.len()) else { return };
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
     invert(inverses, rows);
-    #[cfg(smr_helium)]
-    if let Some(sums) = sums.first_chunk() {
-        cells::scale(sums, above, out);
-    }
-    #[cfg(not(smr_helium))]
-    for ((number, out), &mut inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
-        let [parts @ .., level] = out;
-        let mut of_cell = sums.iter().map(|row| row.get(number).copied().unwrap_or(0));
-        for (part, sum) in parts.iter_mut().zip(&mut of_cell) {
-            // Below 23,600 * 162,560 < 2^32.
-            let value = (u32::from(sum) * inverse) >> 16;
-            *part = i8::try_from(value).unwrap_or(i8::MAX);
-        }
-        // 0..=255, so -128..=127.
-        let [gray, _] = (of_cell.next().unwrap_or(0) >> 4).to_le_bytes();
-        *level = (gray ^ 128).cast_signed();
-    }
+    scale(sums, above, out);
 }
 
 /// Makes sums of columns of three cells, of which so many are there, what the sums of cells are multiplied by.

@@ -18,7 +18,7 @@ use super::features::CHANNELS;
 use super::grid::Grid;
 use super::label::Bell;
 use super::responses::{Responses, SPAN};
-use crate::similarity::{Layout, Move, Numbers, Products, Room, lessen_by, rolled};
+use crate::kernels::{Layout, Move, Numbers, Products, Room, lessen_by, rolled};
 use heapless::Vec;
 
 /// Weights of the largest filter.
@@ -335,9 +335,9 @@ mod tests {
             .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
             .collect();
         let (mut filter, mut desk, products) =
-            (Filter::new(), Desk::new(), Products::new(crate::similarity::Backend::Scalar));
+            (Filter::new(), Desk::new(), Products::new(crate::kernels::Backend::Scalar));
         filter.start(&grid);
-        let mut room = [0; crate::similarity::ROOM];
+        let mut room = [0; crate::kernels::ROOM];
         let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
         for _ in 0..25 {
             let sample = Sample { responses: &responses, target: (512, -256), reach: 8 };

@@ -10,7 +10,7 @@
 use super::features::CELL;
 use super::{MOST_CELLS, MOST_PIXELS, REACH};
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{Columns, LESS, Mixed, rolled};
+use crate::kernels::{Columns, LESS, Mixed, rolled};
 use heapless::Vec;
 
 /// One pixel, as positions have it.

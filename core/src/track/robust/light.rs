@@ -1,7 +1,8 @@
 //! Light: a template as it would look in the light of a patch, so that a lamp or a shadow does not count as another target.
 
 use crate::image::Image;
-use crate::similarity::{Contrast, rolled};
+use crate::kernels::rolled;
+use crate::similarity::Contrast;
 
 /// The mean absolute deviation itself, rounded down, 8 to 100 gray levels: what agrees with a patch in its light differs by less.
 pub(super) fn threshold(seen: Contrast) -> u16 {

@@ -6,7 +6,7 @@
 //! | part | file | what it does |
 //! |---|---|---|
 //! | grid | `grid.rs` | target and surroundings are resampled, so that the target has about 1600 pixels |
-//! | features | `features.rs`, `gradients.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
+//! | features | `features.rs` | each cell of 4x4 pixels becomes ten bytes: gradients by direction, and gray |
 //! | filter | `filter.rs`, `responses.rs`, `label.rs` | weights for the cells, a step of learning in each frame |
 //! | velocity, near | `track.rs`, `responses.rs` | a moving target is expected to go on, and far places must answer more clearly |
 //! | size | `update.rs` | the filter looks at two more scales |
@@ -24,8 +24,6 @@ mod early;
 mod exact;
 mod features;
 mod filter;
-#[cfg(any(not(smr_helium), feature = "verify"))]
-mod gradients;
 mod grid;
 mod label;
 mod light;

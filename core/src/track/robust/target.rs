@@ -11,7 +11,8 @@ use super::track::{Place, Track};
 use super::update::{SIZE_REACH, other_scales};
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
-use crate::similarity::{Backend, Products};
+use crate::kernels::Products;
+use crate::similarity::Backend;
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{SEAL, Seal, Steps, Ticket, UnderWay};
 use crate::track::{

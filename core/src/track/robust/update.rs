@@ -16,7 +16,8 @@ use super::track::{Place, Track};
 use super::trust::{Evidence, Trust};
 use super::workspace::Workspace;
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{Backend, Contrast, Layout, Products, Scorer};
+use crate::kernels::{Layout, Products};
+use crate::similarity::{Backend, Contrast, Scorer};
 use crate::track::State;
 
 /// The scales beside the last one: 1.02 times and 1 / 1.02 times.

@@ -1,0 +1,144 @@
+//! Scores by NEON, which every AArch64 with floating point has: 16 pixels at a time, for any threshold.
+//!
+//! 1. `tbl` looks up 64 entries of a byte plane and gives zero for a larger index; entries at the threshold and beyond are
+//!    stored as zero. So the lookup is the test d < threshold, too. Larger thresholds take up to four of them.
+//! 2. Bytes are added in pairs, and these to four-byte lanes.
+//! 3. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
+
+use crate::image::Image;
+use crate::kernels::cut_table::CutTable;
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
+use crate::kernels::plain::scores as plain;
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::Scores;
+use core::arch::aarch64::*;
+
+impl Vector for uint8x16_t {
+    const LANES: usize = 16;
+    type Total = uint32x4_t;
+    /// All bits of the lanes that hold a pixel of the end: the last ones.
+    type End = Self;
+
+    intrinsics! {
+        fn splat(byte: u8) -> Self { vdupq_n_u8(byte) }
+        fn load(from: *const u8) -> Self { vld1q_u8(from) }
+        fn or(a: Self, b: Self) -> Self { vorrq_u8(a, b) }
+        fn beyond(a: Self, b: Self) -> Self { vqsubq_u8(a, b) }
+        fn minus(a: Self, b: Self) -> Self { vsubq_u8(a, b) }
+        fn at_most(a: Self, b: Self) -> Self { vcleq_u8(a, b) }
+        fn nothing() -> uint32x4_t { vdupq_n_u32(0) }
+        fn add(total: uint32x4_t, bytes: Self) -> uint32x4_t { vpadalq_u16(total, vpaddlq_u8(bytes)) }
+        fn add_distance(total: uint32x4_t, f: Self, g: Self) -> uint32x4_t { Self::add(total, vabdq_u8(f, g)) }
+        fn plus(a: uint32x4_t, b: uint32x4_t) -> uint32x4_t { vaddq_u32(a, b) }
+        fn times_256(total: uint32x4_t) -> uint32x4_t { vshlq_n_u32::<8>(total) }
+        fn across(total: uint32x4_t) -> u32 { vaddvq_u32(total) }
+        fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
+        fn load_end<const WHOLE: usize>(row: *const u8, width: usize, _end: Self) -> Self {
+            generic::last::<Self, WHOLE>(row, width)
+        }
+        fn keep(bytes: Self, end: Self) -> Self { vandq_u8(bytes, end) }
+        fn difference(f: Self, g: Self) -> Self { vabdq_u8(f, g) }
+    }
+}
+
+impl Neighbours for uint8x16_t {
+    intrinsics! {
+        fn store(bytes: Self, to: *mut u8) { vst1q_u8(to, bytes) }
+        fn min(a: Self, b: Self) -> Self { vminq_u8(a, b) }
+        fn max(a: Self, b: Self) -> Self { vmaxq_u8(a, b) }
+        fn further<const BY: i32>(bytes: Self) -> Self { vextq_u8::<BY>(bytes, vdupq_n_u8(0)) }
+    }
+}
+
+/// Entries that one instruction looks up.
+const SEGMENT: usize = 64;
+
+/// The live part of a table, low bytes and high bytes apart.
+pub(crate) struct Lookup {
+    low: [[u8; SEGMENT]; 4],
+    high: [[u8; SEGMENT]; 4],
+    segments: usize,
+    /// The largest difference that counts, if there is one.
+    last: Option<u8>,
+}
+
+scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
+
+impl Lookup {
+    /// This file is compiled only where all has NEON.
+    pub(crate) fn new(table: &CutTable) -> Self {
+        let threshold = table.threshold();
+        let segments = usize::from(threshold).div_ceil(SEGMENT).max(1);
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        let mut lookup = Self { low: [[0; SEGMENT]; 4], high: [[0; SEGMENT]; 4], segments, last };
+        let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
+        for ((low, high), entry) in places.zip(table.entries()) {
+            [*low, *high] = entry.to_le_bytes();
+        }
+        lookup
+    }
+}
+
+/// See [`plain::spread`].
+#[target_feature(enable = "neon")]
+fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    // SAFETY: this is compiled for NEON.
+    if !unsafe { generic::spread::<uint8x16_t>(rows, low, high) } {
+        plain::spread(rows, low, high);
+    }
+}
+
+/// The first `SEGMENTS` of both byte planes; the rest is not looked up.
+struct Planes<const SEGMENTS: usize> {
+    low: [uint8x16x4_t; 4],
+    high: [uint8x16x4_t; 4],
+}
+
+impl<const SEGMENTS: usize> Planes<SEGMENTS> {
+    #[inline]
+    #[target_feature(enable = "neon")]
+    fn of(lookup: &Lookup) -> Self {
+        let nothing = vdupq_n_u8(0);
+        let nothing = [uint8x16x4_t(nothing, nothing, nothing, nothing); 4];
+        let mut planes = Self { low: nothing, high: nothing };
+        for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
+            for (register, segment) in registers.iter_mut().zip(segments).take(SEGMENTS) {
+                // SAFETY: `segment` is 64 readable bytes.
+                *register = unsafe { vld1q_u8_x4(segment.as_ptr()) };
+            }
+        }
+        planes
+    }
+}
+
+impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
+    type Vector = uint8x16_t;
+
+    #[inline(always)]
+    unsafe fn look_up(&self, difference: uint8x16_t) -> (uint8x16_t, uint8x16_t) {
+        // SAFETY: as the caller has seen to.
+        unsafe { (entries::<SEGMENTS>(&self.low, difference), entries::<SEGMENTS>(&self.high, difference)) }
+    }
+}
+
+/// Of one plane.
+///
+/// # Safety
+/// NEON is there.
+#[inline(always)]
+unsafe fn entries<const SEGMENTS: usize>(
+    [first, others @ ..]: &[uint8x16x4_t; 4],
+    difference: uint8x16_t,
+) -> uint8x16_t {
+    // SAFETY: as the caller has seen to.
+    unsafe {
+        let mut index = difference;
+        let mut entries = vqtbl4q_u8(*first, index);
+        for segment in others.iter().take(SEGMENTS - 1) {
+            // What lies in another segment has an index that is too large, be it by wrapping, and keeps what it has.
+            index = vsubq_u8(index, vdupq_n_u8(64));
+            entries = vqtbx4q_u8(entries, *segment, index);
+        }
+        entries
+    }
+}

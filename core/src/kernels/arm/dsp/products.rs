@@ -1,0 +1,275 @@
+//! Sums of products by the DSP extension: `smlad` adds two products of 16 bits.
+//!
+//! A row of the filter that slides along a row of numbers is all there is to it: offsets side by side share each weight, and
+//! what lies under it slides from one offset's register to the next one's, so that each number is loaded once for all of them.
+//!
+//! - Responses: bytes become numbers of 16 bits, row by row; a pair is two channels of a cell.
+//! - Gathering: errors are the filter, and a pair is a byte and the one below it, of two rows that were put together.
+
+use crate::kernels::layout::{Layout, ROOM, Room};
+use crate::kernels::plain::products as plain;
+use crate::kernels::unrolling::rolled;
+use core::arch::asm;
+use core::ops::Range;
+use core::ptr;
+
+/// Bytes from an offset to the next one: those of a cell.
+const STEP: usize = 10;
+/// The most offsets on an axis for which errors are gathered here.
+const SPAN: usize = 17;
+
+/// See [`products::responses`]. A part is two rows of cells.
+pub(crate) fn responses<const N: usize>(
+    parts: Range<usize>,
+    room: &mut Room,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
+    let Layout { row, stride, step, span } = layout;
+    let used = row + span.saturating_sub(1) * step;
+    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.len().is_multiple_of(row);
+    let down = weights.len().checked_div(row).unwrap_or(0);
+    let rows = layout.rows(weights.len());
+    let needed = rows.saturating_sub(1) * stride + used;
+    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > ROOM || cells.len() < needed {
+        return plain::responses(whole_of(parts, span), cells, layout, weights, out);
+    }
+    if parts.start == 0 {
+        out.iter_mut().take(span).for_each(|out| out.fill(0));
+    }
+    for number in 2 * parts.start..rows.min(2 * parts.end) {
+        let from = cells.get(number * stride..).unwrap_or_default();
+        let (pairs, _) = from.as_chunks::<2>();
+        let (wide, _) = room.as_chunks_mut();
+        for (wide, &[first, second]) in rolled(wide.iter_mut().zip(pairs).take(used / 2)) {
+            *wide = pair(first.into(), second.into());
+        }
+        // The rows of weights that lie on this row of cells at some offset.
+        for (y, weights) in weights.chunks_exact(row.max(1)).enumerate() {
+            let Some(out) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| out.get_mut(y)) else { continue };
+            let (mut at, cells) = (0, row / STEP);
+            while at < span {
+                let block = Block {
+                    filter: weights.as_ptr().cast(),
+                    under: room.as_ptr().cast::<u8>().wrapping_add(at * 2 * STEP),
+                    sums: out.as_mut_ptr().wrapping_add(at),
+                    count: cells,
+                    filters: STEP / 2,
+                };
+                // SAFETY: the filter has `cells` cells of weights; `under` is followed by as many and the block's offsets less
+                // one; of `out`, `at` and the block's offsets are at most `span`.
+                at += unsafe { block.of_at_most::<{ 2 * STEP }, { 2 * STEP }, 1>(span - at) };
+            }
+        }
+    }
+}
+
+/// See [`products::gather`]. A part is two rows of cells.
+pub(crate) fn gather<const N: usize>(
+    parts: Range<usize>,
+    room: &mut Room,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
+    let Layout { row, stride, step, span } = layout;
+    let used = row + span.saturating_sub(1) * step;
+    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && sums.len().is_multiple_of(row);
+    let down = sums.len().checked_div(row).unwrap_or(0);
+    let rows = layout.rows(sums.len());
+    let needed = rows.saturating_sub(1) * stride + used;
+    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && 2 * used <= ROOM;
+    if !whole || !fits || down == 0 || cells.len() < needed {
+        return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
+    }
+    for number in (2 * parts.start..rows.min(2 * parts.end)).step_by(2) {
+        let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
+        // What lies below the last row meets no error.
+        let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
+        let (pairs, _) = room.as_chunks_mut();
+        for ((both, &upper), &lower) in rolled(pairs.iter_mut().zip(upper).zip(lower)) {
+            *both = pair(upper.into(), lower.into());
+        }
+        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
+            // The errors at the offsets where this row of sums lies on the two rows of cells.
+            let of = |number: usize| number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y));
+            let (first, second) = (of(number), of(number + 1));
+            if first.is_none() && second.is_none() {
+                continue;
+            }
+            let mut filter = [[0; 2]; SPAN];
+            let error =
+                |errors: Option<&[i16; N]>, x: usize| errors.and_then(|errors| errors.get(x)).copied().unwrap_or(0);
+            for (x, filter) in rolled(filter.iter_mut().enumerate().take(span)) {
+                *filter = pair(error(first, x), error(second, x));
+            }
+            let across = row / STEP;
+            for channel in 0..STEP {
+                let mut at = 0;
+                while at < across {
+                    let block = Block {
+                        filter: filter.as_ptr().cast(),
+                        under: room.as_ptr().cast::<[u16; 2]>().wrapping_add(at * STEP + channel).cast(),
+                        sums: sums.as_mut_ptr().wrapping_add(at * STEP + channel),
+                        count: span,
+                        filters: 1,
+                    };
+                    // SAFETY: the filter has `span` errors; `under` is followed by as many cells and the block's less one; of
+                    // the row of sums, `at` and the block's cells are at most all.
+                    at += unsafe { block.of_at_most::<4, { 4 * STEP }, STEP>(across - at) };
+                }
+            }
+        }
+    }
+}
+
+/// Two numbers as `smlad` has them.
+fn pair(low: i16, high: i16) -> [u16; 2] {
+    [low.cast_unsigned(), high.cast_unsigned()]
+}
+
+/// The rows of offsets that a loop of `products.rs` goes through in the place of these parts: all with the first one.
+fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
+    if parts.start == 0 { 0..span } else { 0..0 }
+}
+
+/// Sums side by side, and what is added to them: so many filters of `count` pairs each, a pair after the other, and what lies under them
+/// at the first of the sums.
+#[derive(Clone, Copy)]
+struct Block {
+    filter: *const u8,
+    under: *const u8,
+    sums: *mut i32,
+    count: usize,
+    filters: usize, // not a constant, of which the compiler would unroll the loop
+}
+
+impl Block {
+    /// Some of the sums that are left; says how many. A function for three would take 0.5 KB of flash, and is hardly ever wanted.
+    ///
+    /// # Safety
+    /// As [`Block::slide5`] for as many.
+    #[inline(always)]
+    unsafe fn of_at_most<const F: usize, const U: usize, const S: usize>(self, left: usize) -> usize {
+        // SAFETY: the caller has seen to it.
+        unsafe {
+            match left {
+                0 => 0,
+                1 => self.slide1::<F, U, S>(),
+                2 | 3 => self.slide2::<F, U, S>(),
+                4 | 6 | 8 | 12 | 16 => self.slide4::<F, U, S>(),
+                _ => self.slide5::<F, U, S>(),
+            }
+        }
+    }
+}
+
+/// One place of the filter: its weight, the last number under it, which is new there, and the products for all sums.
+macro_rules! turn {
+    ([$($sum:literal)*] [$($under:literal)*] $new:literal) => {
+        concat!(
+            "ldr r6, [r12], #{f}\n",
+            "ldr ", $new, ", [lr], #{u}\n",
+            $("smlad ", $sum, ", ", $under, ", r6, ", $sum, "\n",)*
+        )
+    };
+}
+
+/// A function for so many sums. Each turn of the window of what lies under the filter is written out: no number is moved.
+macro_rules! slide {
+    ($name:ident, $n:literal, [$($sum:ident $sum_in:tt)*], [$($first:ident $first_in:tt)*]:
+        $($sums:tt $window:tt $new:tt;)*) => {
+        impl Block {
+            /// Adds to its sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes
+            /// on, that of the next sum lies. Pairs of a filter are `F` bytes apart. Returns how many sums there are, here called n.
+            ///
+            /// # Safety
+            /// `filter` can be read so often, `under` for n - 1 more, and `sums` can be written to; only `sums` must be aligned.
+            #[inline(never)]
+            unsafe fn $name<const F: usize, const U: usize, const S: usize>(&self) -> usize {
+                let mut sums = self.sums;
+                // SAFETY: there are n sums, so far apart.
+                $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
+                for pair in 0..self.filters {
+                    #[allow(unused_mut)] // of one sum, there is nothing before
+                    let mut cells = self.under.wrapping_add(4 * pair);
+                    // SAFETY: n - 1 more than `count` can be read.
+                    $(let $first = unsafe { load::<U>(&mut cells) };)*
+                    // SAFETY: of the filter `count` pairs are read, of what lies under it as many more. r6 and r7, which may not
+                    // be named, are kept on the stack. r11 brings `count`.
+                    unsafe {
+                        asm!(
+                            "push {{r6, r7}}",
+                            concat!("subs r7, r11, #", $n),
+                            "bmi 3f",
+                            "2:",
+                            $(turn!($sums $window $new),)*
+                            concat!("subs r7, #", $n),
+                            "bpl 2b",
+                            "3:",
+                            concat!("adds r7, #", $n),
+                            $(
+                                "beq 4f",
+                                turn!($sums $window $new),
+                                "subs r7, #1",
+                            )*
+                            "4:",
+                            "pop {{r6, r7}}",
+                            $(inout($sum_in) $sum,)*
+                            $(inout($first_in) $first => _,)*
+                            inout("r11") self.count => _,
+                            inout("r12") self.filter.wrapping_add(4 * pair) => _,
+                            inout("lr") cells => _,
+                            f = const F,
+                            u = const U,
+                        );
+                    }
+                }
+                let mut sums = self.sums;
+                // SAFETY: as above.
+                $(unsafe { next::<S>(&mut sums).write($sum) };)*
+                $n
+            }
+        }
+    };
+}
+
+slide!(slide1, 1, [a "r0"], []:
+    ["r0"] ["r11"] "r11";);
+slide!(slide2, 2, [a "r0" b "r1"], [f "r5"]:
+    ["r0" "r1"] ["r5" "r11"] "r11";
+    ["r0" "r1"] ["r11" "r5"] "r5";);
+slide!(slide4, 4, [a "r0" b "r1" c "r2" d "r3"], [f "r5" g "r8" h "r9"]:
+    ["r0" "r1" "r2" "r3"] ["r5" "r8" "r9" "r11"] "r11";
+    ["r0" "r1" "r2" "r3"] ["r8" "r9" "r11" "r5"] "r5";
+    ["r0" "r1" "r2" "r3"] ["r9" "r11" "r5" "r8"] "r8";
+    ["r0" "r1" "r2" "r3"] ["r11" "r5" "r8" "r9"] "r9";);
+slide!(slide5, 5, [a "r0" b "r1" c "r2" d "r3" e "r4"], [f "r5" g "r8" h "r9" i "r10"]:
+    ["r0" "r1" "r2" "r3" "r4"] ["r5" "r8" "r9" "r10" "r11"] "r11";
+    ["r0" "r1" "r2" "r3" "r4"] ["r8" "r9" "r10" "r11" "r5"] "r5";
+    ["r0" "r1" "r2" "r3" "r4"] ["r9" "r10" "r11" "r5" "r8"] "r8";
+    ["r0" "r1" "r2" "r3" "r4"] ["r10" "r11" "r5" "r8" "r9"] "r9";
+    ["r0" "r1" "r2" "r3" "r4"] ["r11" "r5" "r8" "r9" "r10"] "r10";);
+
+/// The number there, and on by so many.
+#[inline(always)]
+fn next<const STEP: usize>(at: &mut *mut i32) -> *mut i32 {
+    let this = *at;
+    *at = at.wrapping_add(STEP);
+    this
+}
+
+/// A pair, and on by so many bytes.
+///
+/// # Safety
+/// It can be read.
+#[inline(always)]
+unsafe fn load<const STEP: usize>(at: &mut *const u8) -> u32 {
+    // SAFETY: the caller has seen to it; it need not be aligned.
+    let pair = unsafe { ptr::read_unaligned(at.cast::<u32>()) };
+    *at = at.wrapping_add(STEP);
+    pair
+}

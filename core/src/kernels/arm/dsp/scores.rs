@@ -1,0 +1,534 @@
+//! The kernels by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
+//!
+//! - `usada8` adds the four absolute differences of two registers to a third.
+//! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and what is left of a threshold after that.
+//! - `usub8` compares, and `sel` then selects: the larger of each two pixels, and the smaller.
+//!
+//! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
+//! spills for want of registers. Rows begin at any address, and words are loaded from there. These processors do so from
+//! Normal memory, unless firmware has set `UNALIGN_TRP`, which compilers for them do not allow for either. From Device memory
+//! they fault: external RAM is that (0xA000_0000 and up) until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
+
+use super::super::loss::{Limit, Lookup, blocks};
+use crate::image::Image;
+use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::plain::scores as plain;
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::Scores;
+use core::arch::asm;
+use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
+
+/// Pixels in a register.
+const LANES: usize = 4;
+
+/// The columns that `distance` goes down at a time: the words for which its loop is unrolled.
+const STRIP: usize = 32 * LANES;
+
+/// The columns that the filter goes down at a time, and the bytes of its code for a word.
+const FILTER_STRIP: usize = 16 * LANES;
+const FILTER_WORD: usize = 34;
+
+/// Distances of that many pixels are below 2^30.
+const MAX_PIXELS: usize = 1 << 22;
+
+pub(crate) struct Dsp<'a> {
+    lookup: Lookup<'a>,
+    /// How many scores are to be begun without the bound, and how often in turn it has excluded nothing. (Atomic so that
+    /// a scorer can be shared as it can elsewhere; what comes of it does not depend on them.)
+    without: AtomicU8,
+    in_vain: AtomicU8,
+}
+
+impl<'a> Dsp<'a> {
+    #[inline(always)] // see `Scorer::new`
+    pub(crate) fn new(table: &'a CutTable) -> Self {
+        Self { lookup: Lookup::new(table), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
+    }
+}
+
+impl Scores for Dsp<'_> {
+    #[inline(never)]
+    fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
+        let pair = Rows::of(patch, template);
+        if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
+            return self.lookup.plain.score(patch, template);
+        }
+        // SAFETY: the pictures have at least four columns.
+        unsafe { reachable(&pair, self.lookup.entries(), 0) }
+    }
+
+    #[inline(never)]
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let pair = Rows::of(patch, template);
+        if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
+            return self.lookup.plain.score_at_least(patch, template, floor);
+        }
+        if floor > 0 && self.excludes(&pair, floor) {
+            return None;
+        }
+        // SAFETY: the pictures have at least four columns.
+        let reachable = unsafe { reachable(&pair, self.lookup.entries(), floor) };
+        Some(reachable).filter(|&score| score >= floor)
+    }
+
+    #[inline(never)]
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.lookup.most::<LANES>(&Rows::between(low, high, template), floor, loss)
+    }
+
+    #[inline(never)]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let pair = Rows::of(patch, template);
+        if pair.width < LANES || pair.width * pair.height > MAX_PIXELS {
+            return few_or_many(patch, template, enough);
+        }
+        // Below zero as long as it is not more than enough; and all differences can be added without overflow.
+        let start = !enough.min(1 << 30).cast_signed();
+        let mut sum = start;
+        let mut column = 0;
+        while column < pair.width && sum < 0 {
+            let width = STRIP.min(pair.width - column);
+            // SAFETY: the strip is a part of the pair, which has at least four columns.
+            unsafe { sum = strip(&pair, column, width, sum) };
+            column += STRIP;
+        }
+        sum.wrapping_sub(start).cast_unsigned()
+    }
+
+    #[inline(never)]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        let blocks = blocks(rows, low, high);
+        if blocks < LANES {
+            return plain::spread(rows, low, high);
+        }
+        let addresses = rows.each_ref().map(|row| row.as_ptr());
+        // SAFETY: so many blocks of pixels are there, and so much room: at least four.
+        unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
+    }
+}
+
+impl Dsp<'_> {
+    /// True only if the score is less than `floor`. The bound takes half the time of a score, so where it excludes nothing
+    /// it is asked ever less: at last before one score out of 16.
+    #[inline(always)]
+    fn excludes(&self, pair: &Rows, floor: u32) -> bool {
+        if let Some(without) = self.without.load(Relaxed).checked_sub(1) {
+            self.without.store(without, Relaxed);
+            return false;
+        }
+        let excluded = self.lookup.most::<LANES>(pair, floor, loss).is_none();
+        let in_vain = if excluded { 0 } else { (self.in_vain.load(Relaxed) << 1 | 1) & 15 };
+        self.in_vain.store(in_vain, Relaxed);
+        self.without.store(in_vain, Relaxed);
+        excluded
+    }
+}
+
+/// What a round of the loop over rows of `reachable` needs, apart from what is always in registers.
+#[repr(C)]
+struct Row {
+    f_stride: usize,
+    g_stride: usize,
+    /// Where the last columns are that are not a whole word, as the upper part of a word; 0 if there are none.
+    last: usize,
+    /// The lower bits of that word, which are columns before.
+    none: usize,
+    /// Where the template's rows end.
+    end: *const u8,
+}
+
+/// The score; or, once the pixels that are left cannot lift it to the floor any more, less than the floor.
+///
+/// # Safety
+/// The pictures have at least four columns; there are 256 entries, the first of which is [`ONE`].
+#[inline(always)]
+unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
+    let mut reachable = pair.full_after(0);
+    let left = pair.width % LANES;
+    let words = pair.width - left;
+    let row = Row {
+        f_stride: pair.patch_stride.wrapping_sub(words),
+        g_stride: pair.template_stride.wrapping_sub(words),
+        last: if left == 0 { 0 } else { pair.width - LANES },
+        none: 8 * (LANES - left),
+        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+    };
+    // SAFETY: of each row whole words are read, and the word that ends with it; of the table entries up to 255. Nothing is
+    // written.
+    unsafe {
+        asm!(
+            "2:",
+            "add {end}, {f}, {words}",
+            "ldrd r2, r3, [{row}, #8]",
+            "cbz r2, 3f",
+            "ldr {w}, [{f}, r2]",
+            "ldr r2, [{g}, r2]",
+            "lsr {w}, {w}, r3",
+            "lsr r2, r2, r3", // what is no pixel of its own is equal
+            "uqsub8 r3, {w}, r2",
+            "uqsub8 {w}, r2, {w}",
+            "b 4f",
+            "3:",
+            "ldr {w}, [{f}], #4",
+            "ldr r2, [{g}], #4",
+            "uqsub8 r3, {w}, r2",
+            "uqsub8 {w}, r2, {w}",
+            "4:",
+            "orr {w}, {w}, r3",
+            "uxtb r2, {w}",
+            "ubfx r3, {w}, #8, #8",
+            "ldrh r2, [{entries}, r2, lsl #1]",
+            "ldrh r3, [{entries}, r3, lsl #1]",
+            "add {reachable}, {reachable}, r2",
+            "add {reachable}, {reachable}, r3",
+            "ubfx r2, {w}, #16, #8",
+            "lsr r3, {w}, #24",
+            "ldrh r2, [{entries}, r2, lsl #1]",
+            "ldrh r3, [{entries}, r3, lsl #1]",
+            "add {reachable}, {reachable}, r2",
+            "add {reachable}, {reachable}, r3",
+            "cmp {f}, {end}",
+            "bne 3b",
+            "sub {reachable}, {reachable}, {full}",
+            "cmp {reachable}, {floor}",
+            "blo 5f",
+            "ldrd r2, r3, [{row}]",
+            "add {f}, {f}, r2",
+            "add {g}, {g}, r3",
+            "ldr r2, [{row}, #16]",
+            "cmp {g}, r2",
+            "bne 2b",
+            "5:",
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            w = out(reg) _,
+            out("r2") _,
+            out("r3") _,
+            end = out(reg) _,
+            words = in(reg) words,
+            row = in(reg) &raw const row,
+            entries = in(reg) entries,
+            // With what is added for what is no pixel.
+            full = in(reg) plain::full(pair.width.next_multiple_of(LANES)),
+            floor = in(reg) floor,
+            reachable = inout(reg) reachable,
+            options(readonly, nostack),
+        );
+    }
+    reachable
+}
+
+/// Apart, so that what it needs does not burden the usual case.
+#[cold]
+#[inline(never)]
+fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+    plain::distance(patch, template, enough)
+}
+
+/// Unrolled in text, not by `.irp`: a compiler that counts lines to tell how far its jumps across them reach must see them.
+macro_rules! distance_of_words {
+    ($($offset:literal)*) => {
+        concat!($(
+            concat!("ldr.n r2, [r0, #", $offset, "]\n"),
+            concat!("ldr.n r3, [r1, #", $offset, "]\n"),
+            "usada8 {sum}, r2, r3, {sum}\n",
+        )*)
+    };
+}
+
+/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, until that is not negative any more.
+///
+/// # Safety
+/// The pair has these columns, and at least four.
+#[inline(always)]
+unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
+    let left = width % LANES;
+    // The last columns are the upper part of the last word, which begins in the columns before. 0 if there are none.
+    let last = if left == 0 { 0 } else { width.wrapping_sub(LANES) };
+    // SAFETY: of each row, whole words and the last word of `width` are read; nothing is written.
+    unsafe {
+        asm!(
+            "adr.w {words}, 4f",
+            "sub {words}, {words}, r2, lsl #3", // eight bytes of code for each word
+            "2:",
+            "cbz r5, 3f",
+            "ldr.n r2, [r0, r5]",
+            "ldr.n r3, [r1, r5]",
+            "lsr r2, r2, {none}",
+            "lsr r3, r3, {none}",
+            "usada8 {sum}, r2, r3, {sum}",
+            "3:",
+            "mov pc, {words}",
+            ".p2align 2", // so that 4 is where adr can point to
+            distance_of_words!(124 120 116 112 108 104 100 96 92 88 84 80 76 72 68 64),
+            distance_of_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
+            "4:",
+            "add r0, r0, {f_stride}",
+            "add r1, r1, {g_stride}",
+            "adds {rows}, {rows}, #1",
+            "tst {rows}, {sum}", // negative if both are
+            "bmi.w 2b",
+            words = out(reg) _,
+            inout("r0") pair.patch.wrapping_add(column) => _,
+            inout("r1") pair.template.wrapping_add(column) => _,
+            inout("r2") width / LANES => _,
+            out("r3") _,
+            in("r5") last,
+            none = in(reg) 8 * (LANES - left),
+            f_stride = in(reg) pair.patch_stride,
+            g_stride = in(reg) pair.template_stride,
+            rows = inout(reg) pair.height.wrapping_neg() => _,
+            sum = inout(reg) sum,
+            options(readonly, nostack),
+        );
+    }
+    sum
+}
+
+/// Of each two pixels of two registers the smaller (`least`) or the larger (`most`); `free` is lost.
+macro_rules! of_two {
+    (least, $to:literal, $x:literal, $y:literal, $free:literal) => {
+        concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
+    };
+    (most, $to:literal, $x:literal, $y:literal, $free:literal) => {
+        concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $x, ", ", $y)
+    };
+}
+
+/// The same of each four rows of pixels at `at`.
+macro_rules! of_four_rows {
+    ($low:literal, $high:literal) => {
+        concat!(
+            "ldrd {e}, {f}, [{rows}]\n",
+            "ldr {e}, [{e}, {at}]\n",
+            "ldr {f}, [{f}, {at}]\n",
+            concat!("usub8 ", $low, ", {e}, {f}\nsel ", $low, ", {f}, {e}\nsel ", $high, ", {e}, {f}\n"),
+            "ldrd {e}, {f}, [{rows}, #8]\n",
+            "ldr {e}, [{e}, {at}]\n",
+            "ldr {f}, [{f}, {at}]\n",
+            "usub8 {g}, {e}, {f}\nsel {g}, {f}, {e}\nsel {e}, {e}, {f}\n",
+            of_two!(least, $low, $low, "{g}", "{f}"),
+            "\n",
+            of_two!(most, $high, $high, "{e}", "{f}"),
+        )
+    };
+}
+
+/// Of each four neighbours in columns 0 to 3 and 4 to 7.
+macro_rules! of_four_columns {
+    ($what:ident, $first:literal, $next:literal) => {
+        concat!(
+            concat!("lsr {e}, ", $first, ", #8\n"),
+            concat!("orr {e}, {e}, ", $next, ", lsl #24\n"),
+            of_two!($what, "{e}", "{e}", $first, "{f}"),
+            concat!("\nlsr {f}, ", $first, ", #16\n"),
+            concat!("orr {f}, {f}, ", $next, ", lsl #16\n"),
+            of_two!($what, "{e}", "{e}", "{f}", "{g}"),
+            concat!("\nlsr {f}, ", $first, ", #24\n"),
+            concat!("orr {f}, {f}, ", $next, ", lsl #8\n"),
+            of_two!($what, "{e}", "{e}", "{f}", "{g}"),
+        )
+    };
+}
+
+/// # Safety
+/// At all `rows` there are `blocks` bytes and three more, at `low` and at `high` there are `blocks`: at least four.
+#[inline(always)]
+unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usize) {
+    // SAFETY: four blocks at a time, of words that begin where they do and four bytes to the right. The last four blocks may
+    // be some of those before again: three bytes to the right of them is the last word of a row.
+    unsafe {
+        asm!(
+            of_four_rows!("{a}", "{b}"),
+            "2:",
+            "cmp {at}, {last}",
+            "bhs 3f",
+            "add {at}, {at}, #4",
+            of_four_rows!("{c}", "{d}"),
+            of_four_columns!(least, "{a}", "{c}"),
+            "str {e}, [{low}, {at}]",
+            "mov {a}, {c}",
+            of_four_columns!(most, "{b}", "{d}"),
+            "str {e}, [{high}, {at}]",
+            "mov {b}, {d}",
+            "b 2b",
+            "3:",
+            "mov {at}, {last}",
+            of_four_rows!("{a}", "{b}"),
+            "add {at}, {at}, #3",
+            of_four_rows!("{c}", "{d}"),
+            "add {at}, {at}, #1",
+            "lsr {c}, {c}, #8",
+            of_four_columns!(least, "{a}", "{c}"),
+            "str {e}, [{low}, {at}]",
+            "lsr {d}, {d}, #8",
+            of_four_columns!(most, "{b}", "{d}"),
+            "str {e}, [{high}, {at}]",
+            a = out(reg) _,
+            b = out(reg) _,
+            c = out(reg) _,
+            d = out(reg) _,
+            e = out(reg) _,
+            f = out(reg) _,
+            g = out(reg) _,
+            rows = in(reg) rows,
+            // `at` is a word ahead where these are written to.
+            low = in(reg) low.wrapping_sub(LANES),
+            high = in(reg) high.wrapping_sub(LANES),
+            at = inout(reg) 0 => _,
+            last = in(reg) blocks - LANES,
+            options(nostack),
+        );
+    }
+}
+
+/// What the pictures, which have at least four columns, lose at least; once that is more than is allowed, any part of it
+/// that is.
+#[inline(never)]
+fn loss(pair: &Rows, limit: &Limit) -> u32 {
+    let mut clipped = Clipped::default();
+    let mut column = 0;
+    while column < pair.width && clipped.loss(limit) <= limit.allowed {
+        let width = FILTER_STRIP.min(pair.width - column);
+        // SAFETY: the strip is a part of the pair, which has at least four columns.
+        unsafe { clipped.add(pair, column, width, limit) };
+        column += FILTER_STRIP;
+    }
+    clipped.loss(limit)
+}
+
+/// Sums of min(difference, threshold), and of min(difference, threshold - 1): these differ by 1 for every pixel that does
+/// not count.
+#[derive(Default)]
+struct Clipped {
+    by_threshold: u32,
+    by_one_less: u32,
+}
+
+/// What a round of the loop over rows needs, apart from what is always in registers.
+#[repr(C)]
+struct Round {
+    f_stride: usize,
+    g_stride: usize,
+    /// What is lost for each unit of the two sums.
+    of_threshold: u32,
+    of_one_less: u32,
+    allowed: u32,
+    /// Where the template's rows end.
+    end: *const u8,
+    none: usize,
+    words: usize,
+}
+
+impl Limit {
+    /// With M and M' the two sums, M - M' pixels do not count, and M less (M - M') * threshold is the sum of the
+    /// differences of the others. So this is lost for each unit of M; and less by what is lost for each level, for M'.
+    fn of_threshold(&self) -> u32 {
+        u32::from(ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
+    }
+}
+
+macro_rules! clipped_words {
+    ($($offset:literal)*) => {
+        concat!($(
+            concat!("ldr.n r2, [r0, #", $offset, "]\n"),
+            concat!("ldr.n r3, [r1, #", $offset, "]\n"),
+            "uqsub8 {d}, r2, r3\n",
+            concat!("ldr.n r2, [r4, #", $offset, "]\n"),
+            "uqsub8 r2, r3, r2\n",
+            "orr.w r2, r2, {d}\n",
+            "uqsub8 {d}, {threshold}, r2\n",
+            "uqsub8 r2, {one_less}, r2\n",
+            "usada8 {sum}, {threshold}, {d}, {sum}\n",
+            "usada8 {less}, {one_less}, r2, {less}\n",
+        )*)
+    };
+}
+
+impl Clipped {
+    fn loss(&self, limit: &Limit) -> u32 {
+        let by_threshold = limit.of_threshold().wrapping_mul(self.by_threshold);
+        by_threshold.wrapping_add(limit.chord.wrapping_sub(limit.of_threshold()).wrapping_mul(self.by_one_less))
+    }
+
+    /// Adds `width` (1..=`FILTER_STRIP`) columns from `column` on, until more is lost than is allowed.
+    ///
+    /// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, and no
+    /// farther than 0: that is what `usada8` adds.
+    ///
+    /// # Safety
+    /// The pair has these columns, and at least four.
+    #[inline(always)]
+    unsafe fn add(&mut self, pair: &Rows, column: usize, width: usize, limit: &Limit) {
+        let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
+        let left = width % LANES;
+        let template = pair.template.wrapping_add(column);
+        let mut round = Round {
+            f_stride: pair.patch_stride,
+            g_stride: pair.template_stride,
+            of_threshold: limit.of_threshold(),
+            of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
+            allowed: limit.allowed,
+            end: template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+            none: 8 * (LANES - left),
+            words: width / LANES * FILTER_WORD,
+        };
+        // SAFETY: of each row, whole words and the last word of `width` are read; what the patch is at most has rows as far
+        // apart as the patch. Nothing but `round` is written.
+        unsafe {
+            asm!(
+                "adr.w r2, 4f",
+                "ldr r3, [{round}, #28]",
+                "sub r2, r2, r3",
+                "orr r2, r2, #1", // Thumb
+                "str r2, [{round}, #28]",
+                "2:",
+                "cbz r5, 3f",
+                "ldr r2, [r0, r5]",
+                "ldr r3, [r1, r5]",
+                "uqsub8 {d}, r2, r3",
+                "ldr r2, [r4, r5]",
+                "uqsub8 r2, r3, r2",
+                "orr r2, r2, {d}",
+                "ldr {d}, [{round}, #24]",
+                "lsr r2, r2, {d}",
+                "uqsub8 {d}, {threshold}, r2",
+                "uqsub8 r2, {one_less}, r2",
+                "usada8 {sum}, {threshold}, {d}, {sum}",
+                "usada8 {less}, {one_less}, r2, {less}",
+                "3:",
+                "ldr.w pc, [{round}, #28]",
+                ".p2align 2", // so that 4 is where adr can point to
+                clipped_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
+                "4:",
+                "ldrd r2, r3, [{round}]",
+                "add r0, r0, r2",
+                "add r4, r4, r2",
+                "add r1, r1, r3",
+                "ldrd r2, r3, [{round}, #8]",
+                "mul r2, r2, {sum}",
+                "mla r2, r3, {less}, r2",
+                "ldrd r3, {d}, [{round}, #16]",
+                "cmp r2, r3",
+                "bhi 5f",
+                "cmp r1, {d}",
+                "bne.w 2b",
+                "5:",
+                inout("r0") pair.patch.wrapping_add(column) => _,
+                inout("r1") template => _,
+                inout("r4") pair.high.wrapping_add(column) => _,
+                out("r2") _,
+                out("r3") _,
+                // The last columns are the upper part of the last word, which begins in the columns before.
+                in("r5") if left == 0 { 0 } else { width.wrapping_sub(LANES) },
+                d = out(reg) _,
+                threshold = in(reg) in_lanes(limit.threshold),
+                one_less = in(reg) in_lanes(limit.threshold - 1),
+                sum = inout(reg) self.by_threshold,
+                less = inout(reg) self.by_one_less,
+                round = in(reg) &raw mut round,
+                options(nostack),
+            );
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! Sums of products by Helium: eight products an instruction.
+//!
+//! - Responses: `vmladava` adds the products of two registers to a number. Up to seven offsets side by side share the weights that were loaded.
+//!   In a loop from `dlstp` to `letp` the last round has as many lanes as there are weights left: nothing else is read.
+//! - Gathering: the bytes of a channel are put side by side; then what errors say of its weights are responses, too, to a filter of
+//!   errors at the offset of each weight.
+
+use crate::kernels::layout::{Layout, Room};
+use crate::kernels::plain::products as plain;
+use core::arch::asm;
+use core::ops::Range;
+
+/// Bytes from an offset to the next one: those of a cell.
+const STEP: usize = 10;
+/// The most sums side by side.
+const MOST: usize = 7;
+
+/// Whether a filter of so many weights lies on the cells at all offsets, cell by cell; and its rows.
+fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
+    let Layout { row, stride, step, span } = layout;
+    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
+    let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
+    let needed = (down + span - 2) * stride + row + (span - 1) * step;
+    (cells.len() >= needed).then_some(down)
+}
+
+/// See [`products::responses`].
+pub(crate) fn responses<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
+    let Layout { row, stride, step, span } = layout;
+    let Some(down) =
+        fits(cells, layout, weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
+    else {
+        return plain::responses(parts, cells, layout, weights, out);
+    };
+    let read = row.next_multiple_of(8);
+    let rows = Rows { width: row, cells: stride.wrapping_sub(read), weights: (row.wrapping_sub(read)).wrapping_mul(2) };
+    for y in parts.start..parts.end.min(span) {
+        let Some(out) = out.get_mut(y) else { return };
+        let from = cells.as_ptr().wrapping_add(y * stride);
+        let mut x = 0;
+        while x < span {
+            // As few blocks as there can be, and alike; the last one may begin before the one before it has ended.
+            let width = match span - x {
+                0..=3 => 3,
+                4 | 5 | 8..=10 | 15 => 5,
+                _ => 7,
+            };
+            x = x.min(span - width);
+            let (cells, weights) = (from.wrapping_add(x * step), weights.as_ptr());
+            // SAFETY: `fits` has seen that the filter lies on the cells at these offsets, the last of which is below `span`.
+            let sums = unsafe {
+                match width {
+                    3 => rows.three::<STEP>(cells, weights, down),
+                    5 => rows.five::<STEP>(cells, weights, down),
+                    _ => rows.seven::<STEP>(cells, weights, down),
+                }
+            };
+            out.iter_mut().skip(x).zip(sums).take(width).for_each(|(out, sum)| *out = sum);
+            x += width;
+        }
+    }
+}
+
+/// How the rows of a filter lie. The assembler reads it.
+#[repr(C)]
+struct Rows {
+    width: usize,
+    /// Bytes from where a row's loop has come to the next row.
+    cells: usize,
+    weights: usize,
+}
+
+/// The sums at offsets side by side, `APART` bytes apart: the first one in r0, the others in the registers named. r6 may not be named: what
+/// is done with it stands apart.
+macro_rules! sums {
+    (
+        $name:ident: $sums:expr;
+        $first:ident $nine:ident $($number:literal $register:tt $sum:ident)*;
+        $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
+    ) => {
+        /// # Safety
+        /// `down` rows of `width` weights, at least one of each, can be read, and the cells under them at all offsets.
+        #[inline(never)]
+        unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
+            let ($first, $nine): (_, i32);
+            $(let $sum;)*
+            // SAFETY: the caller has seen to what is read; nothing is written but the stack.
+            unsafe {
+                asm!(
+                    $($begin,)*
+                    "2:",
+                    "ldr r9, [r5]",
+                    "dlstp.16 lr, r9",
+                    "3:",
+                    "vldrh.u16 q0, [r3], #16",
+                    $(
+                        concat!("vldrb.s16 q1, [r1, #", $number, " * {apart}]"),
+                        concat!("vmladava.s16 ", $register, ", q0, q1"),
+                    )*
+                    $($seventh,)*
+                    "vldrb.s16 q1, [r1], #8",
+                    "vmladava.s16 r0, q0, q1",
+                    "letp lr, 3b",
+                    "ldrd r9, lr, [r5, #4]",
+                    "add r1, r1, r9",
+                    "add r3, r3, lr",
+                    "subs r11, r11, #1",
+                    "bne 2b",
+                    $($end,)*
+                    inout("r0") 0 => $first,
+                    $(inout($register) 0 => $sum,)*
+                    inout("r1") cells => _,
+                    inout("r3") weights => _,
+                    in("r5") self,
+                    inout("r11") down => _,
+                    out("r9") $nine,
+                    out("lr") _,
+                    out("q0") _,
+                    out("q1") _,
+                    apart = const APART,
+                );
+            }
+            $sums
+        }
+    };
+}
+
+impl Rows {
+    sums! {
+        three: [a, b, c, 0, 0, 0, 0];
+        a _nine 1 "r2" b 2 "r4" c;;;
+    }
+    sums! {
+        five: [a, b, c, d, e, 0, 0];
+        a _nine 1 "r2" b 2 "r4" c 3 "r8" d 4 "r10" e;;;
+    }
+    sums! {
+        six: [a, b, c, d, e, f, 0];
+        a _nine 1 "r2" b 2 "r4" c 3 "r8" d 4 "r10" e 5 "r12" f;;;
+    }
+    sums! {
+        seven: [a, b, c, d, e, f, g];
+        a g 1 "r2" b 2 "r4" c 3 "r8" d 4 "r10" e 5 "r12" f;
+        "push {{r6}}" "movs r6, #0";
+        "vldrb.s16 q1, [r1, #6 * {apart}]" "vmladava.s16 r6, q0, q1";
+        "mov r9, r6" "pop {{r6}}"
+    }
+}
+
+/// Eight errors of a row times the bytes at six offsets, or at seven.
+macro_rules! eight {
+    () => {
+        "vldrh.u16 q0, [r3], #16
+        vldrb.s16 q1, [r1, #1]
+        vmladava.s16 r2, q0, q1
+        vldrb.s16 q1, [r1, #2]
+        vmladava.s16 r4, q0, q1
+        vldrb.s16 q1, [r1, #3]
+        vmladava.s16 r8, q0, q1
+        vldrb.s16 q1, [r1, #4]
+        vmladava.s16 r10, q0, q1
+        vldrb.s16 q1, [r1, #5]
+        vmladava.s16 r12, q0, q1
+        .if {seven}
+        vldrb.s16 q1, [r1, #6]
+        vmladava.s16 r6, q0, q1
+        .endif
+        vldrb.s16 q1, [r1], #8
+        vmladava.s16 r0, q0, q1"
+    };
+}
+
+impl Rows {
+    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for as many rows of errors as there are errors in each, `N` apart, on bytes
+    /// `apart` from row to row. Where there are one or two times eight errors and one more in each, the last ones are a column of their
+    /// own: so lanes are not left empty.
+    ///
+    /// # Safety
+    /// All these errors can be read, and the bytes under them at seven offsets.
+    #[inline(never)] // one copy in flash
+    unsafe fn errors_at<const N: usize, const SEVEN: usize>(
+        &self,
+        bytes: *const i8,
+        errors: *const i16,
+        apart: usize,
+    ) -> [i32; MOST] {
+        let span = self.width;
+        if span != 17 && span != 9 {
+            // SAFETY: the caller has seen to it.
+            return unsafe {
+                if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) }
+            };
+        }
+        let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
+        // SAFETY: the caller has seen to what is read: of each row all errors but the last one; nothing is written but the stack, which
+        // keeps r6, as it may not be named.
+        unsafe {
+            asm!(
+                "push {{r6}}",
+                "movs r6, #0",
+                "dls lr, lr",
+                "2:",
+                eight!(),
+                "cbz r5, 3f",
+                eight!(),
+                "3:",
+                "add r1, r1, r9",
+                "add r3, r3, r11",
+                "le lr, 2b",
+                "mov r11, r6",
+                "pop {{r6}}",
+                inout("r0") 0 => a,
+                inout("r2") 0 => b,
+                inout("r4") 0 => c,
+                inout("r8") 0 => d,
+                inout("r10") 0 => e,
+                inout("r12") 0 => f,
+                inout("r1") bytes => _,
+                inout("r3") errors => _,
+                in("r5") span / 17,
+                in("r9") apart.wrapping_sub(span - 1),
+                inout("r11") 2 * (N.wrapping_sub(span - 1)) => g,
+                inout("lr") span => _,
+                out("q0") _,
+                out("q1") _,
+                seven = const SEVEN,
+            );
+        }
+        // SAFETY: the same of the last errors and of r6; the last round has as many lanes as there are rows left.
+        unsafe {
+            asm!(
+                "push {{r6}}",
+                "movs r6, #0",
+                "vidup.u16 q2, r6, #1",
+                "mov r6, r11",
+                "vmul.i16 q3, q2, r9",
+                "vmul.i16 q2, q2, r5",
+                "lsl r11, r5, #3",
+                "sub r11, r11, #5 + {seven}",
+                "dlstp.16 lr, lr",
+                "2:",
+                "vldrh.u16 q0, [r3, q3]",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r0, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r2, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r4, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r8, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r10, q0, q1",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r12, q0, q1",
+                ".if {seven}",
+                "adds r1, #1",
+                "vldrb.s16 q1, [r1, q2]",
+                "vmladava.s16 r6, q0, q1",
+                ".endif",
+                "add r1, r1, r11",
+                "add r3, r3, r9, lsl #3",
+                "letp lr, 2b",
+                "mov r11, r6",
+                "pop {{r6}}",
+                inout("r0") a,
+                inout("r2") b,
+                inout("r4") c,
+                inout("r8") d,
+                inout("r10") e,
+                inout("r12") f,
+                inout("r1") bytes.wrapping_add(span - 1) => _,
+                inout("r3") errors.wrapping_add(span - 1) => _,
+                in("r5") apart,
+                in("r9") 2 * N,
+                inout("r11") g,
+                inout("lr") span => _,
+                out("q0") _,
+                out("q1") _,
+                out("q2") _,
+                out("q3") _,
+                seven = const SEVEN,
+            );
+        }
+        [a, b, c, d, e, f, g]
+    }
+}
+
+/// Parts that sums are gathered in: channels.
+pub(crate) const GATHER_PARTS: usize = STEP;
+/// Bytes to a channel of cells side by side.
+static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
+
+/// See [`products::gather`]. A part is a channel.
+pub(crate) fn gather<const N: usize>(
+    parts: Range<usize>,
+    room: &mut Room,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
+    let Layout { row, stride, span, .. } = layout;
+    let width = stride / STEP;
+    let count = |down: usize| (down + span - 2) * width + row / STEP + span - 1;
+    let room_for = |&down: &usize| {
+        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
+    };
+    let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
+        // There a part is a row of errors.
+        let parts = if parts.start == 0 { 0..span } else { 0..0 };
+        return plain::gather(parts, cells, layout, errors, sums);
+    };
+    let read = span.next_multiple_of(8);
+    let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
+    // What takes fewer products: a block of seven sums is nine eighths of one of six.
+    let cells_across = row / STEP;
+    let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
+    for channel in parts.start..parts.end.min(STEP) {
+        let plane = room.as_mut_ptr().cast::<i8>();
+        // SAFETY: of each cell that the filter lies on, all of which are there, a byte is read; as many are written, for which there is room.
+        unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
+        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
+            let (of_cells, _) = sums.as_chunks_mut::<STEP>();
+            let mut from = plane.cast_const().wrapping_add(y * width);
+            for of_cells in of_cells.chunks_mut(block) {
+                // SAFETY: the errors lie on bytes that were put there, or, at offsets that nobody asks for, on the room after them.
+                let at_block = unsafe {
+                    if block == MOST {
+                        rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width)
+                    } else {
+                        rows.errors_at::<N, 0>(from, errors.as_ptr().cast(), width)
+                    }
+                };
+                for (of_cell, sum) in of_cells.iter_mut().zip(at_block) {
+                    if let Some(of_channel) = of_cell.get_mut(channel) {
+                        *of_channel += sum;
+                    }
+                }
+                from = from.wrapping_add(block);
+            }
+        }
+    }
+}
+
+/// Puts a byte of each of so many cells side by side.
+///
+/// # Safety
+/// The first byte of each cell can be read, and `to` can be written to. The count is not 0.
+unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
+    // SAFETY: the caller has seen to it; the last round has as many lanes as are left.
+    unsafe {
+        asm!(
+            "vldrh.u16 q0, [{places}]",
+            "dlstp.16 lr, {count}",
+            "2:",
+            "vldrb.u16 q1, [{cells}, q0]",
+            "vstrb.16 q1, [r0], #8",
+            "add {cells}, {cells}, #80",
+            "letp lr, 2b",
+            places = in(reg) &raw const CELLS,
+            count = in(reg) count,
+            cells = inout(reg) cells => _,
+            // A store that narrows takes only r0 to r7.
+            inout("r0") to => _,
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            options(nostack),
+        );
+    }
+}

@@ -1,0 +1,229 @@
+//! The kernels by Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels in a register.
+//!
+//! - `vldrh` with a register of offsets loads as many entries of the table.
+//! - `vabav` adds the absolute differences of two registers to a third.
+//! - `vpt` compares, and lets the instructions after it work where it holds, or where it does not.
+//! - In a loop from `dlstp` to `letp`, which counts pixels down in `lr`, the last round works in as many lanes as there are
+//!   pixels left: nothing else is read or written.
+//!
+//! `asm!`, as there are no intrinsics.
+
+use super::super::loss::{Limit, Lookup, blocks};
+use crate::image::Image;
+use crate::kernels::cut_table::CutTable;
+use crate::kernels::plain::scores as plain;
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::Scores;
+use core::arch::asm;
+
+/// Pixels in a register.
+const LANES: usize = 16;
+
+pub(crate) struct Helium<'a>(Lookup<'a>);
+
+impl<'a> Helium<'a> {
+    #[inline(always)] // see `Scorer::new`
+    pub(crate) fn new(table: &'a CutTable) -> Self {
+        Self(Lookup::new(table))
+    }
+}
+
+/// Unrolled in text, not by `.irp`: a compiler that counts lines to tell how far its jumps across them reach must see them.
+macro_rules! of_row {
+    ($row:literal) => {
+        concat!(
+            of_row!(@ "[", $row, ", #1]"),
+            of_row!(@ "[", $row, ", #2]"),
+            of_row!(@ "[", $row, ", #3]"),
+            of_row!(@ "[", $row, "], #16"),
+        )
+    };
+    (@ $($address:literal),*) => {
+        concat!("vldrb.u8 q2, ", $($address,)* "\nvmin.u8 q0, q0, q2\nvmax.u8 q1, q1, q2\n")
+    };
+}
+impl Scores for Helium<'_> {
+    #[inline(never)]
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let pair = Rows::of(patch, template);
+        let mut reachable = pair.full_after(0);
+        // How far a row's loop goes: whole registers, of half as many pixels.
+        let advance = pair.width.next_multiple_of(LANES / 2);
+        // SAFETY: of every row, the pixels up to `width` are read, of which there is at least one; and of the table entries
+        // up to 255. Nothing is written.
+        unsafe {
+            asm!(
+                "2:",
+                "dlstp.16 lr, {width}",
+                "3:",
+                "vldrb.u16 q0, [r0], #8",
+                "vldrb.u16 q1, [r1], #8",
+                "vabd.u16 q0, q0, q1",
+                "vldrh.u16 q1, [{entries}, q0, uxtw #1]",
+                "vaddva.u16 r2, q1",
+                "letp lr, 3b",
+                "sub r2, r2, {full}",
+                "cmp r2, {floor}",
+                "blo 4f",
+                "add r0, r0, {f_stride}",
+                "add r1, r1, {g_stride}",
+                "subs {rows}, {rows}, #1",
+                "bne 2b",
+                "4:",
+                inout("r0") pair.patch => _,
+                inout("r1") pair.template => _,
+                f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
+                g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+                rows = inout(reg) pair.height => _,
+                width = in(reg) pair.width,
+                full = in(reg) plain::full(pair.width),
+                floor = in(reg) floor,
+                entries = in(reg) self.0.entries(),
+                inout("r2") reachable,
+                out("lr") _,
+                out("q0") _,
+                out("q1") _,
+                options(readonly, nostack),
+            );
+        }
+        Some(reachable).filter(|&score| score >= floor)
+    }
+
+    #[inline(never)]
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.0.most::<1>(&Rows::between(low, high, template), floor, loss)
+    }
+
+    #[inline(never)]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let pair = Rows::of(patch, template);
+        let mut sum = 0;
+        // How far a row's loop goes: whole registers.
+        let advance = pair.width.next_multiple_of(LANES);
+        // SAFETY: of every row, the pixels up to `width` are read, of which there is at least one; nothing is written.
+        unsafe {
+            asm!(
+                "2:",
+                "dlstp.8 lr, {width}",
+                "3:",
+                "vldrb.u8 q0, [{f}], #16",
+                "vldrb.u8 q1, [{g}], #16",
+                "vabav.u8 {sum}, q0, q1",
+                "letp lr, 3b",
+                "cmp {sum}, {enough}",
+                "bhi 4f",
+                "add {f}, {f}, {f_stride}",
+                "add {g}, {g}, {g_stride}",
+                "subs {rows}, {rows}, #1",
+                "bne 2b",
+                "4:",
+                f = inout(reg) pair.patch => _,
+                g = inout(reg) pair.template => _,
+                f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
+                g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+                rows = inout(reg) pair.height => _,
+                width = in(reg) pair.width,
+                enough = in(reg) enough,
+                sum = inout(reg) sum,
+                out("lr") _,
+                out("q0") _,
+                out("q1") _,
+                options(readonly, nostack),
+            );
+        }
+        sum
+    }
+    #[inline(never)]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        let columns = blocks(rows, low, high);
+        if columns == 0 {
+            return;
+        }
+        let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
+        // SAFETY: of each row `columns` pixels are read, and those one, two and three to the right of them, which it has;
+        // `low` and `high` have room for as many.
+        unsafe {
+            asm!(
+                "dlstp.8 lr, {columns}",
+                "3:",
+                "vmov.i8 q0, #255",
+                "vmov.i8 q1, #0",
+                of_row!("{a}"),
+                of_row!("{b}"),
+                of_row!("{c}"),
+                of_row!("{d}"),
+                "vstrb.8 q0, [{low}], #16",
+                "vstrb.8 q1, [{high}], #16",
+                "letp lr, 3b",
+                a = inout(reg) a => _,
+                b = inout(reg) b => _,
+                c = inout(reg) c => _,
+                d = inout(reg) d => _,
+                low = inout(reg) low.as_mut_ptr() => _,
+                high = inout(reg) high.as_mut_ptr() => _,
+                columns = in(reg) columns,
+                out("lr") _,
+                out("q0") _,
+                out("q1") _,
+                out("q2") _,
+                options(nostack),
+            );
+        }
+    }
+}
+
+/// What the pictures lose at least; once that is more than is allowed, any part of it that is.
+#[inline(never)]
+fn loss(pair: &Rows, limit: &Limit) -> u32 {
+    let advance = pair.width.next_multiple_of(LANES);
+    let lost: u32;
+    // SAFETY: as in `distance`; what the patch is at most has rows as far apart as the patch.
+    unsafe {
+        asm!(
+            "vdup.8 q2, lr",
+            "vmov.i8 q3, #1",
+            "2:",
+            "dlstp.8 lr, {width}",
+            "3:",
+            "vldrb.u8 q0, [{f}], #16",
+            "vldrb.u8 q1, [{g}], #16",
+            "vqsub.u8 q0, q0, q1",
+            "vldrb.u8 q4, [{high}], #16",
+            "vqsub.u8 q1, q1, q4",
+            "vorr q0, q0, q1",
+            "vpte.u8 cs, q0, q2",
+            "vaddvat.u8 r2, q3", // where the threshold is reached, pixels
+            "vaddvae.u8 r4, q0", // elsewhere differences
+            "letp lr, 3b",
+            "rsb lr, r2, r2, lsl #16", // * 65535
+            "mla lr, r4, {chord}, lr",
+            "cmp lr, {allowed}",
+            "bhi 4f",
+            "add {f}, {f}, {f_stride}",
+            "add {high}, {high}, {f_stride}",
+            "add {g}, {g}, {g_stride}",
+            "subs {rows}, {rows}, #1",
+            "bne 2b",
+            "4:",
+            f = inout(reg) pair.patch => _,
+            high = inout(reg) pair.high => _,
+            g = inout(reg) pair.template => _,
+            f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
+            g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+            rows = inout(reg) pair.height => _,
+            width = in(reg) pair.width,
+            chord = in(reg) limit.chord,
+            allowed = in(reg) limit.allowed,
+            inout("r2") 0 => _,
+            inout("r4") 0 => _,
+            inout("lr") u32::from(limit.threshold) => lost,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            out("q3") _,
+            out("q4") _,
+            options(readonly, nostack),
+        );
+    }
+    lost
+}

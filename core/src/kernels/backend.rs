@@ -1,0 +1,76 @@
+//! The instruction sets that kernels are written for.
+
+#[cfg(target_arch = "x86_64")]
+use super::x86;
+
+/// A way to compute scores. All ways give the same integers.
+///
+/// # Where pixels may be
+///
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address, which Arm's microcontrollers do in Normal memory
+/// only. External RAM in the region of Device memory (0xA000_0000 to 0xDFFF_FFFF of the default memory map) faults until
+/// firmware has set up the MPU to make it Normal, and so does every other memory that the MPU makes Device or Strongly-ordered;
+/// so does all memory while `UNALIGN_TRP` is set. Where this cannot be had, [`Backend::Scalar`] loads bytes only:
+/// `Config::backend` of either tracker.
+///
+/// ```
+/// use smr_core::similarity::Backend;
+/// assert!(Backend::available().any(|backend| backend == Backend::Scalar));
+/// assert!(Backend::available().any(|backend| backend == Backend::best()));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Backend {
+    /// The plain loop, the specification.
+    Scalar,
+    /// x86-64 with no more than every one has: distances, ranges and bounds 16 pixels at a time; a score is the plain
+    /// loop's, begun only where a bound allows it to reach the floor.
+    Sse2,
+    /// x86-64 with AVX2: 32 pixels at a time.
+    Avx2,
+    /// x86-64 with AVX-512 BW, VBMI and VNNI: 64 pixels at a time.
+    Avx512,
+    /// AArch64 with NEON: 16 pixels at a time.
+    Neon,
+    /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
+    Dsp,
+    /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
+    Helium,
+}
+
+impl Backend {
+    const ALL: [Self; 7] = [Self::Avx512, Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
+
+    /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
+    ///
+    /// With the feature `std` the machine is asked at run time, else only what the program is compiled for counts.
+    pub fn available() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|backend| backend.is_available())
+    }
+
+    /// The fastest of them.
+    #[must_use]
+    pub fn best() -> Self {
+        Self::available().next().unwrap_or(Self::Scalar)
+    }
+
+    /// True if this machine can run it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => x86::sse2::is_available(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => x86::avx2::scores::is_available(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => x86::avx512::is_available(),
+            Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Sse2 | Self::Avx2 | Self::Avx512 => false,
+            Self::Dsp => cfg!(smr_dsp),
+            Self::Helium => cfg!(smr_helium),
+        }
+    }
+}

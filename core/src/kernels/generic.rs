@@ -1,0 +1,493 @@
+//! The loops of the backends with vectors, each once.
+//!
+//! The file of an instruction set says what its vector is ([`Vector`]; for ranges [`Neighbours`]) and how it looks entries of
+//! a table up ([`LookUp`]); `scores!` compiles the loops for it.
+//!
+//! Everything here, and every method of the traits, is `#[inline(always)]`: it becomes a part of a function with
+//! `#[target_feature]`, and only there does an intrinsic become an instruction. So no closures: they are functions of their own.
+
+use super::cut_table::ONE;
+use super::rows::Rows;
+use core::slice;
+
+/// So many rows are added before it is looked whether the end is already certain.
+const ROWS_A_LOOK: usize = 8;
+
+/// A register of pixels, and what its instruction set does with it.
+///
+/// # Safety
+/// Every method is for processors that have the instruction set.
+pub(crate) trait Vector: Copy {
+    /// Pixels in it.
+    const LANES: usize;
+
+    /// A sum of bytes, in parts. No part overflows: a sum of 65537 bytes is below 2^25.
+    type Total: Copy;
+
+    /// Which lanes hold the end of a row: the pixels that are left where whole vectors have been taken off.
+    type End: Copy;
+
+    unsafe fn splat(byte: u8) -> Self;
+    /// The bytes from any address on.
+    unsafe fn load(from: *const u8) -> Self;
+    unsafe fn or(a: Self, b: Self) -> Self;
+    /// a - b, and 0 where that is negative.
+    unsafe fn beyond(a: Self, b: Self) -> Self;
+    /// a - b, wrapping.
+    unsafe fn minus(a: Self, b: Self) -> Self;
+    /// All bits where a <= b, else none.
+    unsafe fn at_most(a: Self, b: Self) -> Self;
+
+    unsafe fn nothing() -> Self::Total;
+    /// Adds all bytes.
+    unsafe fn add(total: Self::Total, bytes: Self) -> Self::Total;
+    /// Adds all |f - g|.
+    unsafe fn add_distance(total: Self::Total, f: Self, g: Self) -> Self::Total;
+    unsafe fn plus(a: Self::Total, b: Self::Total) -> Self::Total;
+    unsafe fn times_256(total: Self::Total) -> Self::Total;
+    /// The sum of the parts.
+    unsafe fn across(total: Self::Total) -> u32;
+
+    /// For rows of this width. `WHOLE` is 0 where no vector is filled.
+    unsafe fn end<const WHOLE: usize>(width: usize) -> Self::End;
+    /// The end of the row that begins at `row`; what is in the other lanes does not matter.
+    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self::End) -> Self;
+    /// Zero in the lanes that do not hold the end.
+    unsafe fn keep(bytes: Self, end: Self::End) -> Self;
+
+    /// The same of what `load_end` has given: nothing to do where that is zero there.
+    #[inline(always)]
+    unsafe fn keep_loaded(bytes: Self, end: Self::End) -> Self {
+        // SAFETY: as the caller has seen to.
+        unsafe { Self::keep(bytes, end) }
+    }
+
+    /// |f - g|.
+    #[inline(always)]
+    unsafe fn difference(f: Self, g: Self) -> Self {
+        // SAFETY: as the caller has seen to.
+        unsafe { outside(f, f, g) }
+    }
+}
+
+/// What ranges take beside.
+pub(crate) trait Neighbours: Vector {
+    unsafe fn store(bytes: Self, to: *mut u8);
+    unsafe fn min(a: Self, b: Self) -> Self;
+    unsafe fn max(a: Self, b: Self) -> Self;
+    /// What is so many bytes further on; at the end zeroes.
+    unsafe fn further<const BY: i32>(bytes: Self) -> Self;
+}
+
+/// A table, cut off at a threshold, in registers.
+pub(crate) trait LookUp {
+    type Vector: Vector;
+
+    /// The entries of differences, low bytes and high bytes; zero from the threshold on.
+    unsafe fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
+}
+
+/// Methods of the traits above, each an expression of intrinsics.
+macro_rules! intrinsics {
+    ($(fn $name:ident $(<const $n:ident: $of:ty>)? ($($argument:ident: $type:ty),*) $(-> $to:ty)? { $value:expr })*) => {$(
+        #[inline(always)]
+        #[allow(unused_unsafe)] // some are ordinary expressions
+        unsafe fn $name $(<const $n: $of>)? ($($argument: $type),*) $(-> $to)? {
+            // SAFETY: the caller has seen to it that the processor has the instructions, and that the bytes of a vector are
+            // where an address points to. No instruction wants an alignment.
+            unsafe { $value }
+        }
+    )*};
+}
+
+/// The number of vectors that a row fills is `WHOLE`, or at least one; `END`: there are pixels that fill none.
+pub(crate) const ANY: usize = usize::MAX;
+
+/// `$call` with `WHOLE` and `END` of a width: the usual ones have a loop of their own.
+macro_rules! by_width {
+    ($width:expr, $vector:ty, $call:expr) => {{
+        use $crate::kernels::generic::{ANY, Vector};
+        let width = $width;
+        match (width / <$vector>::LANES, width.is_multiple_of(<$vector>::LANES)) {
+            (0, _) => by_width!(@ 0, true, $call),
+            (1, true) => by_width!(@ 1, false, $call),
+            (1, false) => by_width!(@ 1, true, $call),
+            (2, true) => by_width!(@ 2, false, $call),
+            (_, true) => by_width!(@ ANY, false, $call),
+            (_, false) => by_width!(@ ANY, true, $call),
+        }
+    }};
+    (@ $whole:expr, $end:expr, $call:expr) => {{
+        const WHOLE: usize = $whole;
+        const END: bool = $end;
+        $call
+    }};
+}
+
+/// `Scores` of a backend that looks tables up: it has `segments` of them in use, one of the numbers here (the last stands for
+/// all others), and `last`, the largest difference that counts, if there is one.
+macro_rules! scores {
+    ($backend:ty, $planes:ident, $vector:ty, $features:literal, segments: $($segments:literal)* or $most:literal) => {
+        impl Scores for $backend {
+            #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
+            fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+                let rows = Rows::of(patch, template);
+                // SAFETY: a backend is made only where its instructions are, and the pictures are borrowed.
+                unsafe {
+                    match self.segments {
+                        $($segments => self.sum_by_width::<$segments>(&rows, floor),)*
+                        _ => self.sum_by_width::<$most>(&rows, floor),
+                    }
+                }
+            }
+
+            #[inline(always)]
+            fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+                let rows = Rows::between(low, high, template);
+                let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
+                // SAFETY: as above.
+                unsafe { by_width!(rows.width, $vector, count_at_least::<WHOLE, END>(&rows, last, floor)) }
+            }
+
+            #[inline(always)]
+            fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+                // SAFETY: as above.
+                unsafe { spread(rows, low, high) }
+            }
+
+            #[inline(always)]
+            fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+                let rows = Rows::of(patch, template);
+                // SAFETY: as above.
+                unsafe { by_width!(rows.width, $vector, distance::<WHOLE, END>(&rows, enough)) }
+            }
+        }
+
+        impl $backend {
+            #[target_feature(enable = $features)]
+            unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
+                // SAFETY: as the caller has seen to.
+                unsafe { by_width!(rows.width, $vector, self.sum_at_least::<SEGMENTS, WHOLE, END>(rows, floor)) }
+            }
+
+            #[target_feature(enable = $features)]
+            unsafe fn sum_at_least<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(
+                &self,
+                rows: &Rows,
+                floor: u32,
+            ) -> Option<u32> {
+                // SAFETY: as the caller has seen to.
+                unsafe { generic::sum_at_least::<_, WHOLE, END>(&$planes::<SEGMENTS>::of(self), rows, floor) }
+            }
+        }
+
+        #[target_feature(enable = $features)]
+        unsafe fn count_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> Option<u32> {
+            // SAFETY: as the caller has seen to.
+            unsafe { generic::count_at_least::<$vector, WHOLE, END>(rows, last, floor) }
+        }
+
+        #[target_feature(enable = $features)]
+        unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
+            // SAFETY: as the caller has seen to.
+            unsafe { generic::distance::<$vector, WHOLE, END>(rows, enough) }
+        }
+    };
+}
+
+pub(crate) use {by_width, intrinsics, scores};
+
+/// The pixels of a row in whole vectors.
+#[inline(always)]
+fn whole<V: Vector, const WHOLE: usize>(width: usize) -> usize {
+    if WHOLE == ANY { width / V::LANES * V::LANES } else { WHOLE * V::LANES }
+}
+
+/// By how much pixels lie outside their ranges: |f - g| where a range is one pixel.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+pub(crate) unsafe fn outside<V: Vector>(low: V, high: V, g: V) -> V {
+    // SAFETY: as the caller has seen to.
+    unsafe { V::or(V::beyond(low, g), V::beyond(g, high)) }
+}
+
+/// The sums of the two byte planes of similarities.
+struct Sums<V: Vector> {
+    low: V::Total,
+    high: V::Total,
+}
+
+/// The score if it is at least `floor`.
+///
+/// # Safety
+/// The processor has the instruction set, and the pictures that `rows` were made of are borrowed.
+#[inline(always)]
+pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool>(
+    table: &L,
+    rows: &Rows,
+    floor: u32,
+) -> Option<u32> {
+    // SAFETY: as the caller has seen to; no row is added that there is not.
+    unsafe {
+        let end = L::Vector::end::<WHOLE>(rows.width);
+        // Two, so that a row need not wait for the one before it.
+        let nothing = L::Vector::nothing();
+        let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
+        let mut odd = Sums { low: nothing, high: nothing };
+        let mut y = 0;
+        while y < rows.height {
+            add_row::<L, WHOLE, END>(table, rows, y, end, &mut even);
+            if y + 1 < rows.height {
+                add_row::<L, WHOLE, END>(table, rows, y + 1, end, &mut odd);
+                let left = rows.full_after(y + 2);
+                if left < floor && y % ROWS_A_LOOK == ROWS_A_LOOK - 2 && score(&even, &odd) + left < floor {
+                    return None;
+                }
+            }
+            y += 2;
+        }
+        Some(score(&even, &odd)).filter(|&score| score >= floor)
+    }
+}
+
+/// Adds the similarities of row `y`.
+///
+/// # Safety
+/// As for [`sum_at_least`]; there is such a row, and `end` was made for its width.
+#[inline(always)]
+unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
+    table: &L,
+    rows: &Rows,
+    y: usize,
+    end: <L::Vector as Vector>::End,
+    sums: &mut Sums<L::Vector>,
+) {
+    // SAFETY: as the caller has seen to; no vector ends beyond the width.
+    unsafe {
+        let (f, g) = rows.row(y);
+        let mut at = 0;
+        while at < whole::<L::Vector, WHOLE>(rows.width) {
+            let (f, g) = (L::Vector::load(f.wrapping_add(at)), L::Vector::load(g.wrapping_add(at)));
+            let (low, high) = table.look_up(L::Vector::difference(f, g));
+            sums.low = L::Vector::add(sums.low, low);
+            sums.high = L::Vector::add(sums.high, high);
+            at += L::Vector::LANES;
+        }
+        if END {
+            let f = L::Vector::load_end::<WHOLE>(f, rows.width, end);
+            let g = L::Vector::load_end::<WHOLE>(g, rows.width, end);
+            let (low, high) = table.look_up(L::Vector::difference(f, g));
+            sums.low = L::Vector::add(sums.low, L::Vector::keep(low, end));
+            sums.high = L::Vector::add(sums.high, L::Vector::keep(high, end));
+        }
+    }
+}
+
+/// The sum of the similarities, which fits a `u32` for as many pixels as a template may have.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
+    // SAFETY: as the caller has seen to.
+    unsafe { V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high)))) }
+}
+
+/// A bound of a score: every pixel that counts, as it differs by no more than `last`, is taken to be fully similar. It reads
+/// three pictures for about the price that the score of two has.
+///
+/// # Safety
+/// As for [`sum_at_least`].
+#[inline(always)]
+pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    last: u8,
+    floor: u32,
+) -> Option<u32> {
+    // SAFETY: as the caller has seen to; no vector ends beyond the width, and `end` was made for it.
+    unsafe {
+        let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
+        let (mut count, needed) = (Count { bytes: V::splat(0), flushed: 0 }, Rows::pixels_of(floor));
+        let mut y = 0;
+        while y < rows.height {
+            let until = rows.height.min(y + ROWS_A_LOOK);
+            while y < until {
+                let ((f, g), h) = (rows.row(y), rows.high_row(y));
+                let mut at = 0;
+                while at < whole::<V, WHOLE>(rows.width) {
+                    let (f, h) = (V::load(f.wrapping_add(at)), V::load(h.wrapping_add(at)));
+                    let g = V::load(g.wrapping_add(at));
+                    count.add(V::at_most(outside(f, h, g), last));
+                    at += V::LANES;
+                    if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
+                        count.flush();
+                    }
+                }
+                if END {
+                    let f = V::load_end::<WHOLE>(f, rows.width, end);
+                    let h = V::load_end::<WHOLE>(h, rows.width, end);
+                    let g = V::load_end::<WHOLE>(g, rows.width, end);
+                    count.add(V::keep(V::at_most(outside(f, h, g), last), end));
+                }
+                if WHOLE == ANY {
+                    count.flush();
+                }
+                y += 1;
+            }
+            count.flush();
+            if count.flushed + rows.pixels_after(y) < needed {
+                return None;
+            }
+        }
+        Some(count.flushed * u32::from(ONE))
+    }
+}
+
+/// How many pixels count.
+struct Count<V> {
+    /// In as many parts as there are lanes, of up to 255 vectors.
+    bytes: V,
+    /// And of those before.
+    flushed: u32,
+}
+
+impl<V: Vector> Count<V> {
+    /// So many vectors can be counted before the next [`Count::flush`], and 127 more.
+    const MOST: usize = 128;
+
+    /// Counts the lanes of which all bits are set.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of `V`.
+    #[inline(always)]
+    unsafe fn add(&mut self, counts: V) {
+        // SAFETY: as the caller has seen to. All bits are -1.
+        self.bytes = unsafe { V::minus(self.bytes, counts) };
+    }
+
+    /// # Safety
+    /// The processor has the instruction set of `V`.
+    #[inline(always)]
+    unsafe fn flush(&mut self) {
+        // SAFETY: as the caller has seen to.
+        unsafe {
+            self.flushed += V::across(V::add(V::nothing(), self.bytes));
+            self.bytes = V::splat(0);
+        }
+    }
+}
+
+/// See [`scalar::distance`](crate::similarity::scalar::distance).
+///
+/// # Safety
+/// As for [`sum_at_least`].
+#[inline(always)]
+pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
+    // SAFETY: as the caller has seen to; no vector ends beyond the width, and `end` was made for it.
+    unsafe {
+        let (end, mut sum) = (V::end::<WHOLE>(rows.width), V::nothing());
+        for y in 0..rows.height {
+            let (f, g) = rows.row(y);
+            let mut at = 0;
+            while at < whole::<V, WHOLE>(rows.width) {
+                sum = V::add_distance(sum, V::load(f.wrapping_add(at)), V::load(g.wrapping_add(at)));
+                at += V::LANES;
+            }
+            if END {
+                let f = V::keep_loaded(V::load_end::<WHOLE>(f, rows.width, end), end);
+                let g = V::keep_loaded(V::load_end::<WHOLE>(g, rows.width, end), end);
+                sum = V::add_distance(sum, f, g);
+            }
+            if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && V::across(sum) > enough {
+                break;
+            }
+        }
+        V::across(sum)
+    }
+}
+
+/// See [`scalar::spread`](crate::similarity::scalar::spread). False, and nothing done, if there are fewer ranges than lanes.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) -> bool {
+    let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
+    let Some(last) = columns.checked_sub(V::LANES) else { return false };
+    let rows = rows.each_ref().map(|row| row.as_ptr());
+    let (low, high) = (low.as_mut_ptr(), high.as_mut_ptr());
+    let mut at = 0;
+    // SAFETY: the processor is as the caller has seen to. Every row has `columns` bytes and three more, `low` and `high` have
+    // `columns`; at + LANES is less than that, last + LANES is just that.
+    unsafe {
+        while at < last {
+            let (lowest, highest) = column_ranges::<V>(&rows, at);
+            let lowest = V::min(lowest, V::further::<1>(lowest));
+            let highest = V::max(highest, V::further::<1>(highest));
+            V::store(V::min(lowest, V::further::<2>(lowest)), low.wrapping_add(at));
+            V::store(V::max(highest, V::further::<2>(highest)), high.wrapping_add(at));
+            // The last three are not whole; they come out again.
+            at += V::LANES - 3;
+        }
+        // The last columns are done together with some before them, which come out the same, and with three loads more a row,
+        // as there is no vector to the right of them.
+        let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
+        for column in 0..4 {
+            let ranges = column_ranges::<V>(&rows, last + column);
+            (lowest, highest) = (V::min(lowest, ranges.0), V::max(highest, ranges.1));
+        }
+        V::store(lowest, low.wrapping_add(last));
+        V::store(highest, high.wrapping_add(last));
+    }
+    true
+}
+
+/// The lowest and the highest of four rows, column by column, from `at` on.
+///
+/// # Safety
+/// The processor has the instruction set of `V`, and there is a vector of bytes in each row.
+#[inline(always)]
+unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, V) {
+    // SAFETY: as the caller has seen to.
+    unsafe {
+        let [a, b, c, d] = *rows;
+        let (a, b) = (V::load(a.wrapping_add(at)), V::load(b.wrapping_add(at)));
+        let (c, d) = (V::load(c.wrapping_add(at)), V::load(d.wrapping_add(at)));
+        (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
+    }
+}
+
+/// The most lanes for which the two functions below work.
+const MOST_LANES: usize = 64;
+
+/// All bits of the last `width % LANES` lanes: [`Vector::end`] where [`last`] loads it.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
+    const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
+    // SAFETY: as the caller has seen to; the vector ends among the second half of the bytes.
+    unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
+}
+
+/// The end of a row as the last lanes: after the pixels that have been taken off, or where `WHOLE` is 0 after zeroes.
+///
+/// # Safety
+/// The processor has the instruction set of `V`; at `row` there are `width` bytes, more than LANES if `WHOLE` is not 0, else
+/// fewer.
+#[inline(always)]
+pub(crate) unsafe fn last<V: Vector, const WHOLE: usize>(row: *const u8, width: usize) -> V {
+    // SAFETY: as the caller has seen to; the copy ends with the vector.
+    unsafe {
+        if WHOLE > 0 {
+            return V::load(row.wrapping_add(width).wrapping_sub(V::LANES));
+        }
+        let mut pixels = [0; MOST_LANES];
+        let row = slice::from_raw_parts(row, width);
+        pixels.iter_mut().rev().zip(row.iter().rev()).for_each(|(to, &from)| *to = from);
+        V::load(pixels.as_ptr().wrapping_add(MOST_LANES - V::LANES))
+    }
+}

@@ -1,0 +1,138 @@
+//! Gradients of a cell: how much of them points each way.
+
+use super::super::cells::{CELL, CHANNELS, SIDE};
+#[cfg(not(smr_helium))]
+use super::super::unrolling::rolled;
+
+const BINS: usize = 9;
+
+/// cos and sin of 0, 20, ... 100 degrees over sin 20 degrees, in units of 1/256. Those beyond mirror them.
+pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
+
+/// Those of a cell.
+pub(crate) struct Sums(pub(crate) [u16; CHANNELS]);
+
+impl Sums {
+    /// The gradient that there is, squared, in gray levels: at most 5,900^2.
+    pub(crate) fn energy(&self) -> u32 {
+        self.0.iter().take(BINS).map(|&sum| u32::from(sum >> 2).pow(2)).sum()
+    }
+}
+
+/// Such sums in the making, by the sector between two directions up to 100 degrees, and by those that mirror them: what the first one
+/// gets, and, 16 bits higher, what the second one does.
+pub(crate) struct Votes(pub(crate) [[u32; 5]; 2]);
+
+impl Votes {
+    /// Adds a pixel, by its four neighbours. `arm/dsp/gradients.rs` does the same.
+    #[cfg(any(not(smr_dsp), feature = "verify"))]
+    #[inline(always)]
+    fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
+        let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
+        // Light to dark and dark to light alike; the directions beyond 90 degrees mirror the others.
+        let [whole, mirrored] = &mut self.0;
+        let sectors = if x * y < 0 { mirrored } else { whole };
+        let (right, up) = (x.abs(), y.abs());
+        // How far it is beyond a direction, at most 361 * 256 / sin 20 degrees: what the next direction gets of it, if it is
+        // between the two. It is beyond that at 0 degrees and not beyond that at 100.
+        let beyond = |(cos, sin): (i32, i32)| cos * up - sin * right;
+        let [zero, one, two, three, four, five] = DIRECTIONS;
+        let (number, short, over);
+        let two = beyond(two);
+        if two < 0 {
+            let one = beyond(one);
+            (number, short, over) = if one < 0 { (0, one, beyond(zero)) } else { (1, two, one) };
+        } else {
+            let three = beyond(three);
+            if three < 0 {
+                (number, short, over) = (2, three, two);
+            } else {
+                let four = beyond(four);
+                (number, short, over) = if four < 0 { (3, four, three) } else { (4, beyond(five), four) };
+            }
+        }
+        // In units of 1/4; no sum of a cell reaches 2^16.
+        if let Some(sector) = sectors.get_mut(number) {
+            *sector += (short.wrapping_neg().cast_unsigned() >> 6) + (over.cast_unsigned() >> 6 << 16);
+        }
+    }
+
+    pub(crate) fn sums(&self, gray: u16) -> Sums {
+        let [[a0, a1, a2, a3, a4], [b0, b1, b2, b3, b4]] = self.0;
+        let high = |pair: u32| low(pair >> 16);
+        Sums([
+            low(a0) + low(b0),
+            high(a0) + low(a1),
+            high(a1) + low(a2),
+            high(a2) + low(a3),
+            high(a3) + low(a4) + high(b4),
+            high(a4) + high(b3) + low(b4),
+            high(b2) + low(b3),
+            high(b1) + low(b2),
+            high(b0) + low(b1),
+            gray,
+        ])
+    }
+}
+
+/// The sums of a cell, of its pixels and their neighbours.
+#[cfg(any(not(smr_dsp), feature = "verify"))]
+#[inline(always)] // into its one caller
+pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
+    votes(lines, at).sums(gray(lines, at))
+}
+
+/// The gray levels of a cell.
+#[inline(always)]
+pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> u16 {
+    let mut gray = 0;
+    for line in lines.iter().skip(1).take(CELL.into()) {
+        let pixels = line.get(at + 1..).and_then(|line| line.first_chunk());
+        let pixels = u32::from_le_bytes(pixels.copied().unwrap_or_default());
+        // Two at a time.
+        gray += (pixels & 0x00FF_00FF) + (pixels >> 8 & 0x00FF_00FF);
+    }
+    low(gray) + low(gray >> 16)
+}
+
+/// Of all pixels of a cell.
+#[cfg(any(not(smr_dsp), feature = "verify"))]
+fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
+    let mut votes = Votes([[0; 5]; 2]);
+    let part = |line: &'_ [u8; COLUMNS]| line.get(at..).and_then(|line| line.first_chunk::<SIDE>()).copied();
+    for [above, middle, below] in lines.array_windows() {
+        let (Some(above), Some(middle), Some(below)) = (part(above), part(middle), part(below)) else { continue };
+        let [_, above_a, above_b, above_c, above_d, _] = above;
+        let [left, a, b, c, d, right] = middle;
+        let [_, below_a, below_b, below_c, below_d, _] = below;
+        votes.add([left, b], [above_a, below_a]);
+        votes.add([a, c], [above_b, below_b]);
+        votes.add([b, d], [above_c, below_c]);
+        votes.add([c, right], [above_d, below_d]);
+    }
+    votes
+}
+
+/// The lower 16 bits.
+#[allow(clippy::cast_possible_truncation)] // they are what is asked for
+fn low(number: u32) -> u16 {
+    number as u16
+}
+
+/// The sums of a cell as bytes: gradients by the number that they are multiplied by, and the mean gray.
+#[cfg(not(smr_helium))]
+#[inline(always)] // into its one caller
+pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+    for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
+        let [parts @ .., level] = out;
+        let mut of_cell = sums.iter().map(|row| row.get(number).copied().unwrap_or(0));
+        for (part, sum) in parts.iter_mut().zip(&mut of_cell) {
+            // Below 23,600 * 162,560 < 2^32.
+            let value = (u32::from(sum) * inverse) >> 16;
+            *part = i8::try_from(value).unwrap_or(i8::MAX);
+        }
+        // 0..=255, so -128..=127.
+        let [gray, _] = (of_cell.next().unwrap_or(0) >> 4).to_le_bytes();
+        *level = (gray ^ 128).cast_signed();
+    }
+}

@@ -1,0 +1,81 @@
+//! Sums of products: bytes, as the filter sees a picture, times numbers of 16 bits. The plain loops; they specify what a backend
+//! computes.
+
+use super::super::layout::Layout;
+use super::super::unrolling::rolled_if_spare;
+use core::ops::Range;
+
+/// `out[y][x]` is the sum over all weights of `weight * byte` at the offset (x, y).
+///
+/// A part is a row of offsets. No sum may leave an `i32`: at most 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
+#[inline(always)] // a backend compiles it for its own instruction set
+pub(crate) fn responses_inline<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
+    let Layout { row, stride, step, span } = layout;
+    for y in parts.start..parts.end.min(span) {
+        let Some(out) = out.get_mut(y) else { return };
+        for (x, out) in out.iter_mut().take(span).enumerate() {
+            let rows = weights.chunks(row.max(1)).zip((y * stride + x * step..).step_by(stride.max(1)));
+            *out = rows.map(|(weights, from)| dot(cells.get(from..).unwrap_or_default(), weights)).sum();
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(cells: &[i8], weights: &[i16]) -> i32 {
+    rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
+}
+
+/// The other way round: to each weight's sum the products of all `errors` with the byte that the weight lies on at that offset.
+///
+/// A part is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
+#[inline(always)]
+pub(crate) fn gather_inline<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
+    let Layout { row, stride, step, span } = layout;
+    for y in parts.start..parts.end.min(span) {
+        let Some(errors) = errors.get(y) else { return };
+        for (sums, from) in sums.chunks_mut(row.max(1)).zip((y * stride..).step_by(stride.max(1))) {
+            for (x, &error) in errors.iter().take(span).enumerate() {
+                let cells = cells.get(from + x * step..).unwrap_or_default();
+                for (sum, &cell) in rolled_if_spare(sums.iter_mut().zip(cells)) {
+                    *sum += i32::from(error) * i32::from(cell);
+                }
+            }
+        }
+    }
+}
+
+/// [`responses_inline`], once in flash.
+#[inline(never)]
+pub(crate) fn responses<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
+    responses_inline(parts, cells, layout, weights, out);
+}
+
+/// [`gather_inline`], once in flash.
+#[inline(never)]
+pub(crate) fn gather<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
+    gather_inline(parts, cells, layout, errors, sums);
+}

@@ -1,0 +1,256 @@
+//! The plain loops: the specification of a score (steps 2 to 4 of the method), and of the two coarser measures that the
+//! search excludes offsets with. Every faster way gives the same integers.
+
+use super::super::cut_table::{CutTable, ONE};
+use super::super::scores::Scores;
+use super::super::unrolling::rolled_if_spare;
+use crate::image::{Image, Rect};
+
+/// The plain loops.
+#[derive(Clone, Copy)]
+pub(crate) struct Plain<'a> {
+    pub(crate) table: &'a CutTable,
+}
+
+impl Scores for Plain<'_> {
+    #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy, for those who filter first, too
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        score_at_least(patch, template, self.table, floor)
+    }
+
+    #[inline] // into other crates, too
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        score_between_at_least(low, high, template, self.table, floor)
+    }
+
+    #[inline] // into other crates, too
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        distance(patch, template, enough)
+    }
+
+    #[inline] // into other crates, too
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        spread(rows, low, high);
+    }
+}
+
+/// The sum of the similarities of all pairs of pixels.
+///
+/// `patch` and `template` are of the same size; of two sizes, the common top left part is compared. The sum is exact for
+/// up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
+#[cfg(any(test, feature = "verify"))]
+#[must_use]
+pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
+    patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table)).sum()
+}
+
+/// The same score if it is at least `floor`; `None` as soon as the rest of the pixels cannot lift it there.
+#[must_use]
+pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
+    let mut reachable = most(patch, template);
+    for (f, g) in patch.rows().zip(template.rows()) {
+        reachable -= full(f.len().min(g.len())) - row_score(f, g, table);
+        if reachable < floor {
+            return None;
+        }
+    }
+    Some(reachable)
+}
+
+/// The score of a patch that equals the template.
+pub(crate) fn most(patch: Image<'_>, template: Image<'_>) -> u32 {
+    full(pixels(patch, template))
+}
+
+/// The pixels of the common top left part.
+#[inline]
+pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
+    usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
+}
+
+/// The score of so many equal pixels; exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS).
+pub(crate) fn full(pixels: usize) -> u32 {
+    u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(ONE))
+}
+
+fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
+    rolled_if_spare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
+}
+
+/// The similarity of two pixels, 0 where they do not count.
+#[inline]
+fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
+    u32::from(table.similarity(f.abs_diff(g)))
+}
+
+/// The sum of absolute differences (SAD). Once it is more than `enough`, the rows that are left may be left out: what is
+/// given then is more than `enough`, and at most the SAD.
+#[must_use]
+#[inline(never)] // one copy in flash
+pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+    let mut sum = 0;
+    for (f, g) in patch.rows().zip(template.rows()) {
+        sum += f.iter().zip(g).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
+        if sum > enough {
+            break;
+        }
+    }
+    sum
+}
+
+/// The score of a patch of which only bounds are known, if it is at least `floor`; `None` as soon as it cannot be.
+///
+/// `low` nowhere exceeds `high`. A pixel differs by as much as it is outside them, so this is at least the score of every
+/// patch between the two; between a picture and itself it is that picture's score.
+#[must_use]
+pub(crate) fn score_between_at_least(
+    low: Image<'_>,
+    high: Image<'_>,
+    template: Image<'_>,
+    table: &CutTable,
+    floor: u32,
+) -> Option<u32> {
+    let mut reachable = most(low, template);
+    for ((low, high), g) in low.rows().zip(high.rows()).zip(template.rows()) {
+        let pixels = low.iter().zip(high).zip(g);
+        let score: u32 = pixels.map(|((&low, &high), &g)| pixel(g.clamp(low, high.max(low)), g, table)).sum();
+        reachable -= full(low.len().min(g.len())) - score;
+        if reachable < floor {
+            return None;
+        }
+    }
+    Some(reachable)
+}
+
+/// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
+/// than `low` and `high`.
+#[inline(never)] // one copy in flash
+pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    let blocks = rows.each_ref().map(|row| row.windows(4));
+    let [a, b, c, d] = blocks;
+    for ((low, high), (((a, b), c), d)) in low.iter_mut().zip(high).zip(a.zip(b).zip(c).zip(d)) {
+        (*low, *high) = (u8::MAX, 0);
+        for &pixel in [a, b, c, d].into_iter().flatten() {
+            *low = pixel.min(*low);
+            *high = pixel.max(*high);
+        }
+    }
+}
+
+/// The score of the part of `template` outside `seen` against the padding, which is all zeroes.
+///
+/// `seen` is in the template's own coordinates; empty if the whole template lies on the padding.
+#[must_use]
+pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
+    let mut sum = 0;
+    for (y, row) in (0..).zip(template.rows()) {
+        let is_seen = (seen.y..seen.bottom()).contains(&y);
+        let [left, right] = [seen.x, seen.right()].map(|x| if is_seen { usize::try_from(x).unwrap_or(0) } else { 0 });
+        sum += row_on_padding(row.get(..left).unwrap_or_default(), table);
+        sum += row_on_padding(row.get(right..).unwrap_or_default(), table);
+    }
+    sum
+}
+
+#[inline(never)] // one copy in flash
+fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
+    row.iter().map(|&g| pixel(0, g, table)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::similarity::Table;
+    use proptest::prelude::*;
+    use std::{vec, vec::Vec};
+
+    #[test]
+    fn the_largest_template_has_the_largest_sum() {
+        // 65537 = Table::MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
+        let pixels = vec![7; 256 * 256];
+        let image = Image::new(&pixels, 256, 256).unwrap();
+        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 1)), 65536 * 65535);
+        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 256)), 65536 * 65535);
+    }
+
+    fn image(pixels: &[u8], width: u16) -> Image<'_> {
+        Image::new(pixels, width, u16::try_from(pixels.len()).unwrap() / width).unwrap()
+    }
+
+    #[test]
+    fn pixels_count_below_the_threshold() {
+        let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
+        let table = CutTable::new(&Table::PAPER, 13);
+        let p = |d| u32::from(Table::PAPER.similarity(d));
+        assert_eq!(score(image(&patch, 4), image(&template, 4), &table), p(0) + p(1) + p(12));
+    }
+
+    #[test]
+    fn a_distance_ends_once_it_is_enough() {
+        let (patch, template) = ([10, 20, 30, 40], [13, 20, 20, 90]);
+        let (patch, template) = (image(&patch, 2), image(&template, 2));
+        assert_eq!(distance(patch, template, u32::MAX), 3 + 10 + 50);
+        assert_eq!(distance(patch, template, 2), 3);
+    }
+
+    #[test]
+    fn what_lies_between_two_pictures_differs_by_as_much_as_it_is_outside_them() {
+        let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
+        let table = CutTable::new(&Table::PAPER, 13);
+        let most = score_between_at_least(image(&low, 3), image(&high, 3), image(&template, 3), &table, 0);
+        let p = |d| u32::from(Table::PAPER.similarity(d));
+        assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
+    }
+
+    #[test]
+    fn ranges_are_those_of_blocks() {
+        let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
+        let (mut low, mut high) = ([0; 2], [0; 2]);
+        spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
+        assert_eq!((low, high), ([1, 5], [9, 9]));
+    }
+
+    #[test]
+    fn a_threshold_of_zero_lets_nothing_count() {
+        let pixels = [0; 9];
+        let image = Image::new(&pixels, 3, 3).unwrap();
+        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 0)), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn padding_is_a_patch_of_zeroes(
+            (width, height) in (1u16..9, 1u16..9),
+            pixels in prop::collection::vec(any::<u8>(), 64),
+            (x, y, w, h) in (0i32..9, 0i32..9, 0u16..9, 0u16..9),
+            threshold in 0u16..=256,
+        ) {
+            let template = Image::new(&pixels, width, height).unwrap();
+            let seen = Rect::new(0, 0, width, height).intersection(Rect::new(x, y, w, h));
+            // Where the template is seen, a patch that matches nothing: only the padding is left to count.
+            let mut expected = 0u32;
+            for (j, row) in (0..).zip(template.rows()) {
+                for (i, &g) in (0..).zip(row) {
+                    let on_padding = seen.is_empty() || !seen.contains(Rect::new(i, j, 1, 1));
+                    if on_padding && u16::from(g) < threshold {
+                        expected += u32::from(Table::PAPER.similarity(g));
+                    }
+                }
+            }
+            prop_assert_eq!(score_on_padding(template, seen, &CutTable::new(&Table::PAPER, threshold)), expected);
+        }
+
+        #[test]
+        fn the_stride_does_not_matter(pixels in prop::collection::vec(any::<u8>(), 60), threshold in 0u16..=256) {
+            let strided = Image::with_stride(&pixels, 7, 6, 10).unwrap();
+            let packed: Vec<u8> = strided.rows().flatten().copied().collect();
+            let template: Vec<u8> = pixels.iter().rev().take(42).copied().collect();
+            let template = Image::new(&template, 7, 6).unwrap();
+            let packed = Image::new(&packed, 7, 6).unwrap();
+            prop_assert_eq!(
+                score(strided, template, &CutTable::new(&Table::PAPER, threshold)),
+                score(packed, template, &CutTable::new(&Table::PAPER, threshold))
+            );
+        }
+    }
+}

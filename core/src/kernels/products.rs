@@ -1,0 +1,136 @@
+//! Sums of products, faster: the loops of `similarity/products.rs`, which specify them.
+//!
+//! | file | backends |
+//! |---|---|
+//! | `avx2.rs` | AVX2 and AVX-512: the plain loops, compiled for AVX2 |
+//! | `dsp.rs` | the DSP extension: two products an instruction |
+//! | `helium.rs` | Helium: eight |
+//! | (`similarity/products.rs`) | all others: compilers make SSE2 and NEON of the plain loops |
+
+#[cfg(smr_dsp)]
+use super::arm::dsp::products as dsp;
+#[cfg(smr_helium)]
+use super::arm::helium::products as helium;
+use super::backend::Backend;
+use super::layout::{Layout, Room};
+use super::plain::products as plain;
+#[cfg(target_arch = "x86_64")]
+use super::x86::avx2::products as avx2;
+use core::ops::Range;
+
+/// How sums of products are computed. All ways give the same integers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Products(Backend);
+
+impl Products {
+    /// By `backend`; by the plain loops where the machine does not have it.
+    pub(crate) fn new(backend: Backend) -> Self {
+        Self(if backend.is_available() { backend } else { Backend::Scalar })
+    }
+
+    /// In how many parts the sums of so many weights are made. What is in a part is up to the backend; no part has more than 34
+    /// products for each weight.
+    pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
+        let _ = weights;
+        match self.0 {
+            #[cfg(smr_dsp)]
+            Backend::Dsp => layout.rows(weights).div_ceil(2),
+            _ => layout.span,
+        }
+    }
+
+    /// The products in such a part.
+    pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
+        let _ = part;
+        match self.0 {
+            #[cfg(smr_dsp)]
+            Backend::Dsp => (2 * part..2 * part + 2).map(|row| layout.work_on(row, weights)).sum(),
+            _ => layout.span * weights,
+        }
+    }
+
+    /// The products in a part of [`Products::gather`].
+    pub(crate) fn gather_work(self, part: usize, layout: Layout, weights: usize) -> usize {
+        match self.0 {
+            #[cfg(smr_helium)]
+            Backend::Helium => layout.span * layout.span * weights / helium::GATHER_PARTS,
+            _ => self.work(part, layout, weights),
+        }
+    }
+
+    /// The number of parts of [`Products::gather`].
+    pub(crate) fn gather_parts(self, layout: Layout, weights: usize) -> usize {
+        match self.0 {
+            #[cfg(smr_helium)]
+            Backend::Helium => helium::GATHER_PARTS,
+            _ => self.parts(layout, weights),
+        }
+    }
+
+    /// See [`plain::responses`]: these parts of it, which are made from the first one on. `room` is scratch.
+    #[inline(never)] // one copy in flash for each span
+    pub(crate) fn responses<const N: usize>(
+        self,
+        parts: Range<usize>,
+        #[cfg_attr(not(smr_dsp), allow(unused))] room: &mut Room,
+        cells: &[i8],
+        layout: Layout,
+        weights: &[i16],
+        out: &mut [[i32; N]],
+    ) {
+        #[cfg(feature = "verify")]
+        let last = parts.end >= self.parts(layout, weights.len());
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
+            Backend::Avx2 | Backend::Avx512 => unsafe { avx2::responses(parts, cells, layout, weights, out) },
+            #[cfg(smr_dsp)]
+            Backend::Dsp => dsp::responses(parts, room, cells, layout, weights, out),
+            #[cfg(smr_helium)]
+            Backend::Helium => helium::responses(parts, cells, layout, weights, out),
+            _ => plain::responses(parts, cells, layout, weights, out),
+        }
+        #[cfg(feature = "verify")]
+        if last {
+            let mut expected = [[0; N]; N];
+            plain::responses(0..layout.span, cells, layout, weights, &mut expected);
+            for (given, expected) in out.iter().zip(&expected).take(layout.span) {
+                let row = ..layout.span.min(N);
+                assert_eq!(given.get(row), expected.get(row), "responses, given and expected");
+            }
+        }
+    }
+
+    /// See [`plain::gather`]: these parts of it. `room` is scratch.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn gather<const N: usize>(
+        self,
+        parts: Range<usize>,
+        #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))] room: &mut Room,
+        cells: &[i8],
+        layout: Layout,
+        errors: &[[i16; N]],
+        sums: &mut [i32],
+    ) {
+        // Parts differ: only what was gathered at once can be compared.
+        #[cfg(feature = "verify")]
+        let whole = parts == (0..self.gather_parts(layout, sums.len()));
+        #[cfg(feature = "verify")]
+        let mut expected: heapless::Vec<i32, 4096> = sums.iter().copied().collect();
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
+            Backend::Avx2 | Backend::Avx512 => unsafe { avx2::gather(parts, cells, layout, errors, sums) },
+            #[cfg(smr_dsp)]
+            Backend::Dsp => dsp::gather(parts, room, cells, layout, errors, sums),
+            #[cfg(smr_helium)]
+            Backend::Helium => helium::gather(parts, room, cells, layout, errors, sums),
+            _ => plain::gather(parts, cells, layout, errors, sums),
+        }
+        #[cfg(feature = "verify")]
+        if whole {
+            plain::gather(0..layout.span, cells, layout, errors, &mut expected);
+            assert_eq!(sums, &*expected, "gathered errors, given and expected");
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! SMR's measure by the fastest instruction set: scores, distances, and bounds that exclude offsets.
+
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+use super::aarch64::neon;
+#[cfg(smr_dsp)]
+use super::arm::dsp::scores as dsp;
+#[cfg(smr_helium)]
+use super::arm::helium::scores as helium;
+use super::backend::Backend;
+use super::cut_table::{CutTable, MAX_PIXELS};
+use super::plain::scores::{self as plain, Plain};
+use super::scores::Scores;
+#[cfg(feature = "verify")]
+use super::verify::scores as verify;
+#[cfg(target_arch = "x86_64")]
+use super::x86::{avx2::scores as avx2, avx512, sse2};
+use crate::image::{Image, Rect};
+
+/// A table, cut off at a threshold, made ready for a backend: scores, distances and bounds of pictures of up to
+/// [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+///
+/// ```
+/// use smr_core::{Image, similarity::{Backend, CutTable, Scorer, Table}};
+/// let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
+/// let (patch, template) = (Image::new(&patch, 4, 1)?, Image::new(&template, 4, 1)?);
+/// let table = CutTable::new(&Table::PAPER, 13);
+/// let scorer = Scorer::new(Backend::best(), &table);
+/// let p = |d| u32::from(Table::PAPER.similarity(d));
+/// assert_eq!(scorer.score(patch, template), Some(p(0) + p(1) + p(12))); // a difference of 13 is not below the threshold
+/// assert_eq!(scorer.score_at_least(patch, template, 3 * 65535), None);
+/// assert_eq!(scorer.distance(patch, template, u32::MAX), Some(1 + 12 + 13));
+/// assert!(scorer.score_between_at_least(patch, patch, template, 0) >= scorer.score(patch, template));
+///
+/// let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
+/// let (mut low, mut high) = ([0; 2], [0; 2]);
+/// scorer.spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
+/// assert_eq!((low, high), ([1, 5], [9, 9]));
+/// # Ok::<(), smr_core::ImageError>(())
+/// ```
+pub struct Scorer<'a> {
+    plain: Plain<'a>,
+    ready: Ready<'a>,
+}
+
+#[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
+enum Ready<'a> {
+    Scalar(Plain<'a>),
+    #[cfg(target_arch = "x86_64")]
+    Sse2(sse2::Bound<'a>),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Lookup),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(avx512::Lookup),
+    #[cfg(smr_dsp)]
+    Dsp(dsp::Dsp<'a>),
+    #[cfg(smr_helium)]
+    Helium(helium::Helium<'a>),
+    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    Neon(neon::Lookup),
+}
+
+/// Calls the backend that a scorer was made for.
+macro_rules! dispatch {
+    ($scorer:ident, $kernels:ident => $call:expr) => {
+        match &$scorer.ready {
+            Ready::Scalar($kernels) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Ready::Sse2($kernels) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Ready::Avx2($kernels) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Ready::Avx512($kernels) => $call,
+            #[cfg(smr_dsp)]
+            Ready::Dsp($kernels) => $call,
+            #[cfg(smr_helium)]
+            Ready::Helium($kernels) => $call,
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Ready::Neon($kernels) => $call,
+        }
+    };
+}
+
+impl<'a> Scorer<'a> {
+    /// Scores by `table`, computed by `backend`; by the plain loop where the machine does not have it or
+    /// it does not reach up to the threshold (AVX-512: 128).
+    #[must_use]
+    #[inline(always)] // made where it stays: some are too large to be moved about on a small stack
+    pub fn new(backend: Backend, table: &'a CutTable) -> Self {
+        let plain = Plain { table };
+        let ready = match backend {
+            #[cfg(target_arch = "x86_64")]
+            Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar(plain), Ready::Sse2),
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx512),
+            #[cfg(smr_dsp)]
+            Backend::Dsp => Ready::Dsp(dsp::Dsp::new(table)),
+            #[cfg(smr_helium)]
+            Backend::Helium => Ready::Helium(helium::Helium::new(table)),
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
+            _ => Ready::Scalar(plain),
+        };
+        Self { plain, ready }
+    }
+
+    /// The sum of the similarities of two pictures of the same size (of two sizes, of their common top left part). `None` if
+    /// it has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+    #[must_use]
+    #[inline(always)] // where there is only the plain loop, nothing is to be left of this but the call
+    pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
+        checked(patch, template)?;
+        let score = dispatch!(self, kernels => kernels.score(patch, template));
+        #[cfg(feature = "verify")]
+        verify::score(Some(score), (patch, template), self.plain.table, 0);
+        Some(score)
+    }
+
+    /// The same score if it is at least `floor`; `None` also, as soon as that is certain, if it is less.
+    #[must_use]
+    #[inline(always)]
+    pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        checked(patch, template)?;
+        let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score(score, (patch, template), self.plain.table, floor);
+        score
+    }
+
+    /// The sum of absolute differences (SAD). Once it is more than `enough`, any part of it that is. `None` as for
+    /// [`Scorer::score`].
+    #[must_use]
+    #[inline(always)]
+    pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
+        checked(patch, template)?;
+        let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
+        #[cfg(feature = "verify")]
+        verify::distance(distance, (patch, template), enough);
+        Some(distance)
+    }
+
+    /// The most that a patch scores which lies between two pictures, `low` nowhere above `high`, or a little more, if that is
+    /// at least `floor`. `None` if no such patch scores as much, or as for [`Scorer::score`].
+    #[must_use]
+    #[inline(always)]
+    pub fn score_between_at_least(
+        &self,
+        low: Image<'_>,
+        high: Image<'_>,
+        template: Image<'_>,
+        floor: u32,
+    ) -> Option<u32> {
+        checked(low, template)?;
+        let score = dispatch!(self, kernels => kernels.score_between_at_least(low, high, template, floor));
+        #[cfg(feature = "verify")]
+        verify::score_between(score, (low, high, template), self.plain.table, floor);
+        score
+    }
+
+    /// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
+    /// than `low` and `high`.
+    #[inline(always)]
+    pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        dispatch!(self, kernels => kernels.spread(rows, low, high));
+        #[cfg(feature = "verify")]
+        verify::spread(rows, low, high);
+    }
+
+    /// The score of what lies on the padding; see [`plain::score_on_padding`].
+    #[must_use]
+    pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
+        plain::score_on_padding(template, seen, self.plain.table)
+    }
+}
+
+/// `None` where a sum could be too large for a backend.
+#[inline(always)]
+fn checked(patch: Image<'_>, template: Image<'_>) -> Option<()> {
+    (plain::pixels(patch, template) <= MAX_PIXELS).then_some(())
+}

@@ -1,0 +1,129 @@
+//! Every backend against `plain/products.rs`: one macro stamps the same tests on each.
+
+use super::guard::{Guarded, Side};
+use crate::kernels::backend::Backend;
+use crate::kernels::layout::{Layout, ROOM};
+use crate::kernels::plain::products::{gather, responses};
+use crate::kernels::products::Products;
+use std::io::Write;
+use std::vec::Vec;
+
+/// Numbers that look random, the same in every run.
+fn noise(count: usize, seed: u32, most: u32) -> impl Iterator<Item = i32> {
+    let mut state = seed | 1;
+    let next = move || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        ((state >> 8) % (2 * most + 1)).cast_signed() - most.cast_signed()
+    };
+    core::iter::repeat_with(next).take(count)
+}
+
+fn small(number: i32) -> i16 {
+    i16::try_from(number).unwrap()
+}
+
+/// Cells next to memory that may not be read.
+fn guarded(memory: &mut Guarded, count: usize, side: Side, seed: u32) -> &[i8] {
+    let bytes: Vec<u8> = noise(count, seed, 127).map(|cell| i8::try_from(cell).unwrap().cast_unsigned()).collect();
+    let bytes = memory.copy(&bytes, side);
+    // The same bytes, with a sign.
+    // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
+    unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
+}
+
+fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize) {
+    let products = Products::new(backend);
+    let weights: Vec<i16> = noise(layout.row * down, 5, 8191).map(small).collect();
+    let (mut given, mut expected) = ([[7; N]; N], [[7; N]; N]);
+    let mut room = [0; ROOM];
+    for part in 0..products.parts(layout, weights.len()) {
+        products.responses(part..part + 1, &mut room, cells, layout, &weights, &mut given);
+    }
+    responses(0..layout.span, cells, layout, &weights, &mut expected);
+    for (given, expected) in given.iter().zip(&expected).take(layout.span) {
+        assert_eq!(given[..layout.span], expected[..layout.span], "{backend:?}: {layout:?}, {down} rows");
+    }
+    let mut errors = [[0; N]; N];
+    errors.as_flattened_mut().iter_mut().zip(noise(N * N, 9, 16_383)).for_each(|(to, from)| *to = small(from));
+    let mut sums: Vec<i32> = noise(layout.row * down, 3, 9000).collect();
+    let mut wanted = sums.clone();
+    for part in 0..products.gather_parts(layout, sums.len()) {
+        products.gather(part..part + 1, &mut room, cells, layout, &errors, &mut sums);
+    }
+    gather(0..layout.span, cells, layout, &errors, &mut wanted);
+    assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
+}
+
+/// Filters of all shapes, and cells that end with the last one that is needed.
+fn all_shapes(backend: Backend) {
+    let mut memory = Guarded::with_room(1 << 14);
+    for (across, down) in (4..=32).map(|across| (across, 200 / across)).chain([(1, 1), (4, 4), (5, 7), (14, 14)]) {
+        for span in [1, 2, 3, 13, 17] {
+            let layout = Layout { row: across * 10, stride: (across + span - 1) * 10, step: 10, span };
+            let count = layout.stride * (down + span - 1);
+            for side in [Side::After, Side::Before] {
+                let cells = guarded(&mut memory, count, side, 77);
+                if span <= 13 {
+                    same::<13>(backend, cells, layout, down);
+                }
+                same::<17>(backend, cells, layout, down);
+            }
+        }
+    }
+}
+
+/// What does not fit together is as the plain loops have it, and nothing else is read.
+fn odd_shapes(backend: Backend) {
+    let mut memory = Guarded::with_room(1 << 14);
+    for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]
+    {
+        let layout = Layout { row, stride, step, span: 5 };
+        let cells = guarded(&mut memory, (stride * 9).saturating_sub(cut), Side::After, 3);
+        same::<13>(backend, cells, layout, 5);
+    }
+}
+
+/// The largest sums that there can be.
+fn extremes(backend: Backend) {
+    let products = Products::new(backend);
+    for (cell, sign) in [(-128i8, 1i16), (-128, -1), (127, 1)] {
+        let cells = std::vec![cell; 26 * 36 * 10];
+        let layout = Layout { row: 200, stride: 360, step: 10, span: 17 };
+        let mut out = [[0; 17]; 17];
+        products.responses(0..17, &mut [0; ROOM], &cells, layout, &[sign * 8191; 2000], &mut out);
+        assert_eq!(out, [[2000 * 8191 * i32::from(sign) * i32::from(cell); 17]; 17], "{backend:?}");
+        let mut sums = [0; 2000];
+        products.gather(0..17, &mut [0; ROOM], &cells, layout, &[[sign * 16_383; 17]; 17], &mut sums);
+        assert_eq!(sums, [289 * 16_383 * i32::from(sign) * i32::from(cell); 2000], "{backend:?}");
+    }
+}
+
+macro_rules! stamp {
+    ($($module:ident: $backend:ident;)*) => {$(
+        mod $module {
+            use super::*;
+            stamp!(@tests $backend: all_shapes, odd_shapes, extremes);
+        }
+    )*};
+    (@tests $backend:ident: $($test:ident),*) => {$(
+        #[test]
+        fn $test() {
+            if Backend::$backend.is_available() {
+                super::$test(Backend::$backend);
+            } else {
+                // Not `println!`, which is not shown for a test that passes.
+                let _ = writeln!(std::io::stderr(), "skipped: products, {}: this machine has no {:?}", stringify!($test), Backend::$backend);
+            }
+        }
+    )*};
+}
+
+stamp! {
+    scalar_loop: Scalar;
+    sse2: Sse2;
+    avx2: Avx2;
+    avx512: Avx512;
+    neon: Neon;
+}

@@ -1,0 +1,239 @@
+//! Every backend against `plain/scores.rs`: one macro stamps the same tests on each.
+
+use super::guard::{Guarded, Side};
+use crate::image::Image;
+use crate::kernels::plain::scores as plain;
+use crate::similarity::{Backend, Scorer};
+use crate::similarity::{CutTable, Table};
+use std::boxed::Box;
+use std::io::Write;
+use std::vec::Vec;
+
+/// The largest edge of which all sizes are tried. Miri is thousands of times slower, so there it is what takes a register
+/// and a bit of the narrowest backend.
+const EDGE: u16 = if cfg!(miri) { 18 } else { 70 };
+
+/// Every so manieth of what is gone through one by one.
+const STEP: usize = if cfg!(miri) { 29 } else { 1 };
+
+/// Bytes that look random, the same in every run.
+fn noise(length: usize, seed: u32) -> Box<[u8]> {
+    let mut state = seed | 1;
+    let next = || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        (state >> 24) as u8
+    };
+    core::iter::repeat_with(next).take(length).collect()
+}
+
+/// A template for `patch`: close to it, so that differences lie on both sides of any threshold.
+fn close_to(patch: &[u8], seed: u32) -> Box<[u8]> {
+    let noise = noise(patch.len(), seed);
+    patch.iter().zip(&noise).map(|(&pixel, &noise)| pixel.wrapping_add(noise % 80)).collect()
+}
+
+/// Scores, with floors around the score, and distances, with an end around the distance, are those of the plain loops.
+#[track_caller]
+fn same(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
+    let table = CutTable::new(&Table::PAPER, threshold);
+    let scorer = Scorer::new(backend, &table);
+    let of = || std::format!("{backend:?}: {patch:?}, {template:?}, threshold {threshold}");
+
+    let score = plain::score(patch, template, &table);
+    assert_eq!(scorer.score(patch, template), Some(score), "{}", of());
+    for floor in [0, score / 2, score.saturating_sub(1), score, score.saturating_add(1), u32::MAX] {
+        let expected = (score >= floor).then_some(score);
+        assert_eq!(scorer.score_at_least(patch, template, floor), expected, "{}, floor {floor}", of());
+    }
+
+    let exact = plain::distance(patch, template, u32::MAX);
+    for enough in [u32::MAX, exact, exact.saturating_sub(1), exact / 2, 0] {
+        let distance = scorer.distance(patch, template, enough).unwrap();
+        let right = if exact <= enough { distance == exact } else { distance > enough && distance <= exact };
+        assert!(right, "{}, distance {distance} instead of {exact}, enough {enough}", of());
+    }
+}
+
+/// All sizes up to 70 by 70, next to memory that may not be read: after both pictures, before both, and with rows that
+/// are not next to one another.
+fn all_sizes(backend: Backend) {
+    let (mut one, mut other) = (Guarded::with_room(70 * 73), Guarded::with_room(70 * 73));
+    for width in 1..=EDGE {
+        for height in 1..=EDGE {
+            let stride = usize::from(width + height % 4);
+            let length = usize::from(height - 1) * stride + usize::from(width);
+            let pixels = noise(length, u32::from(width * 71 + height));
+            let threshold = (width * 71 + height * 3) % 257;
+            for side in [Side::After, Side::Before] {
+                let view = |pixels| Image::with_stride(pixels, width, height, stride).unwrap();
+                let (patch, template) = (one.copy(&pixels, side), other.copy(&close_to(&pixels, 7), side));
+                same(backend, view(patch), view(template), 1 + threshold % 64);
+                same(backend, view(patch), view(template), threshold);
+            }
+        }
+    }
+}
+
+/// All thresholds, with both pictures at all places within larger ones.
+fn all_thresholds_and_alignments(backend: Backend) {
+    let (pixels, other) = (noise(200 * 12, 3), noise(200 * 12, 4));
+    for threshold in (0..=256u16).step_by(STEP) {
+        let start = usize::from(threshold) % 67;
+        let patch = Image::with_stride(&pixels[start..], 65, 11, 200).unwrap();
+        let template = close_to(&other, 5);
+        let template = Image::with_stride(&template[usize::from(threshold) / 3 % 67..], 65, 11, 199).unwrap();
+        same(backend, patch, template, threshold);
+        same(backend, patch, patch, threshold);
+    }
+    for place in (0..64 * 64).step_by(STEP * 7) {
+        let patch = Image::with_stride(&pixels[place % 64..], 77, 3, 128).unwrap();
+        let template = Image::with_stride(&other[place / 64..], 77, 3, 77).unwrap();
+        same(backend, patch, template, 40);
+    }
+}
+
+/// Every difference there is, at the thresholds around it.
+fn all_differences(backend: Backend) {
+    for difference in (0..=255u8).step_by(STEP) {
+        let (patch, template) = ([difference; 33], [0; 33]);
+        let view = |pixels| Image::new(pixels, 33, 1).unwrap();
+        for threshold in u16::from(difference).saturating_sub(1)..=u16::from(difference) + 1 {
+            same(backend, view(&patch), view(&template), threshold);
+            same(backend, view(&template), view(&patch), threshold);
+        }
+    }
+}
+
+/// The largest sums that there can be, of scores and of distances.
+fn extremes(backend: Backend) {
+    if cfg!(miri) {
+        return;
+    }
+    let (white, black): (Vec<u8>, Vec<u8>) = (std::vec![255; 256 * 256], std::vec![0; 256 * 256]);
+    let view = |pixels| Image::new(pixels, 256, 256).unwrap();
+    for threshold in [1, 64, 128, 129, 256] {
+        same(backend, view(&white), view(&white), threshold);
+        same(backend, view(&white), view(&black), threshold);
+    }
+    let line = |pixels| Image::new(pixels, 65535, 1).unwrap();
+    same(backend, line(&white), line(&white), 1);
+    same(backend, line(&white), line(&black), 256);
+    let column = |pixels| Image::new(pixels, 1, 65535).unwrap();
+    same(backend, column(&white), column(&white), 1);
+}
+
+/// At the most pixels that a sum can hold the plain loops' integers, of equal pixels and of the most different ones;
+/// beyond it there is none. 65537 is prime and a side is a `u16`, so the most that a picture of that bound has is 65536, and the
+/// least beyond it 65538.
+fn bound(backend: Backend) {
+    let (white, black) = (std::vec![255; 2 * 65535], std::vec![0; 2 * 65535]);
+    let table = CutTable::new(&Table::PAPER, 256);
+    let scorer = Scorer::new(backend, &table);
+    for (width, height) in [(256, 256), (65535, 1), (1, 65535), (4369, 15), (16384, 4)] {
+        let view = |pixels| Image::new(pixels, width, height).unwrap();
+        let (white, black, pixels) = (view(&white), view(&black), u32::from(width) * u32::from(height));
+        let least = pixels * u32::from(Table::PAPER.similarity(255));
+        assert_eq!(scorer.score(white, white), Some(pixels * 65535), "{backend:?}");
+        assert_eq!(scorer.score(white, black), Some(least), "{backend:?}");
+        assert_eq!(scorer.distance(white, black, u32::MAX), Some(pixels * 255), "{backend:?}");
+        assert_eq!(scorer.distance(white, white, 0), Some(0), "{backend:?}");
+        assert_eq!(scorer.score_between_at_least(white, white, white, 0), Some(pixels * 65535), "{backend:?}");
+        assert!(scorer.score_between_at_least(black, black, white, 0) >= Some(least), "{backend:?}");
+    }
+    for (width, height) in [(257, 256), (65535, 2), (32769, 2), (2, 65535)] {
+        let view = |pixels| Image::new(pixels, width, height).unwrap();
+        let (white, black) = (view(&white), view(&black));
+        for patch in [white, black] {
+            assert_eq!(scorer.score(patch, white), None, "{backend:?}");
+            assert_eq!(scorer.score_at_least(patch, white, 1), None, "{backend:?}");
+            assert_eq!(scorer.distance(patch, white, u32::MAX), None, "{backend:?}");
+            assert_eq!(scorer.score_between_at_least(patch, white, white, 0), None, "{backend:?}");
+        }
+    }
+}
+
+/// Ranges of all lengths, of bytes of all kinds, next to memory that may not be touched; of rows that are not equally long
+/// the shortest counts.
+fn all_lengths_of_ranges(backend: Backend) {
+    let table = CutTable::new(&Table::PAPER, 16);
+    let scorer = Scorer::new(backend, &table);
+    let mut guarded: [Guarded; 6] = core::array::from_fn(|_| Guarded::with_room(256));
+    for length in (0..=200usize).step_by(STEP) {
+        for side in [Side::After, Side::Before] {
+            let [rows @ .., low, high] = &mut guarded;
+            let mut seed = length as u32 * 9;
+            let rows = rows.each_mut().map(|row| {
+                seed += 1;
+                row.copy(&noise(length + 3 + (seed as usize % 3), seed), side)
+            });
+            let mut expected = (std::vec![7; length + 3], std::vec![7; length + 3]);
+            plain::spread(&rows, &mut expected.0, &mut expected.1);
+            for room in [length, length + 1, length.saturating_sub(1)] {
+                let (low, high) = (low.slice(room, side), high.slice(room, side));
+                low.fill(7);
+                high.fill(7);
+                scorer.spread(&rows, low, high);
+                assert_eq!(low, &expected.0[..room], "{backend:?}, {length} columns, room for {room}");
+                assert_eq!(high, &expected.1[..room], "{backend:?}, {length} columns, room for {room}");
+            }
+        }
+    }
+}
+
+/// Patches between two pictures: what is reached is at least the plain loop's, and as exact where a range is one pixel.
+fn all_ranges(backend: Backend) {
+    let (one, two) = (noise(3600, 1), noise(3600, 2));
+    for threshold in (0..=256u16).step_by(STEP) {
+        let (width, height) = (1 + threshold % 60, 1 + threshold * 7 % 41);
+        let ranges =
+            one.iter().zip(&two).map(|(&one, &two)| (one, one.saturating_add(two % (1 + (threshold % 90) as u8))));
+        let (low, high): (Vec<u8>, Vec<u8>) = ranges.unzip();
+        let template = close_to(&low, threshold.into());
+        let view = |pixels| Image::with_stride(pixels, width, height, 60).unwrap();
+        let (low, high, template) = (view(&low), view(&high), view(&template));
+        let table = CutTable::new(&Table::PAPER, threshold);
+        let scorer = Scorer::new(backend, &table);
+        let most = plain::most(low, template);
+        for floor in [0, 1, most / 2, most / 4 * 3, most] {
+            let least = plain::score_between_at_least(low, high, template, &table, floor);
+            let reached = scorer.score_between_at_least(low, high, template, floor);
+            assert!(reached >= least, "{backend:?}: {reached:?} reached instead of {least:?}, floor {floor}");
+            assert!(reached.is_none_or(|reached| floor <= reached && reached <= most), "{backend:?}: {reached:?}");
+            // Between a picture and itself there is nothing but the picture.
+            let score = plain::score(low, template, &table);
+            let itself = scorer.score_between_at_least(low, low, template, floor);
+            assert!(itself >= Some(score).filter(|&score| score >= floor), "{backend:?}: {itself:?}, {score}");
+        }
+    }
+}
+
+macro_rules! stamp {
+    ($($module:ident: $backend:ident;)*) => {$(
+        mod $module {
+            use super::*;
+            stamp!(@tests $backend: all_sizes, all_thresholds_and_alignments, all_differences, extremes, bound,
+                all_lengths_of_ranges, all_ranges);
+        }
+    )*};
+    (@tests $backend:ident: $($test:ident),*) => {$(
+        #[test]
+        fn $test() {
+            if Backend::$backend.is_available() {
+                super::$test(Backend::$backend);
+            } else {
+                // Not `println!`, which is not shown for a test that passes.
+                let _ = writeln!(std::io::stderr(), "skipped: {}: this machine has no {:?}", stringify!($test), Backend::$backend);
+            }
+        }
+    )*};
+}
+
+stamp! {
+    scalar_loop: Scalar;
+    sse2: Sse2;
+    avx2: Avx2;
+    avx512: Avx512;
+    neon: Neon;
+}

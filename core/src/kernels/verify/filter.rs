@@ -1,0 +1,130 @@
+//! What the robust tracker's filter is made of, at extreme values and in all shapes: sums of products, and weights coded and moved (feature
+//! `verify`). On a target, where the tests of the crate cannot run, `examples/conformance_robust` asks for it.
+
+use super::super::backend::Backend;
+use super::super::bilinear::{Columns, LESS, Mixed};
+use super::super::layout::{Layout, ROOM};
+use super::super::products::Products;
+use super::super::weights::{Move, Numbers, lessen_by};
+
+/// Bytes of a cell.
+const STEP: usize = 10;
+/// Offsets on an axis, at most.
+const SPAN: usize = 17;
+/// Weights, at most.
+const WEIGHTS: usize = 2000;
+/// Numbers that are far apart.
+const EXTREMES: [i32; 12] =
+    [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
+
+/// Numbers that look random, the same in every run, from `-most` to `most`.
+struct Noise(u32);
+
+impl Noise {
+    fn next(&mut self, most: u32) -> i32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        ((self.0 >> 7) % (2 * most + 1)).cast_signed() - most.cast_signed()
+    }
+}
+
+/// Runs what the filter is made of, with the plain loops beside it.
+///
+/// # Panics
+/// Where they differ.
+///
+/// ```
+/// smr_core::similarity::verify_filter();
+/// ```
+#[inline(never)]
+pub fn verify_filter() {
+    let mut noise = Noise(1);
+    for (across, down) in [(4, 4), (5, 40), (6, 32), (7, 9), (13, 15), (14, 14), (15, 13), (32, 6)] {
+        for span in (1..=SPAN).step_by(2) {
+            for extreme in [false, true] {
+                products(across, down, span, extreme, &mut noise);
+            }
+        }
+    }
+    weights(&mut noise);
+    columns(&mut noise);
+}
+
+/// Sums of products; where `extreme`, the largest that there are.
+#[inline(never)] // its stack is not that of others
+fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut Noise) {
+    let products = Products::new(Backend::best());
+    let stride = (across + span - 1) * STEP;
+    let layout = Layout { row: across * STEP, stride, step: STEP, span };
+    let mut small = |most: u32, least: i16| if extreme { least } else { i16::try_from(noise.next(most)).unwrap_or(0) };
+    let mut room = [0; ROOM];
+    let cells: heapless::Vec<i8, 12_000> =
+        (0..stride * (down + span - 1)).map(|_| i8::try_from(small(127, -128)).unwrap_or(0)).collect();
+    let filter: heapless::Vec<i16, WEIGHTS> = (0..across * down * STEP).map(|_| small(8191, -8191)).collect();
+    let mut out = [[0; SPAN]; SPAN];
+    for part in 0..products.parts(layout, filter.len()) {
+        products.responses(part..part + 1, &mut room, &cells, layout, &filter, &mut out);
+    }
+    let errors = [(); SPAN].map(|()| [(); SPAN].map(|()| small(16_383, 16_383)));
+    let mut sums: heapless::Vec<i32, WEIGHTS> = filter.iter().map(|_| small(9000, -9000).into()).collect();
+    let parts = products.gather_parts(layout, sums.len());
+    products.gather(0..parts, &mut room, &cells, layout, &errors, &mut sums);
+}
+
+/// Weights, of all counts that leave other lanes.
+#[inline(never)] // its stack is not that of others
+fn weights(noise: &mut Noise) {
+    for count in 0..21 {
+        let any = |noise: &mut Noise| *EXTREMES.get(noise.next(11).unsigned_abs() as usize).unwrap_or(&0);
+        let weights: heapless::Vec<i32, 20> = (0..count).map(|_| any(noise)).collect();
+        let mut out = [0; 21];
+        let mut code = |numbers: Numbers<'_>| {
+            let largest = numbers.largest();
+            let least = (0..32).find(|shift| largest >> shift < 8191).unwrap_or(0);
+            (least..32).for_each(|shift| numbers.code(shift, &mut out));
+        };
+        code(Numbers::of(&weights));
+        for (unit, left) in [(14, 2), (14, 5), (16, 0), (17, 0), (19, 0)] {
+            // As large as what is gathered may be, with `left` places less; and so small that all is lost.
+            for most in [(1 << 30) >> left, 1] {
+                let sums: heapless::Vec<i32, 20> = (0..count).map(|_| noise.next(most)).collect();
+                let weights: heapless::Vec<i32, 20> = sums.iter().rev().copied().collect();
+                code(Numbers { weights: &weights, factor: 5056 << (32 - unit), sums: &sums, left });
+            }
+        }
+        let slopes: heapless::Vec<i16, 20> =
+            (0..count).map(|at| if at % 3 == 0 { i16::MIN } else { low(noise.next(i16::MAX as u32)) }).collect();
+        for length in [0, 1, -1, (1 << 32) - 1, 1 << 40, (1 << 47) - 1, -(1 << 46), 0x1234_5678_9ABC] {
+            for back in 0..48 {
+                Move { length, back }.apply(&mut weights.clone(), &slopes);
+            }
+        }
+        let mut slopes: heapless::Vec<i16, 20> = (0..count.min(16)).map(|_| low(noise.next(8191))).collect();
+        for part in [16_384, 16_383, 8192, 1, 0] {
+            lessen_by(&mut slopes, part);
+            slopes.iter_mut().for_each(|slope| *slope = if *slope % 2 == 0 { 8191 } else { -8191 });
+        }
+    }
+}
+
+fn low(number: i32) -> i16 {
+    i16::try_from(number).unwrap_or(0)
+}
+
+/// Columns, between any levels.
+#[inline(never)] // its stack is not that of others
+fn columns(noise: &mut Noise) {
+    let mut columns = Columns::<40>::new();
+    for column in 0..40 {
+        columns.push(u16::try_from(noise.next(255).unsigned_abs()).unwrap_or(0), 255 - column * 6);
+    }
+    let mut row: Mixed = [0; Columns::<40>::PLACES + 4];
+    for extreme in [true, false] {
+        for level in &mut row {
+            let noise = u16::try_from(noise.next(255 * 256).unsigned_abs()).unwrap_or(0);
+            *level = (if extreme { noise % 2 * 255 * 256 } else { noise }).wrapping_sub(LESS);
+        }
+        (0..41).for_each(|count| columns.mix(&row, [0; 40].get_mut(..count.min(40)).unwrap_or_default()));
+    }
+}

@@ -1,0 +1,122 @@
+//! The plain loops beside a faster backend (feature `verify`): a difference is a panic that says what was asked.
+
+use super::super::cut_table::CutTable;
+use super::super::plain::scores as plain;
+use crate::image::Image;
+
+/// The score that a backend gave for pictures, where it was asked for one of at least `floor`.
+#[track_caller]
+pub(crate) fn score(answer: Option<u32>, (patch, template): (Image<'_>, Image<'_>), table: &CutTable, floor: u32) {
+    let expected = Some(plain::score(patch, template, table)).filter(|&score| score >= floor);
+    assert_eq!(
+        answer,
+        expected,
+        "score of at least {floor} at threshold {}, given and expected: {patch:?}, {template:?}",
+        table.threshold()
+    );
+}
+
+/// The distance that a backend gave, where it was asked for one of up to `enough`.
+#[track_caller]
+pub(crate) fn distance(answer: u32, (patch, template): (Image<'_>, Image<'_>), enough: u32) {
+    let exact = plain::distance(patch, template, u32::MAX);
+    let right = if exact <= enough { answer == exact } else { answer > enough && answer <= exact };
+    assert!(right, "distance {answer} instead of {exact}, enough {enough}: {patch:?}, {template:?}");
+}
+
+/// What a backend gave for a patch between two pictures.
+#[track_caller]
+pub(crate) fn score_between(
+    answer: Option<u32>,
+    (low, high, template): (Image<'_>, Image<'_>, Image<'_>),
+    table: &CutTable,
+    floor: u32,
+) {
+    let least = plain::score_between_at_least(low, high, template, table, floor);
+    let right = answer.is_none_or(|answer| answer >= floor) && answer >= least;
+    assert!(
+        right,
+        "at threshold {} {answer:?} reached instead of {least:?}, floor {floor}: {template:?}",
+        table.threshold()
+    );
+}
+
+/// The ranges that a backend gave.
+#[track_caller]
+pub(crate) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
+    for (column, answer) in low.iter().zip(high).enumerate() {
+        let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
+        if block.iter().any(|row| row.is_empty()) {
+            return;
+        }
+        let (mut low, mut high) = ([0], [0]);
+        plain::spread(&block, &mut low, &mut high);
+        assert_eq!((&low[0], &high[0]), answer, "range of column {column}, expected and given");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::similarity::Table;
+
+    const ROW: [u8; 4] = [10, 20, 30, 40];
+    const OTHER: [u8; 4] = [10, 21, 30, 99];
+
+    fn view(row: &[u8; 4]) -> Image<'_> {
+        Image::new(row, 4, 1).unwrap()
+    }
+
+    fn cut() -> CutTable {
+        CutTable::new(&Table::PAPER, 13)
+    }
+
+    fn pictures() -> (Image<'static>, Image<'static>) {
+        (view(&ROW), view(&OTHER))
+    }
+
+    #[test]
+    fn what_is_right_is_let_through() {
+        let (patch, template) = pictures();
+        let exact = plain::score(patch, template, &cut());
+        score(Some(exact), pictures(), &cut(), exact);
+        score(None, pictures(), &cut(), exact + 1);
+        distance(60, pictures(), 60);
+        distance(7, pictures(), 6);
+        score_between(Some(4 * 65535), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(), 1);
+        score_between(None, (view(&ROW), view(&ROW), view(&OTHER)), &cut(), 4 * 65535);
+        spread(&[&ROW; 4], &[10], &[40]);
+    }
+
+    #[test]
+    #[should_panic(expected = "score of at least 1")]
+    fn a_score_that_is_one_too_large_is_noticed() {
+        let (patch, template) = pictures();
+        let exact = plain::score(patch, template, &cut());
+        score(Some(exact + 1), pictures(), &cut(), 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "score of at least 1")]
+    fn a_score_that_is_withheld_is_noticed() {
+        score(None, pictures(), &cut(), 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "distance 6 instead of 60, enough 6")]
+    fn a_distance_that_ends_too_early_is_noticed() {
+        distance(6, pictures(), 6);
+    }
+
+    #[test]
+    #[should_panic(expected = "reached instead of")]
+    fn a_bound_that_is_too_low_is_noticed() {
+        score_between(Some(4 * 65535 - 1), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(), 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "range of column 0")]
+    fn a_wrong_range_is_noticed() {
+        spread(&[&ROW; 4], &[10], &[39]);
+    }
+}

@@ -1,0 +1,29 @@
+//! Sums of products by AVX2: the plain loops, of which the compiler makes eight products an instruction where it may.
+
+use crate::kernels::layout::Layout;
+use crate::kernels::plain::products as plain;
+use core::ops::Range;
+
+/// See [`plain::responses`].
+#[target_feature(enable = "avx2")]
+pub(crate) fn responses<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
+    plain::responses_inline(parts, cells, layout, weights, out);
+}
+
+/// See [`plain::gather`].
+#[target_feature(enable = "avx2")]
+pub(crate) fn gather<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
+    plain::gather_inline(parts, cells, layout, errors, sums);
+}

@@ -1,0 +1,214 @@
+//! Distances, ranges and bounds by SSE2, 16 pixels at a time; a score is the plain loop's: what every x86-64 has.
+//!
+//! SSE2 has no instruction that looks a byte up, so the score itself is left to the plain loop. But most scores that are
+//! asked for are asked with a floor, and most do not reach it: with N pixels that count and the sum S of their
+//! differences, which are two additions, a score is at most N * 65535 - c * S. (A pixel that counts and has the
+//! difference d adds p(d), and c is at most (65535 - p(d)) / d for every such d; see [`CutTable::chord`].) Where even that
+//! is below the floor the plain loop is not begun; where it is begun nevertheless, the bound has cost 8 to 15 % of it: 16
+//! instructions for 16 pixels, of which each takes the plain loop eight or more. Of a patch that lies between two
+//! pictures the bound is the answer.
+
+use crate::image::Image;
+use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside};
+use crate::kernels::plain::scores as plain;
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::Scores;
+use core::arch::x86_64::*;
+
+impl Vector for __m128i {
+    const LANES: usize = 16;
+    type Total = Self;
+    type End = Self;
+
+    intrinsics! {
+        fn splat(byte: u8) -> Self { _mm_set1_epi8(byte.cast_signed()) }
+        fn load(from: *const u8) -> Self { _mm_loadu_si128(from.cast()) }
+        fn or(a: Self, b: Self) -> Self { _mm_or_si128(a, b) }
+        fn beyond(a: Self, b: Self) -> Self { _mm_subs_epu8(a, b) }
+        fn minus(a: Self, b: Self) -> Self { _mm_sub_epi8(a, b) }
+        fn at_most(a: Self, b: Self) -> Self { _mm_cmpeq_epi8(_mm_subs_epu8(a, b), _mm_setzero_si128()) }
+        fn nothing() -> Self { _mm_setzero_si128() }
+        fn add(total: Self, bytes: Self) -> Self { _mm_add_epi64(total, _mm_sad_epu8(bytes, _mm_setzero_si128())) }
+        fn add_distance(total: Self, f: Self, g: Self) -> Self { _mm_add_epi64(total, _mm_sad_epu8(f, g)) }
+        fn plus(a: Self, b: Self) -> Self { _mm_add_epi64(a, b) }
+        fn times_256(total: Self) -> Self { _mm_slli_epi64(total, 8) }
+        fn across(total: Self) -> u32 {
+            _mm_cvtsi128_si32(_mm_add_epi64(total, _mm_unpackhi_epi64(total, total))).cast_unsigned()
+        }
+        fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
+        fn load_end<const WHOLE: usize>(row: *const u8, width: usize, _end: Self) -> Self {
+            generic::last::<Self, WHOLE>(row, width)
+        }
+        fn keep(bytes: Self, end: Self) -> Self { _mm_and_si128(bytes, end) }
+    }
+}
+
+impl Neighbours for __m128i {
+    intrinsics! {
+        fn store(bytes: Self, to: *mut u8) { _mm_storeu_si128(to.cast(), bytes) }
+        fn min(a: Self, b: Self) -> Self { _mm_min_epu8(a, b) }
+        fn max(a: Self, b: Self) -> Self { _mm_max_epu8(a, b) }
+        fn further<const BY: i32>(bytes: Self) -> Self { _mm_srli_si128::<BY>(bytes) }
+    }
+}
+
+/// Of rows that are no wider the bound looks only at the first register: at a second for no more than half of what it holds
+/// it would cost a fifth of the plain loop. What it does not look at it takes to be fully similar.
+const NARROW: usize = 24;
+
+/// So many rows are added before it is looked whether the end is already certain.
+const ROWS_A_LOOK: usize = 4;
+
+/// A table, and what bounds a score without it.
+pub(crate) struct Bound<'a> {
+    table: &'a CutTable,
+    /// The largest difference that counts; there is one.
+    last: u8,
+    chord: u32,
+}
+
+pub(crate) const fn is_available() -> bool {
+    cfg!(target_feature = "sse2")
+}
+
+impl Scores for Bound<'_> {
+    #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let rows = Rows::of(patch, template);
+        let looked_at = rows.first(if rows.width <= NARROW { __m128i::LANES } else { rows.width });
+        let floor_there = floor.saturating_sub(rows.full_after(0) - looked_at.full_after(0));
+        if floor_there > 0 && rows.width >= __m128i::LANES {
+            // SAFETY: a `Bound` exists only where SSE2 does, both pictures are borrowed, and a register's width is there.
+            unsafe { self.reach::<false>(&looked_at, floor_there) }?;
+        }
+        plain::score_at_least(patch, template, self.table, floor)
+    }
+
+    #[inline(always)]
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let rows = Rows::between(low, high, template);
+        if rows.width < __m128i::LANES {
+            return plain::score_between_at_least(low, high, template, self.table, floor);
+        }
+        // SAFETY: a `Bound` exists only where SSE2 does, the pictures are borrowed, and a register's width is there.
+        unsafe { self.reach::<true>(&rows, floor) }
+    }
+
+    #[inline(always)]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        // SAFETY: a `Bound` exists only where SSE2 does.
+        unsafe { spread(rows, low, high) }
+    }
+
+    #[inline(always)]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let rows = Rows::of(patch, template);
+        if rows.width < __m128i::LANES {
+            return plain::distance(patch, template, enough);
+        }
+        // SAFETY: a `Bound` exists only where SSE2 does, and both pictures are borrowed.
+        unsafe { distance(&rows, enough) }
+    }
+}
+
+#[target_feature(enable = "sse2")]
+unsafe fn distance(rows: &Rows, enough: u32) -> u32 {
+    // SAFETY: as the caller has seen to.
+    unsafe { by_width!(rows.width, __m128i, generic::distance::<__m128i, WHOLE, END>(rows, enough)) }
+}
+
+/// See [`plain::spread`].
+#[target_feature(enable = "sse2")]
+fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    // SAFETY: this is compiled for SSE2.
+    if !unsafe { generic::spread::<__m128i>(rows, low, high) } {
+        plain::spread(rows, low, high);
+    }
+}
+
+impl<'a> Bound<'a> {
+    /// `None` where nothing counts, and where there is no SSE2: that there is a `Bound` is the proof that there is.
+    pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
+        let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
+        is_available().then_some(Self { table, last, chord: table.chord() })
+    }
+
+    /// What the score is at most, if that is at least `floor`. `BETWEEN`: the patch is between two pictures.
+    ///
+    /// # Safety
+    /// The pictures that `rows` were made of are borrowed, and at least 16 pixels wide.
+    #[target_feature(enable = "sse2")]
+    unsafe fn reach<const BETWEEN: bool>(&self, rows: &Rows, floor: u32) -> Option<u32> {
+        const FILLED: usize = 1; // at least
+        // SAFETY: this is compiled for SSE2; no register ends beyond the width, which `end` was made for.
+        unsafe {
+            let end = __m128i::end::<FILLED>(rows.width);
+            let mut sums =
+                Sums { last: __m128i::splat(self.last), counted: __m128i::nothing(), differences: __m128i::nothing() };
+            let mut y = 0;
+            loop {
+                let ((f, g), h) = (rows.row(y), rows.high_row(y));
+                let h = if BETWEEN { h } else { f };
+                let mut at = 0;
+                while at + __m128i::LANES <= rows.width {
+                    let (f, h) = (__m128i::load(f.wrapping_add(at)), __m128i::load(h.wrapping_add(at)));
+                    sums.add(outside(f, h, __m128i::load(g.wrapping_add(at))), __m128i::splat(u8::MAX));
+                    at += __m128i::LANES;
+                }
+                if at < rows.width {
+                    let f = __m128i::load_end::<FILLED>(f, rows.width, end);
+                    let h = __m128i::load_end::<FILLED>(h, rows.width, end);
+                    sums.add(outside(f, h, __m128i::load_end::<FILLED>(g, rows.width, end)), end);
+                }
+                y += 1;
+                if y.is_multiple_of(ROWS_A_LOOK) || y >= rows.height {
+                    let most = sums.most(self.chord);
+                    if most + rows.full_after(y) < floor {
+                        return None;
+                    }
+                    if y >= rows.height {
+                        return Some(most);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The sums that bound a score, in two parts each.
+struct Sums {
+    /// The largest difference that counts.
+    last: __m128i,
+    /// 255 for each pixel that counts, so that a comparison need not be made a number first.
+    counted: __m128i,
+    differences: __m128i,
+}
+
+impl Sums {
+    /// Adds the differences of the pixels that count, of those that are `valid`.
+    ///
+    /// # Safety
+    /// SSE2 is there.
+    #[inline(always)]
+    unsafe fn add(&mut self, difference: __m128i, valid: __m128i) {
+        // SAFETY: as the caller has seen to.
+        unsafe {
+            let counts = __m128i::keep(__m128i::at_most(difference, self.last), valid);
+            self.counted = __m128i::add(self.counted, counts);
+            self.differences = __m128i::add(self.differences, _mm_and_si128(counts, difference));
+        }
+    }
+
+    /// What the pixels score at most; it fits a `u32` for as many pixels as a template may have.
+    ///
+    /// # Safety
+    /// SSE2 is there.
+    #[inline(always)]
+    unsafe fn most(&self, chord: u32) -> u32 {
+        const COUNTED: u32 = ONE as u32 / 255;
+        // Never below zero: the part that each pixel adds is at least its similarity.
+        // SAFETY: as the caller has seen to.
+        unsafe { __m128i::across(self.counted) * COUNTED - __m128i::across(self.differences) * chord }
+    }
+}
