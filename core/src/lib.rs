@@ -77,6 +77,7 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+mod correlation;
 mod image;
 mod kernels;
 #[cfg(feature = "pursuit")]

@@ -284,9 +284,10 @@ fn the_robust_tracker_is_a_method_like_the_others() {
     assert!(lines.iter().all(|line| line["box"]["x"].is_null() || line["box"]["x"].is_i64()));
     assert!(lines.iter().any(|line| line["scale"].as_f64().is_some_and(|scale| scale != 1.0)));
 
-    let checked = host_sim(&["check", "periodic", "--method", "robust", "--without", "size,near", "--json"]).json();
+    let checked =
+        host_sim(&["check", "periodic", "--method", "robust", "--without", "size,distance-penalty", "--json"]).json();
     assert_eq!((&checked[0]["method"], &checked[0]["violation"]), (&"robust".into(), &Value::Null));
-    assert_eq!(checked[0]["options"], json!({ "without": ["size", "near"] }));
+    assert_eq!(checked[0]["options"], json!({ "without": ["size", "distance-penalty"] }));
     assert!(checked[0]["responses"].as_u64() > Some(0));
 
     let folder = tempfile::tempdir().unwrap();
@@ -377,7 +378,7 @@ fn ablate_has_a_row_for_every_part() {
     let said = host_sim(&arguments);
     assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
     let names = said.out.lines().skip(1).map(|line| line.split("  ").next().unwrap());
-    let expected = ["smr", "robust", "without velocity", "without near", "without size"];
+    let expected = ["smr", "robust", "without velocity", "without distance-penalty", "without size"];
     assert_eq!(names.clone().take(5).collect::<Vec<_>>(), expected);
     assert_eq!(names.count(), 8);
 

@@ -102,55 +102,75 @@ const PAPER: [Mutant; 22] = [
 
 /// The same for the robust tracker.
 const ROBUST: [Mutant; 24] = [
-    ("cells of the filter", "track/robust/mod.rs", "const MOST_CELLS: usize = 200;", "const MOST_CELLS: usize = 190;"),
+    ("cells of the filter", "track/robust/constants.rs", "MOST_CELLS: usize = 200;", "MOST_CELLS: usize = 190;"),
     ("a direction", "kernels/plain/gradients.rs", "(703, 256)", "(702, 256)"),
     (
         "the norm's floor",
-        "track/robust/features.rs",
-        "const FLOOR: u32 = 2 * 16 * 8;",
-        "const FLOOR: u32 = 2 * 16 * 8 + 1;",
+        "track/robust/constants.rs",
+        "NORM_FLOOR: u32 = 2 * 16 * 8;",
+        "NORM_FLOOR: u32 = 2 * 16 * 8 + 1;",
     ),
-    ("the norm's gain", "track/robust/features.rs", "const GAIN: u32 = 635;", "const GAIN: u32 = 634;"),
-    ("pull", "track/robust/filter.rs", "const PULL: i64 = 5056;", "const PULL: i64 = 5055;"),
-    ("coded numbers", "track/robust/filter.rs", "const CODED: u32 = 8191;", "const CODED: u32 = 4095;"),
-    ("gathered errors", "track/robust/filter.rs", "const GATHERED: u32 = 16_383;", "const GATHERED: u32 = 8191;"),
-    ("width of the label", "track/robust/label.rs", "* 4096 / 100)", "* 4096 / 99)"),
+    ("the norm's gain", "track/robust/constants.rs", "NORM_GAIN: u32 = 635;", "NORM_GAIN: u32 = 634;"),
+    ("the regularisation", "track/robust/constants.rs", "REGULARISATION: i64 = 5056;", "REGULARISATION: i64 = 5055;"),
+    ("coded numbers", "correlation/coded.rs", "LARGEST: u32 = 8191;", "LARGEST: u32 = 4095;"),
+    ("coded errors", "track/robust/constants.rs", "MOST_CODED_ERROR: u32 = 16_383;", "MOST_CODED_ERROR: u32 = 8191;"),
+    (
+        "width of the label",
+        "track/robust/constants.rs",
+        "LABEL_WIDTH: [u32; 2] = [1, 100];",
+        "LABEL_WIDTH: [u32; 2] = [1, 99];",
+    ),
     ("the length of a step", "track/robust/config.rs", "learning_rate: 160,", "learning_rate: 161,"),
-    ("where cells learn", "track/robust/label.rs", "32 * u64::from(side)", "33 * u64::from(side)"),
-    ("the table of the label", "track/robust/label.rs", "5 * FINE as usize", "2 * FINE as usize"),
-    ("near", "track/robust/responses.rs", "const FAR: u32 = 77;", "const FAR: u32 = 128;"),
-    ("velocity", "track/robust/track.rs", "self.place.x + self.right) >> 1", "self.place.x + self.right) >> 2"),
-    ("first steps", "track/robust/update.rs", "const FIRST_STEPS: u32 = 25;", "const FIRST_STEPS: u32 = 24;"),
-    ("scales", "track/robust/update.rs", "const SIZE_STEP: u64 = 66_847;", "const SIZE_STEP: u64 = 66_848;"),
-    ("what other scales count", "track/robust/update.rs", "const SIZE_PART: i64 = 252;", "const SIZE_PART: i64 = 128;"),
+    ("where cells learn", "track/robust/constants.rs", "LEARNED_WIDTH: u64 = 32;", "LEARNED_WIDTH: u64 = 33;"),
+    ("the table of the label", "track/robust/gaussian.rs", "5 * FINE as usize", "2 * FINE as usize"),
+    (
+        "the distance penalty",
+        "track/robust/constants.rs",
+        "DISTANCE_PENALTY: u32 = 77;",
+        "DISTANCE_PENALTY: u32 = 128;",
+    ),
+    ("velocity", "track/robust/motion.rs", "self.place.x + right) >> 1", "self.place.x + right) >> 2"),
+    ("first steps", "track/robust/constants.rs", "FIRST_STEPS: u32 = 25;", "FIRST_STEPS: u32 = 24;"),
+    ("scales", "track/robust/constants.rs", "SCALE_STEP: u64 = 66_847;", "SCALE_STEP: u64 = 66_848;"),
+    ("what other scales count", "track/robust/constants.rs", "SCALE_PENALTY: i64 = 252;", "SCALE_PENALTY: i64 = 128;"),
     ("the early template", "track/robust/config.rs", "early_rate: 1,", "early_rate: 16,"),
-    ("the growth", "track/robust/exact.rs", "-32 * part([", "-16 * part(["),
-    ("slopes outward", "track/robust/exact.rs", "+ down * v) >> 6", "- down * v) >> 6"),
-    ("where it is certain", "track/robust/trust.rs", "const CERTAIN: u16 = 55_000;", "const CERTAIN: u16 = 65_535;"),
-    ("the part that counts", "track/robust/agreement.rs", "const RANK: usize = 4;", "const RANK: usize = 5;"),
-    ("alpha's bound", "track/robust/light.rs", "clamp(8, 100)", "clamp(8, 9)"),
-    ("trust", "track/robust/config.rs", "patience: 179,", "patience: 180,"),
-    ("caution", "track/robust/trust.rs", "const LEARNED: i32 = 37_500;", "const LEARNED: i32 = 98_304;"),
+    ("the growth", "track/robust/refinement.rs", "-32 * part([", "-16 * part(["),
+    ("slopes outward", "track/robust/refinement.rs", "+ down * v) >> 6", "- down * v) >> 6"),
+    (
+        "where place and size are refined",
+        "track/robust/constants.rs",
+        "REFINED_FROM: u16 = 55_000;",
+        "REFINED_FROM: u16 = 65_535;",
+    ),
+    ("the part that counts", "track/robust/constants.rs", "RANK: usize = 4;", "RANK: usize = 5;"),
+    ("alpha's bound", "track/robust/constants.rs", "MOST_ALPHA: u32 = 100;", "MOST_ALPHA: u32 = 9;"),
+    ("confidence", "track/robust/config.rs", "patience: 179,", "patience: 180,"),
+    ("gated learning", "track/robust/constants.rs", "LEARNED_FROM: i32 = 37_500;", "LEARNED_FROM: i32 = 98_304;"),
 ];
 
 /// What only a target shows that is lost and comes back: the built-in recordings have none that the robust tracker loses. The tests
 /// beside `check` have.
 const LOST: [Mutant; 3] = [
-    ("how much is enough", "track/robust/trust.rs", "const FOUND: i32 = 52_000;", "const FOUND: i32 = 104_000;"),
-    ("where a lost target is looked for", "track/robust/sweep.rs", "(2 * number + 1)", "(2 * number)"),
-    ("what is asked for", "track/robust/target.rs", "reach + 2 * SIZE_REACH", "reach"),
+    ("how much is enough", "track/robust/constants.rs", "FOUND_FROM: i32 = 52_000;", "FOUND_FROM: i32 = 104_000;"),
+    ("where a lost target is searched", "track/robust/redetection.rs", "(2 * number + 1)", "(2 * number)"),
+    ("what is asked for", "track/robust/target.rs", "reach + 2 * SCALE_REACH", "reach"),
 ];
 
 /// What no recording shows yet, but smr-core's own tests.
 const OWN: [Mutant; 2] = [
-    ("how much better", "track/robust/trust.rs", "const BETTER: i32 = 16_000;", "const BETTER: i32 = 0;"),
-    ("how far trust is beyond the evidence", "track/robust/trust.rs", "BEYOND: i32 = 29_000;", "BEYOND: i32 = 98_304;"),
+    ("how much better", "track/robust/constants.rs", "FOUND_LEAD: i32 = 16_000;", "FOUND_LEAD: i32 = 0;"),
+    (
+        "how far the confidence leads",
+        "track/robust/constants.rs",
+        "CONFIDENCE_LEAD: i32 = 29_000;",
+        "CONFIDENCE_LEAD: i32 = 98_304;",
+    ),
 ];
 
 /// How a mutant is met: what follows `cargo`.
 const CHECK_PAPER: [&str; 7] = ["run", "--quiet", "--package", "host-sim", "--", "check", "--method=smr"];
 const CHECK_ROBUST: [&str; 7] = ["run", "--quiet", "--package", "host-sim", "--", "check", "--method=robust"];
-const TEST_CORE: [&str; 6] = ["test", "--quiet", "--package=smr-core", "--lib", "--", "track::robust::trust"];
+const TEST_CORE: [&str; 6] = ["test", "--quiet", "--package=smr-core", "--lib", "--", "track::robust::confidence"];
 const TEST_ROBUST: [&str; 6] = ["test", "--quiet", "--package=host-sim", "--lib", "--", "check::robust"];
 
 #[test]

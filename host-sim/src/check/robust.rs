@@ -182,10 +182,10 @@ mod tests {
         let mut numbers = Numbers::robust();
         let parts = &mut numbers.parts;
         parts.velocity = config.has(Part::Velocity);
-        parts.near = config.has(Part::Near);
+        parts.distance_penalty = config.has(Part::DistancePenalty);
         parts.size = config.size;
         parts.verification = config.has(Part::Verification);
-        parts.caution = config.has(Part::Caution);
+        parts.gated_learning = config.has(Part::GatedLearning);
         parts.sweep = config.sweep;
         numbers
     }
@@ -194,10 +194,10 @@ mod tests {
 
     const WITHOUT: [Change<Config>; 6] = [
         ("velocity", |config| *config = config.without(Part::Velocity)),
-        ("near", |config| *config = config.without(Part::Near)),
+        ("distance penalty", |config| *config = config.without(Part::DistancePenalty)),
         ("size", |config| config.size = false),
         ("verification", |config| *config = config.without(Part::Verification)),
-        ("caution", |config| *config = config.without(Part::Caution)),
+        ("gated learning", |config| *config = config.without(Part::GatedLearning)),
         ("sweep", |config| config.sweep = false),
     ];
 
@@ -261,7 +261,7 @@ mod tests {
             ("coded", |numbers| numbers.most_coded = 4095.0),
             ("gathered", |numbers| numbers.most_gathered = 8191.0),
             ("first steps", |numbers| numbers.first_steps = 24),
-            ("near", |numbers| numbers.near = 128.0),
+            ("distance penalty", |numbers| numbers.distance_penalty = 128.0),
             ("expected", |numbers| numbers.expected = 0.25),
             ("last move", |numbers| numbers.last_move = 0.25),
             ("size step", |numbers| numbers.size_step = 1.03),
@@ -280,7 +280,7 @@ mod tests {
             ("most sum", |numbers| numbers.most_sum = 2048.0),
             ("trust's rate", |numbers| numbers.trust_rate = 76.0),
             ("velocity", |numbers| numbers.parts.velocity = false),
-            ("near", |numbers| numbers.parts.near = false),
+            ("distance penalty", |numbers| numbers.parts.distance_penalty = false),
             ("size", |numbers| numbers.parts.size = false),
         ];
         noticed(&others, |numbers| checked(CHECKED[0], Config::robust(), numbers, 40));
@@ -352,7 +352,7 @@ mod tests {
             ("found", |numbers| numbers.found_from = 98_304.0),
             ("better", |numbers| numbers.better_by = 98_304.0),
             ("verification", |numbers| numbers.parts.verification = false),
-            ("caution", |numbers| numbers.parts.caution = false),
+            ("gated learning", |numbers| numbers.parts.gated_learning = false),
             ("sweep", |numbers| numbers.parts.sweep = false),
         ];
         noticed(&others, hidden);

@@ -69,7 +69,7 @@ mod tests {
     fn every_part_is_left_out_once() {
         let names: Vec<String> = variants().into_iter().map(|variant| variant.name).collect();
         assert_eq!(names.len(), 2 + Part::value_variants().len());
-        assert_eq!(names[..4], ["smr", "robust", "without velocity", "without near"]);
+        assert_eq!(names[..4], ["smr", "robust", "without velocity", "without distance-penalty"]);
         assert!(variants().iter().all(|variant| variant.build().is_ok()));
     }
 }

@@ -5,7 +5,7 @@
 //!
 //! ```toml
 //! method = "robust"
-//! without = ["sweep", "near"]
+//! without = ["sweep", "velocity"]
 //! ```
 
 use super::{HostSim, bad_value};
@@ -146,8 +146,9 @@ mod tests {
         let expected = "host-sim --settings FILE track --exhaustive --growth=2 --method=smr SEQ --window=3x3";
         let words = with(SETTINGS, &["host-sim", "--settings", "FILE", "track", "SEQ", "--window=3x3"]).unwrap();
         assert_eq!(words.join(" "), expected);
-        let parts = with("without = [\"near\", \"sweep\"]", &["host-sim", "track", "--settings=FILE", "SEQ"]).unwrap();
-        assert_eq!(parts.join(" "), "host-sim track --without=near,sweep --settings=FILE SEQ");
+        let parts =
+            with("without = [\"velocity\", \"sweep\"]", &["host-sim", "track", "--settings=FILE", "SEQ"]).unwrap();
+        assert_eq!(parts.join(" "), "host-sim track --without=velocity,sweep --settings=FILE SEQ");
         let none = with(SETTINGS, &["host-sim", "track", "SEQ"]).unwrap();
         assert_eq!(none.join(" "), "host-sim track SEQ");
     }

@@ -115,15 +115,15 @@ const WINDOWED: &[MethodKind] = &[MethodKind::Smr, MethodKind::Sad, MethodKind::
 pub enum Part {
     /// A moving target is expected to go on
     Velocity,
-    /// Far places must answer more clearly
-    Near,
+    /// Responses far from where the target is expected count less
+    DistancePenalty,
     /// The change of size
     Size,
-    /// The early template that tells whether it is still the target
+    /// The early template checks that it is still the target
     Verification,
-    /// What does not agree with the early template is not learned
-    Caution,
-    /// Looking for a lost target all over the frame
+    /// Only frames with enough evidence are learned
+    GatedLearning,
+    /// A lost target is searched all over the frame
     Sweep,
 }
 
@@ -138,10 +138,10 @@ impl Part {
     fn of(self, parts: &mut reference::Parts) -> &mut bool {
         match self {
             Self::Velocity => &mut parts.velocity,
-            Self::Near => &mut parts.near,
+            Self::DistancePenalty => &mut parts.distance_penalty,
             Self::Size => &mut parts.size,
             Self::Verification => &mut parts.verification,
-            Self::Caution => &mut parts.caution,
+            Self::GatedLearning => &mut parts.gated_learning,
             Self::Sweep => &mut parts.sweep,
         }
     }
@@ -150,10 +150,10 @@ impl Part {
     pub fn leave_out(self, config: &mut robust::Config) {
         match self {
             Self::Velocity => *config = config.without(robust::Part::Velocity),
-            Self::Near => *config = config.without(robust::Part::Near),
+            Self::DistancePenalty => *config = config.without(robust::Part::DistancePenalty),
             Self::Size => config.size = false,
             Self::Verification => *config = config.without(robust::Part::Verification),
-            Self::Caution => *config = config.without(robust::Part::Caution),
+            Self::GatedLearning => *config = config.without(robust::Part::GatedLearning),
             Self::Sweep => config.sweep = false,
         }
     }

@@ -76,9 +76,9 @@ impl Configured for smr_core::Robust {
             size,
             sweep,
             velocity,
-            near,
+            distance_penalty,
             verification,
-            caution,
+            gated_learning,
             reach,
             patience,
             lost_below,
@@ -92,9 +92,9 @@ impl Configured for smr_core::Robust {
         (config.size, config.sweep) = (flag(size)?, flag(sweep)?);
         let parts = [
             (velocity, Part::Velocity),
-            (near, Part::Near),
+            (distance_penalty, Part::DistancePenalty),
             (verification, Part::Verification),
-            (caution, Part::Caution),
+            (gated_learning, Part::GatedLearning),
         ];
         for (has, part) in parts {
             if !flag(has)? {

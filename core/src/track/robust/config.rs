@@ -1,10 +1,10 @@
 //! What the robust tracker is made with: what firmware may tune, with ranges and defaults.
 
-use super::REACH;
+use super::constants::REACH;
 use crate::similarity::{Backend, Table};
 use crate::track::ConfigError;
 
-/// The numbers of the method. [`Config::robust`] holds those that are measured to be best; each can be changed.
+/// The numbers of the method. [`Config::robust`] holds those that were best on many recordings. Each can be changed.
 ///
 /// ```
 /// use smr_core::{Robust, Target, robust::Config};
@@ -15,62 +15,62 @@ use crate::track::ConfigError;
 /// assert!(target.window().is_none());
 /// # Ok::<(), smr_core::ConfigError>(())
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Config {
-    /// The similarity of two pixels by their difference.
+    /// The similarity of two pixels, by their difference.
     pub table: &'static Table,
-    /// How sums are computed; it changes nothing but the time. `None` is the fastest way that the machine has.
+    /// How sums are computed: it changes the time, but no answer. `None` is the fastest way that the machine has.
     pub backend: Option<Backend>,
-    /// How far the target is looked for to each side, in cells: 4 to 8. A cell is a tenth of the root of the target's area. The
+    /// How far the target is searched to each side, in cells: 4 to 8. The side of a cell is a tenth of the root of the target's area. The
     /// work of an update grows with the square of 2 `reach` + 1.
     pub reach: u8,
     /// Whether the box follows the target's size.
     pub size: bool,
-    /// Whether a lost target is looked for all over the frame; without, only where it was lost.
+    /// Whether a lost target is searched all over the frame, or only where it was lost.
     pub sweep: bool,
-    /// How slowly the confidence follows what speaks for the target: it keeps so many 256ths of itself in each frame. More
-    /// holds on for longer, through short occlusions and through errors alike.
+    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of itself in each frame. A higher value holds on for
+    /// longer, through short occlusions and through errors alike.
     pub patience: u8,
     /// The target is lost while the confidence is below this, in units of 1/65535.
     pub lost_below: u16,
     /// It is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// How far the filter goes towards what is best for the present frame, in units of 1/256: 0 to 256. 0 keeps what was learned
-    /// in the first frame.
+    /// The filter's learning rate: the part of the exact step for the present frame that it takes, in units of 1/256, 0 to 256. With 0 it
+    /// keeps what it learned in the first frame.
     pub learning_rate: u16,
-    /// How far the early template goes towards the present frame, in units of 1/1024: 0 to 1024.
+    /// The early template's learning rate, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,
     pub(super) parts: Parts,
 }
 
-/// Parts that can be left out, to measure what they are worth; firmware has no use for that.
-#[derive(Clone, Copy, Debug)]
+/// Parts that can be left out, to measure what each is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Parts {
     pub(super) velocity: bool,
-    pub(super) near: bool,
+    pub(super) distance_penalty: bool,
     pub(super) verification: bool,
-    pub(super) caution: bool,
+    pub(super) gated_learning: bool,
 }
 
 /// A part of the tracker that [`Config::without`] leaves out.
 #[cfg(feature = "ablation")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// A target that moves is expected to go on.
+    /// A moving target is expected to go on.
     Velocity,
-    /// Places far from where the target is expected must answer more clearly.
-    Near,
-    /// An early template is asked if it is still the target: without, the state is always tracking.
+    /// Responses far from where the target is expected count less.
+    DistancePenalty,
+    /// The early template checks that it is still the target. Without it the state is always tracking.
     Verification,
-    /// What does not agree with the early template is kept from being learned.
-    Caution,
+    /// Only frames with enough evidence are learned.
+    GatedLearning,
 }
 
 impl Config {
-    /// The values that are measured to be best over many recordings.
+    /// The values that were best on many recordings.
     #[must_use]
     pub const fn robust() -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Config {
             uncertain_below: 32_500,
             learning_rate: 160,
             early_rate: 1,
-            parts: Parts { velocity: true, near: true, verification: true, caution: true },
+            parts: Parts { velocity: true, distance_penalty: true, verification: true, gated_learning: true },
         }
     }
 
@@ -94,9 +94,9 @@ impl Config {
     pub const fn without(mut self, part: Part) -> Self {
         match part {
             Part::Velocity => self.parts.velocity = false,
-            Part::Near => self.parts.near = false,
+            Part::DistancePenalty => self.parts.distance_penalty = false,
             Part::Verification => self.parts.verification = false,
-            Part::Caution => self.parts.caution = false,
+            Part::GatedLearning => self.parts.gated_learning = false,
         }
         self
     }
@@ -107,13 +107,13 @@ impl Config {
     pub const fn has(&self, part: Part) -> bool {
         match part {
             Part::Velocity => self.parts.velocity,
-            Part::Near => self.parts.near,
+            Part::DistancePenalty => self.parts.distance_penalty,
             Part::Verification => self.parts.verification,
-            Part::Caution => self.parts.caution,
+            Part::GatedLearning => self.parts.gated_learning,
         }
     }
 
-    /// Whether a tracker takes it: what [`Target::new`](crate::Target::new) asks.
+    /// Whether a tracker accepts it: [`Target::new`](crate::Target::new) calls this.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`].
@@ -136,11 +136,16 @@ impl Config {
         2 * self.reach as usize + 1
     }
 
+    /// The backend that is used.
+    pub(super) fn backend(&self) -> Backend {
+        self.backend.unwrap_or_else(Backend::best)
+    }
+
     pub(super) fn reach(&self) -> u16 {
         self.reach.into()
     }
 
-    /// Whether what is followed may turn out to be lost.
+    /// Whether a lost target is searched elsewhere.
     pub(super) const fn sweeps(&self) -> bool {
         self.sweep && self.parts.verification
     }

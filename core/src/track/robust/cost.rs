@@ -1,32 +1,42 @@
-//! What each part of an update costs in units of work, and the most that an update, a lock and a step can cost.
+//! Units of work: what each part of an update costs, and the most that an update, a lock and a step can cost.
 //!
-//! A unit is about an instruction of a Cortex-M4. A product of a weight and a byte counts 1; so does a pixel of the frame that is read.
-#![allow(clippy::cast_possible_truncation)] // of numbers of a few thousand, in functions that are `const`
+//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does a pixel of the frame that is
+//! read.
+#![allow(clippy::cast_possible_truncation)] // numbers of a few thousand, in `const` functions
 
 use super::config::Config;
-use super::exact::{MARGIN, PLACES};
-use super::features::{CELL, CHANNELS};
-use super::grid::MOST_SIDE;
-use super::update::{FIRST_STEPS, SIZE_REACH};
-use super::{MOST_CELLS, MOST_PIXELS};
+use super::constants::{
+    CELL, CHANNELS, DISPLACEMENTS, FIRST_STEPS, MARGIN, MOST_CELLS, MOST_PIXELS, MOST_SIDE, SCALE_REACH,
+};
+use super::grid::Grid;
 use crate::track::MostWork;
 
-/// A pixel of the grid that is sampled, and of which features are made.
-pub(super) const SEEN: u32 = 64;
-/// One of the view.
+/// For each sample of a search window, with its part of the features.
+pub(super) const SAMPLED: u32 = 64;
+/// For each sample of the view.
 pub(super) const VIEWED: u32 = 32;
-/// One of the template that is compared.
+/// For each pixel of the template that is compared.
 pub(super) const COMPARED: u32 = 12;
-/// One that is put into other light.
-pub(super) const LIT: u32 = 20;
-/// One by which a place is refined.
+/// For each pixel of the template that is relit.
+pub(super) const RELIT: u32 = 20;
+/// For each pixel of the template by which place and size are refined.
 pub(super) const REFINED: u32 = 40;
-/// A weight while the way to change it is found.
+/// For each weight when the direction is computed.
 pub(super) const SLOPED: u32 = 64;
-/// A weight while it is coded or changed, and a pixel of the template while it is copied.
+/// For each weight that is coded or changed, and each pixel of the template that is copied.
 pub(super) const CODED: u32 = 16;
 
-/// Lines of the grid that a row of cells is made of.
+/// A number of products as work.
+pub(super) fn units(products: usize) -> u32 {
+    u32::try_from(products).unwrap_or(u32::MAX)
+}
+
+/// The weights of the filter on a grid, as work is computed from them.
+pub(super) fn weights(grid: &Grid) -> u32 {
+    units(grid.weights())
+}
+
+/// Lines of samples from which a row of cells is made.
 const LINES: u32 = CELL as u32 + 2;
 
 /// The shape of a filter, in cells.
@@ -34,12 +44,11 @@ const LINES: u32 = CELL as u32 + 2;
 struct Shape {
     across: u32,
     down: u32,
-    /// How far is searched, in cells.
+    /// How far it searches, in cells.
     reach: u32,
 }
 
-/// The most pixels of the frame that are read for so many columns and rows of the grid: a step is less than two blocks, of each of which
-/// four pixels are read.
+/// The most pixels of the frame that are read for a lattice: its steps are less than two blocks, and four pixels of each block are read.
 const fn read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -59,29 +68,29 @@ impl Shape {
         (2 * self.reach + 1) * (2 * self.reach + 1)
     }
 
-    /// A window of cells that reaches so far beyond the filter.
-    const fn see(self, reach: u32) -> u32 {
+    /// Features of a window that reaches this much further than the filter.
+    const fn features(self, reach: u32) -> u32 {
         let columns = (self.across + 2 * reach) * CELL as u32 + 2;
         let rows = (self.down + 2 * reach) * CELL as u32 + 2;
-        columns * rows * SEEN + read(columns, rows)
+        columns * rows * SAMPLED + read(columns, rows)
     }
 
     const fn view(self) -> u32 {
-        // Of all templates that a filter covers the longest has the longest margin.
+        // The longest template that a filter covers has the longest margin.
         let (columns, rows) =
             (self.across * CELL as u32 + 2 * MARGIN as u32, self.down * CELL as u32 + 2 * MARGIN as u32);
         columns * rows * VIEWED + read(columns, rows)
     }
 
-    /// A look at a window: cells, responses, the view of the peak, and whether the early template agrees.
-    const fn look(self) -> u32 {
-        let agreement = PLACES as u32 * COMPARED + LIT + LIT + COMPARED;
-        self.see(self.reach) + self.offsets() * self.weights() + self.view() + agreement * self.pixels()
+    /// A search and its verification: features, responses, the view of the peak, displacements and agreement.
+    const fn search(self) -> u32 {
+        let agreement = DISPLACEMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
+        self.features(self.reach) + self.offsets() * self.weights() + self.view() + agreement * self.pixels()
     }
 
     const fn scales(self) -> u32 {
-        let offsets = (2 * SIZE_REACH as u32 + 1) * (2 * SIZE_REACH as u32 + 1);
-        3 * (self.see(SIZE_REACH as u32) + offsets * self.weights())
+        let offsets = (2 * SCALE_REACH as u32 + 1) * (2 * SCALE_REACH as u32 + 1);
+        3 * (self.features(SCALE_REACH as u32) + offsets * self.weights())
     }
 
     /// A step of learning.
@@ -91,32 +100,32 @@ impl Shape {
 
     const fn update(self, config: &Config) -> u32 {
         let begin = CODED * (self.weights() + self.pixels());
-        let look = self.look() + REFINED * self.pixels();
+        let search = self.search() + REFINED * self.pixels();
         let scales = if config.size { self.scales() } else { 0 };
-        // Nothing is learned in a frame in which the target is looked for elsewhere.
-        let (learn, elsewhere) = (self.learn(), if config.sweeps() { self.look() } else { 0 });
-        begin + look + scales + if learn > elsewhere { learn } else { elsewhere }
+        // A frame is either learned or searched elsewhere.
+        let (learn, elsewhere) = (self.learn(), if config.sweeps() { self.search() } else { 0 });
+        begin + search + scales + if learn > elsewhere { learn } else { elsewhere }
     }
 
     const fn lock(self) -> u32 {
         let lesson = CODED * self.weights() + self.offsets() * self.weights() + self.learn();
-        self.view() + self.see(self.reach) + FIRST_STEPS * lesson
+        self.view() + self.features(self.reach) + FIRST_STEPS * lesson
     }
 
-    /// The largest of what is not divided: a row of cells, a row of the view or of responses, the weights or the template once.
+    /// The largest piece that cannot be cut: a row of cells, of the view or of responses, or once through the weights or the template.
     const fn unit(self) -> u32 {
         let columns = (self.across + 2 * self.reach) * CELL as u32 + 2;
         let span = 2 * self.reach + 1;
-        let scale = (2 * SIZE_REACH as u32 + 1) * (2 * SIZE_REACH as u32 + 1) * self.weights();
+        let scale = (2 * SCALE_REACH as u32 + 1) * (2 * SCALE_REACH as u32 + 1) * self.weights();
         let all = [
-            LINES * columns * SEEN + read(columns, LINES),
-            // Where two rows of cells are multiplied at a time. The weights are coded, or changed, at once with the last ones.
+            LINES * columns * SAMPLED + read(columns, LINES),
+            // The DSP extension multiplies two rows of cells at a time. With the last ones the weights are coded or changed.
             (2 * span + CODED) * self.weights(),
-            // The errors, and the first part of what is gathered of them.
+            // The errors.
             self.offsets() + CODED * self.weights(),
             SLOPED * self.weights(),
-            // The first place is put into other light.
-            if scale > (LIT + COMPARED) * self.pixels() { scale } else { (LIT + COMPARED) * self.pixels() },
+            // The first displacement, for which the template is relit.
+            if scale > (RELIT + COMPARED) * self.pixels() { scale } else { (RELIT + COMPARED) * self.pixels() },
             REFINED * self.pixels(),
         ];
         let (mut rest, mut most) = (all.as_slice(), 0);
@@ -129,7 +138,7 @@ impl Shape {
 }
 
 impl Config {
-    /// The most work of an update, a lock and a step, whatever the sizes of frame and target, and whatever the frames show.
+    /// The most work of an update, a lock and a step, for any frames and any target.
     ///
     /// ```
     /// use smr_core::robust::Config;

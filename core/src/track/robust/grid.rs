@@ -1,34 +1,16 @@
-//! The grid: target and surroundings, resampled so that the target has about 1600 pixels, whatever its size in the frame.
+//! The target's grid: how finely the frame is resampled, and the shapes of template and filter on it.
 //!
-//! Where a step of the grid is two pixels or more, the frame is first reduced by blocks of 2x2 pixels (4x4, 8x8, ...) until a step is
-//! less than two of them; then the four neighbours are mixed by fractions of 1/256. Beyond the frame its edge goes on. Each row of blocks
-//! is made once.
+//!     step = sqrt(area / 1600) pixels of the frame, at least half a pixel
 //!
-//! What stands for a block is the mean of four pixels, whatever the block's size: two in each of two rows, a quarter of its side from its
-//! edges. So they are evenly spaced over the whole frame, and a pixel of the grid costs at most 16 pixels of the frame.
+//! A target of any size has about 1600 pixels on its grid, so every frame costs about the same.
 
-use super::features::CELL;
-use super::{MOST_CELLS, MOST_PIXELS, REACH};
-use crate::image::{Frame, Image, Rect};
-use crate::kernels::{Columns, LESS, Mixed, rolled};
-use heapless::Vec;
-
-/// One pixel, as positions have it.
-pub(super) const PIXEL: i64 = 1 << PIXEL_BITS;
-const PIXEL_BITS: u32 = 12;
-/// 1.0, as scales have it.
-pub(super) const SCALE: u32 = 1 << 16;
-/// The least and the most cells of the filter on a side.
-const LEAST_SIDE: u64 = 4;
-pub(super) const MOST_SIDE: u16 = 32;
-/// The most columns that a row of the grid can have: a search window, and the pixel on each side that gradients need.
-pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
-/// The most pixels, or means, that such a row lies on.
-const ROW: usize = 2 * COLUMNS + 2;
+use super::constants::{CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS};
+use crate::image::Rect;
 
 /// Shapes of the template and of the filter, and the grid's step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Grid {
     /// Columns of the template, in pixels of the grid.
     pub columns: u16,
@@ -42,36 +24,32 @@ pub struct Grid {
     pub step: u32,
 }
 
-/// The square root, rounded down, by Newton's steps from above: `isqrt` takes 0.6 KB of flash, and this is asked once a lock.
-fn root(number: u64) -> u64 {
-    let mut root = 1 << 32;
-    loop {
-        let next = (root + number / root.max(1)) / 2;
-        if next >= root {
-            return root;
-        }
-        root = next;
-    }
-}
-
 impl Grid {
     /// The grid for a box of this size.
     ///
-    /// The step is sqrt(area / 1600), at least half a pixel. Sides are rounded; the longer one is cut until template and filter
-    /// have room: of a very long box only the middle is looked at.
+    /// Sides are rounded. The longer one is cut until template and filter have room: of a very long box only the middle is looked at.
+    ///
+    /// ```
+    /// use smr_core::{Rect, robust::Grid};
+    /// let grid = Grid::new(Rect::new(0, 0, 80, 80));
+    /// assert_eq!((grid.columns, grid.rows, grid.step), (40, 40, 2 * 4096));
+    /// assert_eq!((grid.across, grid.down), (14, 14));
+    /// ```
     #[must_use]
     pub fn new(target: Rect) -> Self {
-        let area = u64::from(target.area()) << 24;
-        // The most, which it never has, tells the compiler that nothing below overflows.
-        let step = root(area / MOST_PIXELS as u64).clamp(2048, 1 << 32);
-        // 1.4 times the side, in cells: 1.4 / 4 = 7 / 20.
-        let cells =
-            |size: u16| ((7 * (u64::from(size) << 12) + 10 * step) / (20 * step)).clamp(LEAST_SIDE, MOST_SIDE.into());
+        let area = u64::from(target.area()) << (2 * PIXEL_BITS);
+        // The upper bound, which is never reached, tells the compiler that nothing below overflows.
+        let step = root(area / MOST_PIXELS as u64).clamp(LEAST_STEP, 1 << 32);
+        let [part, of] = COVER;
+        let cells = |size: u16| {
+            let size = u64::from(size) << PIXEL_BITS;
+            ((part * size + of / 2 * step) / (of * step)).clamp(LEAST_SIDE, MOST_SIDE.into())
+        };
         let (across, down) = fitting(cells(target.width), cells(target.height), MOST_CELLS as u64);
         // Even, so that the template's middle is the window's.
         let pixels = |size: u16, cells: u16| {
-            let side = 2 * (((u64::from(size) << 12) + step) / (2 * step));
-            // Not clamp, which could be a panic where it is folded.
+            let side = 2 * (((u64::from(size) << PIXEL_BITS) + step) / (2 * step));
+            // Not `clamp`: the compiler would link its panic.
             side.min((cells * CELL).into()).max(4)
         };
         let (columns, rows) =
@@ -84,329 +62,36 @@ impl Grid {
         u32::from(self.columns) * u32::from(self.rows)
     }
 
+    /// Weights of the filter.
+    pub(super) fn weights(&self) -> usize {
+        usize::from(self.across) * usize::from(self.down) * CHANNELS
+    }
+
     /// The step at `scale`, in units of 1/4096 pixel.
     pub(super) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
     }
 }
 
-/// Two sides, the longer one cut until their product is at most `most`.
+/// The square root, rounded down, by Newton's steps from above. `isqrt` would take 0.6 KB of flash, and this runs once a lock.
+fn root(number: u64) -> u64 {
+    let mut root = 1 << 32;
+    loop {
+        let next = (root + number / root.max(1)) / 2;
+        if next >= root {
+            return root;
+        }
+        root = next;
+    }
+}
+
+/// Two sides; the longer one is cut until their product is at most `most`.
 fn fitting(mut across: u64, mut down: u64, most: u64) -> (u16, u16) {
     while across * down > most {
         *(if across > down { &mut across } else { &mut down }) -= 1;
     }
     let small = |side: u64| u16::try_from(side).unwrap_or(u16::MAX);
     (small(across), small(down))
-}
-
-/// Where samples are taken: columns and rows `step` apart, around a centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Lattice {
-    pub(super) x: i64,
-    pub(super) y: i64,
-    pub(super) step: i64,
-    pub(super) columns: u16,
-    pub(super) rows: u16,
-}
-
-/// One axis of a lattice on the reduced frame. Positions there are below 2^29: a frame has 65,535 pixels, and a lattice reaches out of
-/// it by less than 2 * COLUMNS blocks.
-#[derive(Clone, Copy)]
-struct Axis {
-    first: i32,
-    step: i32,
-    /// The last position that there is, at least 0.
-    end: i32,
-}
-
-impl Axis {
-    fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
-        let first = centre - (i64::from(count) - 1) * step / 2;
-        // Between the two pixels that are read of the first block.
-        let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
-        let blocks = i32::from((size >> halvings).max(1));
-        let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
-        Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
-    }
-
-    /// Block, and the part of the one that follows it in units of 1/256.
-    #[inline(always)] // a few instructions, for each column
-    fn place(&self, number: u16) -> (u16, u8) {
-        // Wrapping says that it cannot overflow; the cut is no clamp, which could be a panic where it is folded.
-        let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
-        let position = position.unsigned_abs();
-        let [part, ..] = (position >> (PIXEL_BITS - 8)).to_le_bytes();
-        // No block lies beyond the frame's 65535 pixels.
-        (low(position >> PIXEL_BITS), part)
-    }
-
-    /// The same, with the block that follows.
-    #[inline(never)] // one copy in flash
-    fn at(&self, number: u16) -> (u16, u16, u8) {
-        let (block, part) = self.place(number);
-        (block, block.saturating_add(1).min(low(self.end.unsigned_abs() >> PIXEL_BITS)), part)
-    }
-}
-
-impl Lattice {
-    fn halvings(&self) -> u32 {
-        let mut halvings = 0;
-        while self.step >> halvings >= 2 * PIXEL {
-            halvings += 1;
-        }
-        halvings
-    }
-
-    #[inline(never)] // one copy in flash
-    fn axes(&self, bounds: Rect) -> (Axis, Axis) {
-        let halvings = self.halvings();
-        let x = Axis::new(self.x, self.step, self.columns, halvings, bounds.width);
-        (x, Axis::new(self.y, self.step, self.rows, halvings, bounds.height))
-    }
-
-    /// The pixels that are read, in a frame with these bounds.
-    #[inline(never)] // one copy in flash
-    pub(super) fn pixels(&self, bounds: Rect) -> Rect {
-        let (x, y) = self.axes(bounds);
-        let side = 1 << self.halvings();
-        let extent = |axis: &Axis, count: u16, size: u16| {
-            let from = i32::from(axis.at(0).0) * side;
-            (from, ((i32::from(axis.at(count.saturating_sub(1)).1) + 1) * side).min(i32::from(size)) - from)
-        };
-        let ((left, width), (top, height)) =
-            (extent(&x, self.columns, bounds.width), extent(&y, self.rows, bounds.height));
-        Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
-    }
-
-    /// Begins to sample: where columns and rows are. No row of means is known.
-    #[inline(never)] // one copy in flash
-    pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
-        let (across, down) = self.axes(bounds);
-        scratch.pixels = self.pixels(bounds);
-        (scratch.down, scratch.halvings) = (down, self.halvings());
-        let (left, _) = across.place(0);
-        scratch.columns.clear();
-        // There is room: a lattice has at most COLUMNS columns.
-        for column in 0..self.columns {
-            let (block, part) = across.place(column);
-            scratch.columns.push(block.wrapping_sub(left), part);
-        }
-        (scratch.made, scratch.read, scratch.sampled) = ([None; 2], 0, 0);
-    }
-
-    /// Begins to sample into `out`; false, and nothing in `out`, if there is no room.
-    pub(super) fn begin<const N: usize>(&self, bounds: Rect, scratch: &mut Scratch, out: &mut Vec<u8, N>) -> bool {
-        out.clear();
-        self.prepare(bounds, scratch);
-        out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
-    }
-
-    /// Samples a row, each once and from the top; false if pixels that are read are not in memory.
-    #[inline(never)] // one copy in flash
-    pub(super) fn sample_row(&self, frame: &Frame<'_>, scratch: &mut Scratch, row: u16, out: &mut [u8]) -> bool {
-        let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
-        let out = out.get_mut(from..from + columns);
-        let (Some(mut sampler), Some(out)) = (scratch.sampler(frame), out) else { return false };
-        sampler.row(row, out);
-        true
-    }
-
-    /// Samples all of `frame` at once into `out`; false, and nothing of use in `out`, if pixels that are read are not in memory or there is
-    /// no room.
-    #[cfg(test)]
-    pub(super) fn sample<const N: usize>(
-        &self,
-        frame: &Frame<'_>,
-        scratch: &mut Scratch,
-        out: &mut Vec<u8, N>,
-    ) -> bool {
-        self.begin(frame.bounds(), scratch, out) && (0..self.rows).all(|row| self.sample_row(frame, scratch, row, out))
-    }
-}
-
-const _: () = assert!(ROW < Columns::<COLUMNS>::PLACES);
-
-/// What it takes to sample, kept for the next time.
-pub(super) struct Scratch {
-    /// The columns of the grid.
-    columns: Columns<COLUMNS>,
-    /// Its rows, on the frame that was halved so often, and the pixels of the frame that are read.
-    down: Axis,
-    halvings: u32,
-    pixels: Rect,
-    /// Two rows of block means, the ones that are being mixed, and which they are. Where nothing is halved, they are the frame's.
-    means: [Vec<u8, ROW>; 2],
-    made: [Option<u16>; 2],
-    /// Pixels of the frame that were read, and of the lattice that were made of them.
-    read: u32,
-    sampled: u32,
-    /// Sums of blocks while a row of means is made; then a row that is mixed of two.
-    mixed: Mixed,
-}
-
-impl Scratch {
-    #[inline(always)] // made where it stays
-    pub(super) const fn new() -> Self {
-        Self {
-            columns: Columns::new(),
-            down: Axis { first: 0, step: 0, end: 0 },
-            halvings: 0,
-            pixels: Rect::new(0, 0, 0, 0),
-            means: [const { Vec::new() }; 2],
-            made: [None; 2],
-            read: 0,
-            sampled: 0,
-            mixed: [0; Columns::<COLUMNS>::PLACES + 4],
-        }
-    }
-}
-
-impl Scratch {
-    /// What samples `frame`, row by row, after `prepare`; `None` if pixels that are read are not in memory.
-    #[inline(never)] // one copy in flash
-    pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
-        Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
-    }
-
-    /// The work since this was asked last: 1 for a pixel of the frame, and so much for `each` of the lattice.
-    pub(super) fn work(&mut self, each: u32) -> u32 {
-        core::mem::take(&mut self.read) + each * core::mem::take(&mut self.sampled)
-    }
-}
-
-/// Rows of a lattice in a frame.
-pub(super) struct Sampler<'a> {
-    pixels: Image<'a>,
-    scratch: &'a mut Scratch,
-}
-
-impl Sampler<'_> {
-    /// Row `number` of the lattice, which may be asked for once, from the top.
-    #[inline(never)] // one copy in flash
-    pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
-        let (upper, lower, part) = self.scratch.down.at(number);
-        // Blocks of the pixels that are read, not of the frame.
-        let (top, _) = self.scratch.down.place(0);
-        let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
-        self.make(upper);
-        self.make(lower);
-        let Self { pixels, scratch: Scratch { columns, means, mixed, halvings, sampled, .. } } = self;
-        mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), part, mixed);
-        // After the last block comes none, and the part of that is 0.
-        columns.mix(mixed, out);
-        *sampled += u32::try_from(columns.count()).unwrap_or(0);
-    }
-
-    /// Rows that follow each other are kept in turns.
-    #[inline(never)] // one copy in flash
-    fn make(&mut self, block: u16) {
-        let Self { pixels, scratch: Scratch { means: [even, odd], made, read, mixed, halvings, .. } } = self;
-        let [even_made, odd_made] = made;
-        let (made, means) = if block.is_multiple_of(2) { (even_made, even) } else { (odd_made, odd) };
-        if *made == Some(block) {
-            return;
-        }
-        *made = Some(block);
-        // At most 4 * ROW, twice for a row of the lattice.
-        *read += if *halvings == 0 {
-            pixels.width().into()
-        } else {
-            make_means(*pixels, block << *halvings, *halvings, mixed, means)
-        };
-    }
-}
-
-/// Between two rows, the lower having a part of so many 256ths: at most 255 * 256, less `LESS`.
-#[cfg(not(smr_helium))]
-fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
-    // Two numbers of 16 bits are mixed at a time. Less 2^15 is the highest bit inverted.
-    const EVEN: u32 = 0x00FF_00FF;
-    const BOTH: u32 = (LESS as u32) << 16 | LESS as u32;
-    let part = u32::from(part);
-    let rest = 256 - part;
-    let (uppers, upper) = upper.as_chunks::<4>();
-    let (lowers, lower) = lower.as_chunks::<4>();
-    let (start, end) = mixed.split_at_mut_checked(4 * uppers.len()).unwrap_or_default();
-    let (start, _) = start.as_chunks_mut::<4>();
-    for ((mixed, &upper), &lower) in rolled(start.iter_mut().zip(uppers).zip(lowers)) {
-        let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(lower));
-        let even = ((upper & EVEN) * rest + (lower & EVEN) * part) ^ BOTH;
-        let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part) ^ BOTH;
-        *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
-    }
-    for ((mixed, &upper), &lower) in rolled(end.iter_mut().zip(upper).zip(lower)) {
-        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ LESS;
-    }
-}
-
-/// The same, of which a compiler makes eight at a time.
-#[cfg(smr_helium)]
-#[inline(never)] // its loop is vectors only where nothing else is known
-fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
-    let part = u16::from(part);
-    for ((mixed, &upper), &lower) in mixed.iter_mut().zip(upper).zip(lower) {
-        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ LESS;
-    }
-}
-
-/// The lower 16 bits.
-#[allow(clippy::cast_possible_truncation)] // they are what is asked for
-fn low(number: u32) -> u16 {
-    number as u16
-}
-
-/// Which two pixels are read on each side of a block: all of 2x2, else those that are a quarter of its side from its edges.
-fn pair(halvings: u32) -> [u16; 2] {
-    let side = 1_u16 << halvings;
-    [side >> 2, (side >> 2) + (side >> 1)]
-}
-
-/// The means of a row of blocks, which begins at the row `first` of the pixels; how many pixels were read. `sums` is scratch.
-#[inline(never)] // one copy in flash
-fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
-    let blocks = pixels.width().div_ceil(1 << halvings);
-    // Cannot fail: a lattice has at most COLUMNS columns, less than two blocks apart.
-    let _ = means.resize_default(blocks.into());
-    let sums = sums.get_mut(..means.len()).unwrap_or_default();
-    sums.fill(0);
-    for row in pair(halvings) {
-        add_row(sums, row_of(pixels, first, row), halvings);
-    }
-    for (mean, &mut sum) in rolled(means.iter_mut().zip(sums)) {
-        // At most 255 * 4.
-        *mean = u8::try_from((sum + 2) >> 2).unwrap_or(u8::MAX);
-    }
-    4 * u32::from(blocks)
-}
-
-/// A row of means that was made, or of pixels where nothing is halved.
-#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
-fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, block: u16) -> &'a [u8] {
-    if halvings == 0 {
-        return row_of(pixels, block, 0);
-    }
-    if block.is_multiple_of(2) { even } else { odd }
-}
-
-/// The row of `pixels` that a block has at `row`: the frame's last row goes on where it is cut before a block is whole.
-#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
-pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
-    pixels.row(first.saturating_add(row).min(pixels.height() - 1))
-}
-
-/// Adds what is read of a row of pixels to the sums of its blocks. Where the frame ends within a block, its last pixel goes on.
-fn add_row(sums: &mut [u16], row: &[u8], halvings: u32) {
-    let (pairs, _) = row.as_chunks::<2>();
-    let whole = if halvings == 1 { pairs } else { &[] };
-    for (sum, &[left, right]) in rolled(sums.iter_mut().zip(whole)) {
-        *sum += u16::from(left) + u16::from(right);
-    }
-    let [left, right] = pair(halvings).map(usize::from);
-    let at = |column: usize| u16::from(row.get(column).or(row.last()).copied().unwrap_or(0));
-    for (block, sum) in rolled(sums.iter_mut().enumerate().skip(whole.len())) {
-        let first = block << halvings;
-        *sum += at(first + left) + at(first + right);
-    }
 }
 
 #[cfg(test)]
@@ -421,121 +106,5 @@ mod tests {
         }
         let squares = (1_u64..1 << 23).step_by(997).map(|side| side * side);
         assert!(squares.clone().all(|square| root(square).pow(2) == square && root(square - 1) == square.isqrt() - 1));
-    }
-
-    fn noise(width: u16, height: u16) -> std::vec::Vec<u8> {
-        let pixels = u32::from(width) * u32::from(height);
-        (0..pixels).map(|at| (at.wrapping_mul(2_654_435_761) ^ at >> 7).to_be_bytes()[1]).collect()
-    }
-
-    /// A lattice of its own arithmetic: what it samples, and how many pixels of the frame it reads.
-    fn plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) -> (std::vec::Vec<u8>, usize) {
-        let side = (0..).map(|places| 1_i64 << places).find(|side| lattice.step < 2 * PIXEL * side).unwrap();
-        let parts = match side {
-            1 => std::vec![0],
-            2 => std::vec![0, 1],
-            _ => std::vec![side / 4, side * 3 / 4],
-        };
-        let places = |centre: i64, count: u16, size: u16| -> std::vec::Vec<(i64, i64, i64)> {
-            let first = centre - (i64::from(count) - 1) * lattice.step / 2;
-            let middle = parts.iter().sum::<i64>() * PIXEL / i64::try_from(parts.len()).unwrap();
-            let last = (i64::from(size) / side).max(1) - 1;
-            let place = |number: i64| {
-                let at = (first - middle).div_euclid(side) + number * lattice.step.div_euclid(side);
-                let at = at.clamp(0, last * PIXEL);
-                (at / PIXEL, (at / PIXEL + 1).min(last), at % PIXEL / 16)
-            };
-            (0..count.into()).map(place).collect()
-        };
-        let pixel = |x: i64, y: i64| {
-            let (x, y) = (x.min(i64::from(width) - 1), y.min(i64::from(height) - 1));
-            i64::from(pixels[usize::try_from(y * i64::from(width) + x).unwrap()])
-        };
-        let mean = |column: i64, row: i64| {
-            let all = parts.iter().flat_map(|y| parts.iter().map(move |x| (side * column + x, side * row + y)));
-            let (sum, count) = all.fold((0, 0), |(sum, count), (x, y)| (sum + pixel(x, y), count + 1));
-            (sum + count / 2) / count
-        };
-        let (across, down) = (places(lattice.x, lattice.columns, width), places(lattice.y, lattice.rows, height));
-        let mixed = |&(upper, lower, below): &(i64, i64, i64), &(left, right, after): &(i64, i64, i64)| {
-            let mix = |column| mean(column, upper) * (256 - below) + mean(column, lower) * below;
-            u8::try_from((mix(left) * (256 - after) + mix(right) * after + (1 << 15)) >> 16).unwrap()
-        };
-        let sampled = down.iter().flat_map(|row| across.iter().map(move |column| mixed(row, column))).collect();
-        let rows: std::collections::BTreeSet<i64> = down.iter().flat_map(|&(upper, lower, _)| [upper, lower]).collect();
-        let columns = usize::try_from(across.last().unwrap().1 - across[0].0 + 1).unwrap();
-        (sampled, columns * rows.len() * parts.len() * parts.len())
-    }
-
-    fn samples_as_plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) {
-        let frame = Frame::whole(Image::new(pixels, width, height).unwrap());
-        let (mut scratch, mut sampled) = (Scratch::new(), Vec::<u8, 40_000>::new());
-        assert!(lattice.sample(&frame, &mut scratch, &mut sampled));
-        let read = usize::try_from(scratch.work(0)).unwrap();
-        let (wanted, of) = plainly(lattice, pixels, width, height);
-        assert!(sampled[..] == wanted[..], "{lattice:?} on {width}x{height}");
-        assert_eq!(read, of, "{lattice:?} on {width}x{height}");
-    }
-
-    #[test]
-    fn blocks_of_all_sides_are_mixed_as_by_plain_arithmetic() {
-        for (width, height) in [(83, 50), (64, 64), (16, 200), (7, 3), (1, 1)] {
-            let pixels = noise(width, height);
-            for step in
-                [PIXEL / 2, PIXEL + 1, 2 * PIXEL - 1, 2 * PIXEL, 3 * PIXEL + 7, 4 * PIXEL - 1].into_iter().chain(
-                    (2..8)
-                        .flat_map(|places| [PIXEL << places, 3 * (PIXEL << places) / 2 + 5, 2 * (PIXEL << places) - 1]),
-                )
-            {
-                for (x, y) in [(0, 0), (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3), (12_345, 543_210)]
-                {
-                    let (x, y) = (x.min(i64::from(width - 1) * PIXEL), y.min(i64::from(height - 1) * PIXEL));
-                    samples_as_plainly(&Lattice { x, y, step, columns: 14, rows: 9 }, &pixels, width, height);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn blocks_of_1024x1024_pixels() {
-        let (width, height) = (5000, 3100);
-        let pixels = noise(width, height);
-        for step in [1024 * PIXEL, 1777 * PIXEL + 99, 2048 * PIXEL - 1] {
-            samples_as_plainly(
-                &Lattice { x: 2400 * PIXEL, y: 1500 * PIXEL, step, columns: 6, rows: 5 },
-                &pixels,
-                width,
-                height,
-            );
-        }
-    }
-
-    /// Steps of a box of 65535x65535 pixels that has grown fivefold, and the longest rows that there are.
-    #[test]
-    fn the_farthest_positions() {
-        let pixels = noise(65_535, 1);
-        for step in
-            [PIXEL / 2, PIXEL, 2 * PIXEL - 1, 3 * PIXEL, 511 * PIXEL, 1024 * PIXEL, 8192 * PIXEL - 1, 8192 * PIXEL]
-        {
-            for middle in [0, 32_767 * PIXEL, 65_534 * PIXEL] {
-                let columns = u16::try_from(COLUMNS).unwrap();
-                let lattice = Lattice { x: middle, y: 0, step, columns, rows: 6 };
-                samples_as_plainly(&lattice, &pixels, 65_535, 1);
-                let lattice = Lattice { x: 0, y: middle, step, columns: 6, rows: columns };
-                samples_as_plainly(&lattice, &pixels, 1, 65_535);
-            }
-        }
-    }
-
-    #[test]
-    fn the_largest_sums() {
-        let (white, mut sums, mut means) = ([255; 8 * 8], [7; ROW], Vec::new());
-        let image = Image::new(&white, 8, 8).unwrap();
-        for halvings in 1..16 {
-            let read = make_means(image, 0, halvings, &mut sums, &mut means);
-            let blocks = 8_usize.div_ceil(1 << halvings);
-            assert!(sums[..blocks] == [4 * 255; 4][..blocks] && means[..] == [255; 4][..blocks], "{halvings}");
-            assert_eq!(usize::try_from(read).unwrap(), 4 * blocks);
-        }
     }
 }

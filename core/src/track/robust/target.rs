@@ -1,26 +1,20 @@
-//! The robust tracker's target: what is remembered, locked on, shown, and changed at the end of an update.
+//! The robust tracker's target: locked on, updated, shown and saved.
 
 use super::config::Config;
-use super::early::Early;
-use super::exact::RIM;
-use super::filter::{Filter, layout};
+use super::constants::{MARGIN_CELLS, QUALITY_ALPHA, SCALE, SCALE_REACH, SPAN};
 use super::grid::Grid;
-use super::responses::SPAN;
-use super::saved;
-use super::track::{Place, Track};
-use super::update::{SIZE_REACH, other_scales};
+use super::motion::Place;
+use super::pipeline::Model;
+use super::sampling::Lattice;
+use super::scale::other_scales;
+use super::state::{self, Memory, Track};
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
-use crate::kernels::Products;
-use crate::similarity::Backend;
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{SEAL, Seal, Steps, Ticket, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
-
-/// The threshold by which a target is compared with itself when it is locked, in gray levels: 0.05 of full scale.
-const FIRST_THRESHOLD: u16 = 13;
 
 /// A target of the robust tracker: size, light and view may change.
 ///
@@ -46,39 +40,43 @@ const FIRST_THRESHOLD: u16 = 13;
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 pub struct Robust {
-    pub(super) config: Config,
-    pub(super) track: Option<Track>,
-    pub(super) filter: Filter,
-    pub(super) early: Early,
-    pub(super) ticket: Ticket,
+    config: Config,
+    memory: Memory,
+    ticket: Ticket,
 }
 
 impl Robust {
     /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
     ///
     /// # Panics
-    /// If a number of the configuration cannot be used: in a `const` or a `static` the compiler says so.
+    /// If a number of the configuration cannot be used. In a `const` or a `static` this is a compile error.
     #[must_use]
-    #[allow(clippy::panic)] // the compiler's
+    #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
         match config.check() {
-            Ok(()) => Self { config, track: None, filter: Filter::new(), early: Early::new(), ticket: Ticket::NEW },
+            Ok(()) => Self { config, memory: Memory::new(), ticket: Ticket::NEW },
             Err(_) => panic!("a number of the configuration cannot be used"),
         }
     }
 
-    /// The early template, by which the track is verified, row by row; `None` before the first lock. Its shape is that of
+    /// The early template, by which the target is verified, row by row; `None` before the first lock. Its shape is that of
     /// [`Robust::grid`].
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
-        self.track.as_ref().map(|_| self.early.pixels())
+        self.memory.track.as_ref().map(|_| self.memory.template.pixels())
     }
 
-    /// The filter's weights, cell by cell and [`CHANNELS`](super::CHANNELS) in each, in units of 1/65536 of a response's 1/16384;
-    /// none before the first lock.
+    /// The grid; `None` before the first lock.
+    #[must_use]
+    pub fn grid(&self) -> Option<Grid> {
+        self.memory.track.map(|track| track.grid)
+    }
+
+    /// The filter's weights, cell by cell and [`CHANNELS`](super::CHANNELS) in each, in units of 2^-16 of a response's 1/16384; none before
+    /// the first lock.
     #[must_use]
     pub fn weights(&self) -> &[i32] {
-        self.filter.weights()
+        self.memory.filter.weights()
     }
 
     /// The cells of the search window as the next update will see them in this frame, row by row and
@@ -88,17 +86,16 @@ impl Robust {
     /// Those of [`Target::update`]. An update under way in this workspace is given up.
     pub fn features<'a>(&self, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
         self.check(frame, SEAL)?;
-        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
         workspace.under_way.end();
-        let window = track.expected(self.config.parts.velocity).window(&track.grid, self.config.reach());
-        if !workspace.see(frame, &window) {
+        if !self.model(track).features(&mut workspace.buffers, frame) {
             return Err(UpdateError::WindowNotInMemory);
         }
-        Ok(&workspace.cells)
+        Ok(&workspace.buffers.cells)
     }
 
     /// The filter's responses to those cells, in units of 1/16384, row by row: up to `Config::reach` cells from the middle to each
-    /// side, near and far ones alike; what lies beyond is 0.
+    /// side, without distance penalty; the rest is 0.
     ///
     /// # Errors
     /// As [`Robust::features`].
@@ -108,59 +105,59 @@ impl Robust {
         frame: &Frame<'_>,
     ) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
         self.features(workspace, frame)?;
-        let grid = self.grid().ok_or(UpdateError::NotLocked)?;
-        workspace.responses.rows = [[0; SPAN]; SPAN];
-        workspace.respond(&self.filter, layout(&grid, self.config.span()), self.products());
-        Ok(workspace.responses.rows)
+        let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
+        Ok(self.model(track).responses(&mut workspace.buffers, &mut workspace.under_way))
     }
 
-    /// The grid; `None` before the first lock.
-    #[must_use]
-    pub fn grid(&self) -> Option<Grid> {
-        self.track.map(|track| track.grid)
+    fn model(&self, track: Track) -> Model<'_> {
+        Model { config: &self.config, memory: &self.memory, track }
     }
 
-    fn products(&self) -> Products {
-        Products::new(self.config.backend.unwrap_or_else(Backend::best))
-    }
-
-    /// What may be read where the target is followed: the window, the view wherever in it the target is, and what the size is looked for in there.
-    fn near(&self, track: &Track) -> Rect {
-        let centre = track.expected(self.config.parts.velocity);
+    /// What may be read where the target is expected: the search window, the view of any place in it, and the windows of other scales.
+    fn expected_pixels(&self, track: &Track) -> Rect {
+        let centre = track.expected(&self.config);
         let reach = self.config.reach();
-        let mut near = centre.window(&track.grid, reach + RIM).pixels(track.bounds);
+        let mut pixels = track.pixels(centre, reach + MARGIN_CELLS);
         if self.config.size {
             for scale in other_scales(centre.scale) {
-                let window = Place { scale, ..centre }.window(&track.grid, reach + 2 * SIZE_REACH);
-                near = union(near, window.pixels(track.bounds));
+                pixels = union(pixels, track.pixels(Place { scale, ..centre }, reach + 2 * SCALE_REACH));
             }
         }
-        near
+        pixels
     }
 
-    /// What may be read where a lost target is looked for. Whether the next frame is the one in which it is lost is known only
-    /// after it was looked at.
-    fn elsewhere(&self, track: &Track) -> Option<Rect> {
+    /// What may be read elsewhere. Whether the target is lost in the next frame is known only during its update, so this is asked for
+    /// wherever it may be.
+    fn swept_pixels(&self, track: &Track) -> Option<Rect> {
         let reach = self.config.reach();
-        let may_be_lost = self.config.sweeps() && track.trust.may_be_lost_next(&self.config);
-        may_be_lost.then(|| track.sweep(reach).window(&track.grid, reach + RIM).pixels(track.bounds))
+        let may_be_lost = self.config.sweeps() && track.confidence.may_be_lost_next(&self.config);
+        may_be_lost.then(|| track.pixels(track.swept(reach), reach + MARGIN_CELLS))
+    }
+}
+
+impl core::fmt::Debug for Robust {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Robust")
+            .field("config", &self.config)
+            .field("track", &self.memory.track)
+            .finish_non_exhaustive()
     }
 }
 
 impl Target for Robust {
     type Config = Config;
 
-    const SAVED_SIZE: usize = saved::SIZE;
+    const SAVED_SIZE: usize = state::SAVED_SIZE;
 
     /// The same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work()
     }
 
-    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    #[inline(always)] // made in place: a call would take its own size of stack and a copy
     fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Self { config, track: None, filter: Filter::new(), early: Early::new(), ticket: Ticket::NEW })
+        Ok(Self { config, memory: Memory::new(), ticket: Ticket::NEW })
     }
 
     fn config(&self) -> &Config {
@@ -170,49 +167,51 @@ impl Target for Robust {
     /// The box and its surroundings, as far as a search window reaches.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) {
-            Place::of(target).window(&Grid::new(target), self.config.reach()).pixels(bounds)
+            Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach()).pixels(bounds)
         } else {
             Rect::default()
         }
     }
 
     fn window(&self) -> Option<Rect> {
-        self.track.as_ref().map(|track| self.near(track))
+        self.memory.track.as_ref().map(|track| self.expected_pixels(track))
     }
 
     fn sweep_window(&self) -> Option<Rect> {
-        self.track.as_ref().and_then(|track| self.elsewhere(track))
+        self.memory.track.as_ref().and_then(|track| self.swept_pixels(track))
     }
 
     fn bbox(&self) -> Option<FineRect> {
-        self.track.map(|track| track.bbox())
+        self.memory.track.map(|track| track.bbox())
     }
 
     fn state(&self) -> Option<State> {
-        self.track.map(|track| track.trust.state(&self.config))
+        self.memory.track.map(|track| track.confidence.state(&self.config))
     }
 
     fn quality(&self) -> Option<Quality> {
-        self.track.map(|track| track.quality)
+        self.memory.track.map(|track| track.quality)
     }
 
     fn moved(&mut self, right: i32, down: i32) {
         self.ticket.change();
-        if let Some(track) = &mut self.track {
-            track.moved(right, down);
+        if let Some(track) = &mut self.memory.track {
+            track.motion.shift(right, down, track.bounds);
         }
     }
 
     fn saved_size(&self) -> Result<usize, SaveError> {
-        saved::saved_size(self)
+        self.memory.saved_size()
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
-        saved::save(self, bytes)
+        self.memory.save(&self.config, bytes)
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::restore(self, bytes)
+        self.memory.restore(&self.config, bytes)?;
+        self.ticket.change();
+        Ok(())
     }
 }
 
@@ -232,11 +231,12 @@ impl Steps for Robust {
     }
 
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
-        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
-        let covered = frame.covers(self.near(&track)) && self.elsewhere(&track).is_none_or(|rect| frame.covers(rect));
+        let covered = frame.covers(self.expected_pixels(&track))
+            && self.swept_pixels(&track).is_none_or(|rect| frame.covers(rect));
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
@@ -247,28 +247,29 @@ impl Steps for Robust {
     }
 
     fn check_lock_under_way(&self, workspace: &Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
-        let track = workspace.progress.next.ok_or(LockError::NotBegun)?;
-        let window = track.place.window(&track.grid, self.config.reach()).pixels(track.bounds);
+        let track = workspace.pipeline.outcome.track.ok_or(LockError::NotBegun)?;
+        let window = track.pixels(track.motion.place, self.config.reach());
         lock_goes_on(frame, track.bounds, window)
     }
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
-        if let Some(track) = self.track {
-            self.given(track).begin(workspace);
+        let Workspace { pipeline, buffers, under_way } = workspace;
+        if let Some(track) = self.memory.track {
+            self.model(track).begin(pipeline, buffers, under_way);
         }
     }
 
-    #[inline(never)] // its stack is not that of a step
+    #[inline(never)] // a step need not reserve its stack
     fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, target: Rect, _: &Seal) {
         let track = Track::new(bounds, target);
-        self.track = None;
-        self.filter.start(&track.grid);
-        self.given(track).begin_lock(workspace);
+        self.memory.track = None;
+        self.memory.filter.start(track.grid.weights());
+        self.model(track).begin_lock(&mut workspace.pipeline, &mut workspace.buffers);
     }
 
     fn advance(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
-        while self.go_on(workspace, frame) {
-            if !self.learns_again(workspace) {
+        while self.advance_pipeline(workspace, frame) {
+            if !self.begin_another_step(workspace) {
                 return true;
             }
         }
@@ -277,30 +278,29 @@ impl Steps for Robust {
 
     fn conclude(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
         let before = self.state();
-        if let Some(mut next) = workspace.progress.next {
-            if workspace.progress.learns {
-                let patch = workspace.patch(&next.grid);
-                patch.into_iter().for_each(|patch| self.early.learn(patch, self.config.early_rate));
+        let Workspace { pipeline, buffers, .. } = workspace;
+        let outcome = &mut pipeline.outcome;
+        if let Some(mut track) = outcome.track {
+            if outcome.template_learns {
+                let patch = outcome.patch(buffers, &track.grid);
+                patch.into_iter().for_each(|patch| self.memory.template.learn(patch, self.config.early_rate));
             }
-            if let Some(change) = workspace.progress.change {
-                self.filter.apply(&workspace.desk, change);
+            outcome.make_step(&mut self.memory, buffers);
+            if track.confidence.state(&self.config) == State::Tracking {
+                track.tracked_scale = track.motion.place.scale;
             }
-            if next.trust.state(&self.config) == State::Tracking {
-                next.believe();
-            }
-            self.track = Some(next);
+            self.memory.track = Some(track);
         }
         let fine = self.bbox().unwrap_or_default();
-        let progress = &workspace.progress;
-        let (state, confidence, scale) = self.track.map_or((State::Lost, 0, 1 << 16), |track| {
-            (track.trust.state(&self.config), track.trust.confidence(), track.place.scale)
+        let (state, confidence, scale) = self.memory.track.map_or((State::Lost, 0, SCALE), |track| {
+            (track.confidence.state(&self.config), track.confidence.value(), track.motion.place.scale)
         });
         Answer {
             bbox: fine.whole(),
             fine,
             state,
             confidence,
-            ratio: progress.look.agreement,
+            ratio: outcome.candidate.agreement,
             runner_up_ratio: None,
             alpha: None,
             scale,
@@ -308,49 +308,48 @@ impl Steps for Robust {
         }
     }
 
-    #[inline(never)] // its stack is not that of a step
+    #[inline(never)] // a step need not reserve its stack
     fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
-        let Some(mut track) = workspace.progress.next else { return Quality::NONE };
-        workspace.table.set(self.config.table, FIRST_THRESHOLD);
-        if let Some(patch) = workspace.patch(&track.grid) {
-            track.quality = Quality::of(patch, &workspace.table);
-            self.early.start(patch);
+        let Workspace { pipeline, buffers, .. } = workspace;
+        let Some(mut track) = pipeline.outcome.track else { return Quality::NONE };
+        buffers.verification.table().set(self.config.table, QUALITY_ALPHA);
+        if let Some(patch) = pipeline.outcome.patch(buffers, &track.grid) {
+            track.quality = Quality::of(patch, buffers.verification.cut_table());
+            self.memory.template.start(patch);
         }
-        self.track = Some(track);
+        self.memory.track = Some(track);
         track.quality
     }
 }
 
 impl Robust {
-    /// Goes on until what is granted is spent; true when a step of learning, or all else, is done.
-    fn go_on(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
-        // A lock has its track in the workspace. Not by `or`, which would have both on the stack.
-        let Some(track) = (if self.track.is_some() { &self.track } else { &workspace.progress.next }) else {
-            return true;
-        };
-        self.given(*track).step(workspace, frame)
+    /// Goes on until what is granted is spent; true when an update, or a step of a lock's learning, is done.
+    fn advance_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
+        let Workspace { pipeline, buffers, under_way } = workspace;
+        // A lock has its track in the workspace. `or` would put both on the stack.
+        let track = if self.memory.track.is_some() { &self.memory.track } else { &pipeline.outcome.track };
+        let Some(track) = *track else { return true };
+        self.model(track).advance(pipeline, buffers, under_way, frame)
     }
 
-    /// A step of learning of a lock is done: changes the weights. True if there is another one to come.
-    #[inline(never)] // its stack is not that of a step
-    fn learns_again(&mut self, workspace: &mut Workspace) -> bool {
-        if workspace.progress.lessons == 0 {
+    /// A step of a lock's learning is done: changes the weights. True if another step has begun.
+    #[inline(never)] // a step of an update need not reserve its stack
+    fn begin_another_step(&mut self, workspace: &mut Workspace) -> bool {
+        let Workspace { pipeline, buffers, under_way } = workspace;
+        let outcome = &mut pipeline.outcome;
+        if !outcome.is_lock() {
             return false;
         }
-        if let Some(change) = workspace.progress.change.take() {
-            self.filter.apply(&workspace.desk, change);
+        outcome.make_step(&mut self.memory, buffers);
+        let (another, track) = (outcome.has_another_step(), outcome.track);
+        if another && let Some(track) = track {
+            self.model(track).begin_step(pipeline, buffers, under_way);
         }
-        workspace.progress.lessons -= 1;
-        if workspace.progress.lessons > 0
-            && let Some(track) = workspace.progress.next
-        {
-            self.given(track).next_lesson(workspace);
-        }
-        workspace.progress.lessons > 0
+        another
     }
 }
 
-/// The smallest that holds both.
+/// The smallest rectangle that holds both.
 #[inline(never)] // one copy in flash
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));

@@ -1,7 +1,8 @@
 //! The tracker as a whole: the ends of what there can be, only what it asks for in memory, and what it is made for. Overflow checks are
 //! on in tests, so that a sum or a product beyond its type would end them.
 
-use super::grid::{Lattice, PIXEL, Scratch};
+use super::constants::PIXEL;
+use super::sampling::{Lattice, Scratch};
 use super::{Config, Robust};
 use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;

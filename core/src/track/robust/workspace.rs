@@ -1,25 +1,8 @@
-//! Scratch memory of the robust tracker: one serves any number of targets.
+//! Scratch memory of the robust tracker. One workspace serves any number of targets, one update at a time.
 
-use super::exact::MARGIN;
-use super::features::{CELL, CHANNELS, Strip};
-use super::filter::Desk;
-use super::grid::MOST_SIDE;
-use super::responses::{Responses, SPAN};
-use super::update::{Progress, SIZE_REACH};
-use super::{MOST_CELLS, MOST_PIXELS, REACH};
-use crate::similarity::CutTable;
+use super::buffers::Buffers;
+use super::pipeline::Pipeline;
 use crate::track::update::UnderWay;
-use heapless::Vec;
-
-/// Bytes of the largest window of cells: the longest filter has the longest rim.
-const WINDOW: usize =
-    (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
-/// Bytes of the largest window that sizes are looked for in.
-const ASIDE: usize =
-    (MOST_SIDE + 2 * SIZE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SIZE_REACH as usize) * CHANNELS;
-/// Pixels of the largest view, a template and `MARGIN` on each side: the longest template has the longest rim.
-const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
-    * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
 /// What an update needs beside the target.
 ///
@@ -28,55 +11,37 @@ const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
 /// static WORKSPACE: smr_core::robust::Workspace = smr_core::robust::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 48 * 1024);
 /// ```
-#[repr(C)] // what may end in padding stands before a vector: before zeroes, both are made on the stack and copied
+#[repr(C)] // see `Buffers`
 pub struct Workspace {
-    pub(super) progress: Progress,
-    /// Cells of the window.
-    pub(super) cells: Vec<i8, WINDOW>,
-    pub(super) responses: Responses,
-    /// What templates are compared by.
-    pub(super) table: CutTable,
-    pub(super) desk: Desk,
-    /// Cells of another scale.
-    pub(super) aside: Vec<i8, ASIDE>,
-    pub(super) strip: Strip,
-    pub(super) view: Vec<u8, VIEW>,
+    pub(super) pipeline: Pipeline,
     pub(super) under_way: UnderWay,
-    pub(super) lit: Vec<u8, MOST_PIXELS>,
+    pub(super) buffers: Buffers,
 }
 
 impl Workspace {
     /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
     #[must_use]
-    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    #[inline(always)] // made in place: a call would take its own size of stack and a copy
     pub const fn new() -> Self {
-        // These three as constants, for the same reason.
-        Self {
-            strip: const { Strip::new() },
-            cells: Vec::new(),
-            responses: Responses { rows: [[0; SPAN]; SPAN], span: 0 },
-            aside: Vec::new(),
-            desk: Desk::new(),
-            view: Vec::new(),
-            lit: Vec::new(),
-            table: const { CutTable::EMPTY },
-            progress: const { Progress::new() },
-            under_way: UnderWay::NOTHING,
-        }
+        Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
+    }
+
+    /// The filter's response where the last finished update found the target, in units of 1/16384: about 1 where the target looks as it
+    /// did. For checking; see [`Answer::confidence`](crate::Answer::confidence).
+    #[must_use]
+    pub const fn response(&self) -> i32 {
+        self.pipeline.response()
     }
 }
 
-impl Workspace {
-    /// The filter's response where the target was found by the last update that was finished here, in units of 1/16384: about 1
-    /// where the target looks as it did. For checking; see [`Answer::confidence`](crate::Answer::confidence).
-    #[must_use]
-    pub const fn response(&self) -> i32 {
-        self.progress.look.peak.response
+impl core::fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Workspace").field("response", &self.response()).finish_non_exhaustive()
     }
 }
 
 impl Default for Workspace {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // made in place
     fn default() -> Self {
         Self::new()
     }

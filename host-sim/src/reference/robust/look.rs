@@ -13,13 +13,13 @@ pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec
 }
 
 /// The same, positive ones lessened by the square of their distance to the middle: at the search's edge, and farther, by
-/// `near` / 256. Both roundings are downwards.
+/// `distance_penalty` / 256. Both roundings are downwards.
 pub fn nearer(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
     let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
     let less = |(at, &response): (i64, &f64)| {
         let edge = real(reach * reach);
-        let part = FINE - (numbers.near * real(away(at)).min(edge) / edge).floor();
+        let part = FINE - (numbers.distance_penalty * real(away(at)).min(edge) / edge).floor();
         if response > 0.0 { (response * part / FINE).floor() } else { response }
     };
     (0..).zip(responses).map(less).collect()

@@ -183,7 +183,7 @@ impl Reference {
         }
         let lost = belief(&self.numbers, self.trust) == Belief::Lost;
         let seen = look.evidence() >= self.numbers.learned_from;
-        let learned = !lost && (seen || !parts.caution || !parts.verification);
+        let learned = !lost && (seen || !parts.gated_learning || !parts.verification);
         if learned {
             towards(&mut self.early, &look.nearest.seen, self.numbers.early_rate);
         }
@@ -262,8 +262,11 @@ impl Reference {
         let cells =
             features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
         let responses = responses(&self.shape, coded, &cells, reach);
-        let Peak { x, y, response, .. } =
-            if parts.near { peak(&nearer(&self.numbers, &responses), reach) } else { peak(&responses, reach) };
+        let Peak { x, y, response, .. } = if parts.distance_penalty {
+            peak(&nearer(&self.numbers, &responses), reach)
+        } else {
+            peak(&responses, reach)
+        };
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);

@@ -4,11 +4,11 @@
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     pub velocity: bool,
-    pub near: bool,
+    pub distance_penalty: bool,
     pub size: bool,
     pub verification: bool,
     /// Needs verification, and so does the sweep.
-    pub caution: bool,
+    pub gated_learning: bool,
     pub sweep: bool,
 }
 
@@ -46,7 +46,7 @@ pub struct Numbers {
     /// Steps of learning from the first frame; all others take one.
     pub first_steps: usize,
     /// By how much less a response counts at the search's edge, in units of 1/256.
-    pub near: f64,
+    pub distance_penalty: f64,
     /// The part of the velocity that is expected, and that of the last move in it.
     pub expected: f64,
     pub last_move: f64,
@@ -95,7 +95,14 @@ impl Numbers {
     /// As measured, with all parts.
     pub fn robust() -> Self {
         Self {
-            parts: Parts { velocity: true, near: true, size: true, verification: true, caution: true, sweep: true },
+            parts: Parts {
+                velocity: true,
+                distance_penalty: true,
+                size: true,
+                verification: true,
+                gated_learning: true,
+                sweep: true,
+            },
             pixels: 1600,
             finest: 0.5,
             read_of_a_side: 2,
@@ -117,7 +124,7 @@ impl Numbers {
             step: 5.0 / 8.0,
             first_step: 5.0 / 8.0,
             first_steps: 25,
-            near: 77.0,
+            distance_penalty: 77.0,
             expected: 0.5,
             last_move: 0.5,
             size_step: 66_847.0 / 65_536.0,

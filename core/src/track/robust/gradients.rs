@@ -1,68 +1,76 @@
-//! Features: what the filter sees of the grid, ten bytes for each cell of 4x4 pixels.
+//! Cells of gradient orientations (HOG; Dalal and Triggs, 2005) and gray: ten features for each cell of 4x4 samples.
 //!
-//! Nine tell how much of the gradient points each way, by 20 degrees, light to dark and dark to light alike; they are divided
-//! by what there is of it in the 3x3 cells around, so that light and contrast hardly matter. The tenth is the mean gray.
+//!     x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients that point to 20 k degrees, light to dark or dark to light
+//!     x[c, 9] = mean gray of the cell - 128
 //!
-//! A gradient is split between the two directions next to it, as a vector is into two others: g = a u + b v. That is linear,
-//! so it takes no root, no angle and no division.
+//! `norm` is the root of the mean energy of the 3x3 cells around, so features hardly depend on brightness and contrast. A gradient is
+//! split between the two orientations next to it as a vector: g = a u + b v. That is linear, so it takes no root, angle or division.
+//!
+//! | symbol | what | unit | bound |
+//! |---|---|---|---|
+//! | `h` | sum of gradients over a cell | 1/4 gray level | 16 * 361 * 1.02 * 4 = 23,600 |
+//! | energy | sum of squared gradients | gray level^2 | 5,900^2 |
+//! | `norm`, `floor` | norm of the gradients | 1/8 gray level | 2^16 |
+//! | `x` | feature | 1/127 of 0.4 `norm` | -128 to 127 |
+//!
+//! The sums of a cell are made by `kernels`. Cost: about 64 instructions a sample on the M4, with sampling.
 
-use super::REACH;
-use super::grid::{COLUMNS, Lattice, MOST_SIDE, Scratch};
+use super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
+use super::cost::SAMPLED;
+use super::sampling::{COLUMNS, Lattice, Scratch};
 use crate::image::{Frame, Rect};
-pub use crate::kernels::{CELL, CHANNELS};
 use crate::kernels::{ROOM, Room, SIDE, gradients, rolled, scale};
+use crate::track::update::UnderWay;
 use core::cell::Cell;
 use heapless::Vec;
 
-/// Cells in a row, at most.
+/// Cells in the longest row.
 pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
-/// A gradient of 2 gray levels a pixel, all over a cell, in units of 1/8: cells with less are not lifted to full contrast.
-const FLOOR: u32 = 2 * 16 * 8;
-/// 0.4 of the gradient around is 127, the most that a byte holds: 2 * 127 / 0.4, because sums are in 1/4 and norms in 1/8.
-const GAIN: u32 = 635;
-
-/// Sums over the pixels of each cell in a row, channel by channel: gradients by direction in units of 1/4 gray level (at most 16 * 361 *
-/// 1.02 * 4 = 23,600), and gray levels (at most 4,080).
+/// Sums over the samples of each cell in a row, channel by channel: gradients by orientation, and gray (at most 4,080).
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= ROOM);
 
-/// Scratch: lines of the grid and rows of cells, as many as are needed at a time.
-pub(super) struct Strip {
-    scratch: Scratch,
+/// Makes features row by row: scratch memory for as many lines and rows of cells as it needs at a time.
+pub(super) struct Extractor {
+    sampling: Scratch,
     lines: [[u8; COLUMNS]; SIDE],
-    /// The sums of the row of cells that was seen last, and of the one before; those who multiply cells have the room meanwhile.
-    room: Room,
-    /// Of these, and of the one before those.
+    /// Sums of the last two rows of cells. Between two windows the filter's products use this memory.
+    sums: Room,
+    /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
     /// The row of cells that comes next.
     next: u16,
 }
 
-impl Strip {
-    #[inline(always)] // made where it stays
+impl Extractor {
+    #[inline(always)] // made in place
     pub(super) const fn new() -> Self {
-        Self { scratch: Scratch::new(), lines: [[0; COLUMNS]; SIDE], room: [0; ROOM], energies: [[0; ROW]; 3], next: 0 }
+        Self {
+            sampling: Scratch::new(),
+            lines: [[0; COLUMNS]; SIDE],
+            sums: [0; ROOM],
+            energies: [[0; ROW]; 3],
+            next: 0,
+        }
     }
 
-    /// Room for those who multiply cells.
-    pub(super) fn room(&mut self) -> &mut Room {
-        &mut self.room
+    /// Scratch memory for the filter's products.
+    pub(super) fn packed(&mut self) -> &mut Room {
+        &mut self.sums
     }
 
-    /// What it takes to sample.
-    pub(super) fn scratch(&mut self) -> &mut Scratch {
-        &mut self.scratch
+    pub(super) fn sampling(&mut self) -> &mut Scratch {
+        &mut self.sampling
     }
 
-    /// Begins the features of `lattice`, cell by cell, row by row. Its columns and rows are whole cells and one pixel more on each
-    /// side. False, and no cells, if there is no room for them.
+    /// Begins the features of `lattice`: whole cells, and one sample more on each side. False, and no cells, if there is no room.
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.next = 0;
         self.energies = [[0; ROW]; 3];
-        lattice.prepare(bounds, &mut self.scratch);
+        lattice.prepare(bounds, &mut self.sampling);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
-        // What is there already need not be cleared: every byte is written.
+        // Old cells need not be cleared: every byte is written.
         let fits = out.resize_default(cells * CHANNELS).is_ok();
         if !fits {
             out.clear();
@@ -70,18 +78,29 @@ impl Strip {
         fits
     }
 
-    /// Goes on with a row of cells; true when all are known. Also if pixels that are read are not in memory.
+    /// The next row of cells. True after the last one, or if pixels that are read are not in memory.
+    pub(super) fn advance(
+        &mut self,
+        frame: &Frame<'_>,
+        lattice: &Lattice,
+        out: &mut [i8],
+        work: &mut UnderWay,
+    ) -> bool {
+        let done = self.row(frame, lattice, out);
+        work.spend(self.sampling.work(SAMPLED));
+        done
+    }
+
     #[inline(never)] // one copy in flash
-    pub(super) fn row(&mut self, frame: &Frame<'_>, lattice: &Lattice, out: &mut [i8]) -> bool {
-        let Self { scratch, lines, room, energies, next } = self;
-        let Some(mut sampler) = scratch.sampler(frame) else { return true };
+    fn row(&mut self, frame: &Frame<'_>, lattice: &Lattice, out: &mut [i8]) -> bool {
+        let Self { sampling, lines, sums, energies, next } = self;
+        let Some(mut sampler) = sampling.sampler(frame) else { return true };
         let (across, down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
         let row = *next;
         *next += 1;
-        let (even, odd) = room.as_chunks_mut().0.split_at_mut(CHANNELS);
+        let (even, odd) = sums.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         let [above, at, below] = &mut *energies;
-        // Only as many as there are cells.
         for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {
             (*above, *at, *below) = (*at, *below, 0);
         }
@@ -92,7 +111,7 @@ impl Strip {
             }
             gradients(lines, last, below, across);
             let [first, second, _, _, fifth, sixth] = &mut *lines;
-            // Not by assignment, which goes by way of the stack.
+            // An assignment would copy by way of the stack.
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = usize::from(lattice.columns).min(COLUMNS);
                 if let (Some(to), Some(from)) = (to.get_mut(..columns), from.get(..columns)) {
@@ -100,9 +119,9 @@ impl Strip {
                 }
             }
         }
-        // A row of cells takes the one below it, too.
+        // A row is normalised when the one below it is known.
         let of_row = across * CHANNELS;
-        // By its place: chunks of so many could be a panic where they are folded.
+        // Not by `chunks`: the compiler would link its panic.
         let finished = row.checked_sub(1).map(|row| usize::from(row) * of_row);
         if let Some(out) = finished.and_then(|from| out.get_mut(from..from + of_row)) {
             normalise(before, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
@@ -110,7 +129,7 @@ impl Strip {
         row >= down
     }
 
-    /// All features at once. False if pixels that are read are not in memory or there is no room.
+    /// All features at once. False if pixels that are read are not in memory, or if there is no room.
     pub(super) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,
@@ -126,8 +145,8 @@ impl Strip {
     }
 }
 
-/// A row of cells as bytes, by their energies and those in the rows above and below, of which so many are in the lattice; the others
-/// are 0. What is above is not needed again: its place is used.
+/// Normalises a row of cells by the energies of three rows, `rows` of which lie in the lattice; the others are 0. The first row of
+/// energies is used as scratch memory.
 #[inline(never)] // one copy in flash
 fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
@@ -137,44 +156,44 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     scale(sums, above, out);
 }
 
-/// Makes sums of columns of three cells, of which so many are there, what the sums of cells are multiplied by.
+/// Replaces energies of columns of three cells, `rows` of which lie in the lattice, by the factors for the sums of cells.
 fn invert(columns: &mut [u32], rows: u32) {
     let columns = Cell::from_mut(columns).as_slice_of_cells();
     let (mut left, mut here) = (0, 0);
     let mut right = columns.iter().skip(1);
     for column in rolled(columns.iter()) {
         let middle = column.get();
-        // Without the cells that are beyond the edge.
+        // Cells beyond the edge do not count.
         let (next, cells) = right.next().map_or((0, here + rows), |next| (next.get(), here + 2 * rows));
         column.set(inverse(left + middle + next, cells));
         (left, here) = (middle, rows);
     }
 }
 
-/// What the sums of a cell are multiplied by where so many cells have this energy together.
+/// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `cells` cells have this energy together.
 #[cfg_attr(smr_dsp, inline(never))] // one copy in flash
 fn inverse(energy: u32, cells: u32) -> u32 {
     // Nine energies are below 2^29; 64 times their mean is below 2^32.
-    (GAIN << 16) / (root(64 * (energy / cells.max(1))) + FLOOR)
+    (NORM_GAIN << 16) / (root(64 * (energy / cells.max(1))) + NORM_FLOOR)
 }
 
-/// The square root, rounded down, of a number below 2^32 - 2^17. Two steps of Newton's, which take fewer instructions than `isqrt` where
-/// division is one.
+/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction they are faster than
+/// `isqrt`.
 pub(super) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
-    // Of a number from 2^30 on, within 6 %; a step squares that and halves it, and is never too small.
+    // A guess within 6 % for numbers from 2^30 on. A step squares and halves the relative error, and is never too small.
     let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;
     root >>= places / 2;
-    // 0 is taken for 1, and what is a little too large may be the next number.
+    // 0 was taken for 1, and the result may be too large by 1.
     root - u32::from(root * root > number)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::PIXEL;
+    use super::super::constants::PIXEL;
     use super::*;
     use crate::image::Image;
 
@@ -204,7 +223,7 @@ mod tests {
             rows: cells.1 * CELL + 2,
         };
         let mut out = Vec::<i8, 20_000>::new();
-        assert!(Strip::new().features(&frame, &lattice, &mut out));
+        assert!(Extractor::new().features(&frame, &lattice, &mut out));
         assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);
         out.to_vec()
     }
@@ -236,7 +255,7 @@ mod tests {
         assert_eq!(
             hashes,
             [6880912278910408271, 12147416471690805507, 3213091790189083990, 15582275044360090699],
-            "the numbers that the plainest code gave"
+            "as the plainest code gave"
         );
     }
 }

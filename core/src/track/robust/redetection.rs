@@ -1,10 +1,12 @@
-//! The sweep: a target that is lost, or doubtful, is looked for all over the frame, one window in each frame, so that none
-//! costs much more than another. This file says which window; how it is looked at stands in `correlation.rs`.
+//! Redetection: while the target is lost, a second window is searched in each frame. One after the other sweeps the whole frame.
+//!
+//! The windows lie side by side, row by row, as many as it takes to cover the frame. Each is searched like the window where the target is
+//! expected, so redetection adds the same cost to every frame.
 
-use super::grid::PIXEL;
+use super::constants::PIXEL;
 use crate::image::Rect;
 
-/// The windows that cover a frame, and which is next.
+/// The window that is next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sweep {
     pub(super) next: u32,
@@ -19,11 +21,9 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the window that is next, on a frame with these bounds.
-    ///
-    /// Windows lie side by side, row by row, as many as it takes for offsets of so much `reach` to cover the frame.
-    pub(super) fn place(self, reach: i64, bounds: Rect) -> (i64, i64) {
-        let count = |size: u16| ((i64::from(size) * PIXEL + reach - 1) / reach.max(1)).max(1);
+    /// The middle of the next window. Windows are at most `side` apart, in units of positions.
+    pub(super) fn middle(self, side: i64, bounds: Rect) -> (i64, i64) {
+        let count = |size: u16| ((i64::from(size) * PIXEL + side - 1) / side.max(1)).max(1);
         let (columns, rows) = (count(bounds.width), count(bounds.height));
         let number = i64::from(self.next) % (columns * rows).max(1);
         let centre = |number: i64, count: i64, size: u16| {

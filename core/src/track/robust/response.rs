@@ -1,46 +1,86 @@
-//! The filter's responses around a place, and their peak.
+//! The filter's responses at all offsets of a search window, and their peak.
+//!
+//!     r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
+//!     counted(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
+//!
+//! | symbol | what | unit | bound |
+//! |---|---|---|---|
+//! | `d` | offset | cell | `reach` cells on each axis |
+//! | `r` | response | 1/16384 of the label | +-2^24 |
+//! | peak | place of the largest counted response | 1/256 cell | |
+//!
+//! The peak is refined by a parabola through its neighbours on each axis. Of equal responses the middle one counts, or the first: in a black frame the place stays. Cost: one product for each weight and offset, 289 for each weight by default.
 
-use super::REACH;
+use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
+use super::cost::units;
+use super::grid::Grid;
+use crate::correlation::{Coded, Window};
+use crate::kernels::{Layout, Products, Room};
+use crate::track::update::UnderWay;
 
-/// Offsets on an axis, at most.
-pub(super) const SPAN: usize = 2 * REACH as usize + 1;
-/// At the search's edge a response counts so much less, in units of 1/256; in between by the square of the distance.
-const FAR: u32 = 77;
-
-/// Responses at all offsets up to a reach, row by row.
+/// Responses, row by row.
 pub(super) struct Responses {
     pub(super) rows: [[i32; SPAN]; SPAN],
     /// Offsets on an axis.
     pub(super) span: usize,
 }
 
-/// The largest response: where, in units of 1/256 cell from the middle, how large, in units of 1/16384, and how high the tops
-/// of the parabolas through it are.
+/// The largest response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Peak {
+    /// From the middle, in units of 1/256 cell.
     pub(super) x: i32,
     pub(super) y: i32,
     pub(super) response: i32,
+    /// The response at the top of the parabolas.
     pub(super) height: i32,
 }
 
+/// How the filter lies on cells that reach `span / 2` further than it to each side.
+pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
+    let row = usize::from(grid.across) * CHANNELS;
+    Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
+}
+
 impl Responses {
-    /// See [`peak`].
-    pub(super) fn peak(&self, near: bool) -> Peak {
-        peak(&self.rows, self.span, near)
+    pub(super) const fn new() -> Self {
+        Self { rows: [[0; SPAN]; SPAN], span: 0 }
+    }
+
+    /// One part of the responses of coded weights; true after the last part.
+    #[inline(never)] // one copy in flash
+    pub(super) fn advance(
+        &mut self,
+        weights: &Coded<WEIGHTS>,
+        products: Products,
+        packed: &mut Room,
+        window: Window<'_>,
+        part: usize,
+        work: &mut UnderWay,
+    ) -> bool {
+        self.span = window.layout.span;
+        work.spend(units(products.work(part, window.layout, weights.numbers().len())));
+        let done = weights.respond(products, packed, window, part, &mut self.rows);
+        if done {
+            weights.scale(&mut self.rows);
+        }
+        done
+    }
+
+    pub(super) fn peak(&self, penalty: bool) -> Peak {
+        peak(&self.rows, self.span, penalty)
     }
 }
 
-/// The largest of the responses at so many offsets on an axis, with the top of a parabola through its neighbours on each axis. Of equals
-/// the middle one, or the first: where nothing is seen, as in a black frame, the place stays. If `near` is to be preferred, positive responses of a whole search far from the middle count less.
+/// The peak of the responses at `span` offsets on each axis. With `penalty`, responses far from the middle count less.
 #[inline(never)] // one copy in flash
-pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, near: bool) -> Peak {
-    let counts = |x: usize, y: usize, response: i32| if near { nearer(x, y, span, response) } else { response };
+pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
+    let counts = |x: usize, y: usize, response: i32| if penalty { penalised(x, y, span, response) } else { response };
     let (mut x, mut y) = (span / 2, span / 2);
     let mut response = rows.get(y).and_then(|row| row.get(x)).map_or(i32::MIN, |&middle| counts(x, y, middle));
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // It counts no more than it is.
+            // A response never counts for more than it is.
             let counted = if candidate > response { counts(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -62,29 +102,29 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, near: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-/// What a response counts at an offset of a whole search.
+/// What a response counts at an offset.
 #[inline(never)] // one copy in flash
-fn nearer(x: usize, y: usize, span: usize, response: i32) -> i32 {
+fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);
     let away = |at: usize| u32::try_from(at).map_or(0, |at| at.abs_diff(reach).pow(2));
     let edge = (reach * reach).max(1);
-    let part = 256 - FAR * (away(x) + away(y)).min(edge) / edge;
+    let part = 256 - DISTANCE_PENALTY * (away(x) + away(y)).min(edge) / edge;
     let less = (i64::from(response.max(0)) * i64::from(part)) >> 8;
     i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 
-/// Where between its neighbours a maximum lies, in units of 1/256 of their distance, -128 to 128: the top of the parabola
-/// through three responses one apart; and by how much it is higher than the middle one. 0 if that is no maximum.
+/// The top of a parabola through three responses: where it lies from the middle one, in units of 1/256 of their distance (-128 to 128),
+/// and by how much it is higher. Both are 0 if the middle one is no maximum.
 #[inline(never)] // one copy in flash
 fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
-    // Responses are below 2^24.
-    let bend = before - 2 * at + after;
-    if bend >= 0 {
+    // Responses are at most 2^24.
+    let curvature = before - 2 * at + after;
+    if curvature >= 0 {
         return (0, 0);
     }
-    let (difference, bend) = (i64::from(before - after), i64::from(bend));
-    // The neighbours are not larger, so the difference is not beyond the bend; its square is below 2^50.
-    let (top, higher) = ((difference * 128 / bend).clamp(-128, 128), difference.pow(2) / (-8 * bend));
+    let (difference, curvature) = (i64::from(before - after), i64::from(curvature));
+    // The difference is below 2^25, its square below 2^50.
+    let (top, higher) = ((difference * 128 / curvature).clamp(-128, 128), difference.pow(2) / (-8 * curvature));
     (i32::try_from(top).unwrap_or(0), i32::try_from(higher).unwrap_or(0))
 }
 
@@ -105,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_peak_is_told_from_the_middle() {
+    fn a_peak_is_measured_from_the_middle() {
         let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
         responses.rows[3][10] = 900;
         assert_eq!(responses.peak(false), Peak { x: 512, y: -5 * 256, response: 900, height: 900 });
@@ -120,17 +160,17 @@ mod tests {
     fn where_all_respond_alike_the_middle_is_the_peak() {
         for response in [-5, 0] {
             let responses = Responses { rows: [[response; SPAN]; SPAN], span: SPAN };
-            for near in [false, true] {
-                assert_eq!(responses.peak(near), Peak { x: 0, y: 0, response, height: response });
+            for penalty in [false, true] {
+                assert_eq!(responses.peak(penalty), Peak { x: 0, y: 0, response, height: response });
             }
         }
     }
 
     #[test]
     fn far_responses_count_less() {
-        let less = |x: usize, y: usize| nearer(x, y, SPAN, 1 << 24);
+        let less = |x: usize, y: usize| penalised(x, y, SPAN, 1 << 24);
         assert_eq!([less(8, 8), less(0, 0), less(0, 8), less(8, 4)], [1 << 24, 179 << 16, 179 << 16, 237 << 16]);
-        assert_eq!(nearer(0, 1, SPAN, -256), -256);
+        assert_eq!(penalised(0, 1, SPAN, -256), -256);
         let mut responses = Responses { rows: [[0; SPAN]; SPAN], span: SPAN };
         (responses.rows[0][0], responses.rows[8][8]) = (1000, 800);
         assert_eq!([responses.peak(false).response, responses.peak(true).response], [1000, 800]);

@@ -1,0 +1,91 @@
+//! Numbers as they are multiplied: 16 bits each, and one power of two for all (block floating point).
+
+use super::Window;
+use crate::kernels::{Numbers, Products, Room, rolled};
+use heapless::Vec;
+
+/// The largest coded number: 2000 of them times a byte stay below 2^31.
+pub(crate) const LARGEST: u32 = 8191;
+
+/// Up to `N` coded numbers. Each stands for itself times 2^`shift`.
+pub(crate) struct Coded<const N: usize> {
+    numbers: Vec<i16, N>,
+    shift: u32,
+}
+
+impl<const N: usize> Coded<N> {
+    #[inline(always)] // made in place
+    pub(crate) const fn new() -> Self {
+        Self { numbers: Vec::new(), shift: 0 }
+    }
+
+    pub(crate) fn numbers(&self) -> &[i16] {
+        &self.numbers
+    }
+
+    pub(crate) fn numbers_mut(&mut self) -> &mut [i16] {
+        &mut self.numbers
+    }
+
+    pub(crate) const fn shift(&self) -> u32 {
+        self.shift
+    }
+
+    /// Takes `count` numbers, whose largest is `largest`, in units of 2^`unit`.
+    #[inline(always)] // into its two callers
+    pub(crate) fn set(&mut self, numbers: Numbers<'_>, count: usize, largest: u32, unit: u32) {
+        let shift = shift_below(largest, LARGEST);
+        // Cannot fail: no caller has more than `N`.
+        let _ = self.numbers.resize_default(count);
+        numbers.code(shift, &mut self.numbers);
+        self.shift = unit + shift;
+    }
+
+    /// One part of the responses at all offsets, in units of 2^`shift`; true after the last part.
+    pub(crate) fn respond<const S: usize>(
+        &self,
+        products: Products,
+        packed: &mut Room,
+        Window { cells, layout }: Window<'_>,
+        part: usize,
+        out: &mut [[i32; S]; S],
+    ) -> bool {
+        products.responses(part..part + 1, packed, cells, layout, &self.numbers, out);
+        part + 1 >= products.parts(layout, self.numbers.len())
+    }
+
+    /// Brings responses to weights in units of 2^-16 back to their own unit: times 2^(`shift` - 16), within +-2^24.
+    ///
+    /// They are clamped before a shift to the left, so that no bit is lost.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn scale<const S: usize>(&self, rows: &mut [[i32; S]]) {
+        let (left, right) = (self.shift.saturating_sub(16), 16_u32.saturating_sub(self.shift));
+        let most = (1 << 24) >> left;
+        rolled(rows.as_flattened_mut().iter_mut()).for_each(|sum| *sum = (*sum >> right).min(most).max(-most) << left);
+    }
+}
+
+/// The least shift to the right that makes `largest` less than `bound`.
+pub(crate) fn shift_below(largest: u32, bound: u32) -> u32 {
+    let mut shift = 0;
+    while largest >> shift >= bound {
+        shift += 1;
+    }
+    shift
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coded_numbers_are_bounded() {
+        for largest in [0, 1, 8190, 8191, 8192, 1 << 30, i32::MAX] {
+            let (mut coded, numbers) = (Coded::<2>::new(), [largest, -largest]);
+            let numbers = Numbers::of(&numbers);
+            coded.set(numbers, 2, numbers.largest(), 0);
+            assert!(coded.numbers.iter().all(|coded| u32::from(coded.unsigned_abs()) <= LARGEST), "{largest}");
+            assert!(coded.shift == 0 || coded.numbers[0] > 4000, "{largest}");
+        }
+    }
+}

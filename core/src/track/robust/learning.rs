@@ -1,0 +1,289 @@
+//! Learning: one step of ridge regression on a Gaussian label, in each frame that may be learned.
+//!
+//!     minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
+//!     error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
+//!     direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
+//!     step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//!
+//! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in ATOM; Danelljan et
+//! al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
+//! filter's cells: cells far from the target's middle show it less often and move on their own, so they learn less. A whole step would
+//! follow each frame too closely; `rate` shortens it. There is one division.
+//!
+//! | symbol | what | unit | bound |
+//! |---|---|---|---|
+//! | `r`, `y` | response, label | 1/16384 | 2^24, 2^14 |
+//! | `e` | error, clamped; coded | 1/16384; a power of two | 65,535; 16,383 |
+//! | `grad E`, `p` | coded | a power of two | 8191 |
+//! | `grad E . p` | | | 2000 * 8191^2 < 2^37 |
+//! | `a` | step length | 44 fractional bits | 2^47 |
+//!
+//! Cost: 578 products for each weight by default, as much as two searches.
+
+use super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
+use super::cost::{CODED, SLOPED, units, weights};
+use super::gaussian::Gaussian;
+use super::grid::Grid;
+use super::response::Responses;
+use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
+use crate::kernels::{Numbers, Products, Room, lessen_by, rolled};
+use crate::track::update::UnderWay;
+use heapless::Vec;
+
+/// What is learned from: the filter, and a window in which the target was found.
+pub(super) struct Training<'a> {
+    pub(super) filter: &'a Filter<WEIGHTS>,
+    pub(super) grid: &'a Grid,
+    pub(super) window: Window<'a>,
+    /// The filter's responses to the window.
+    pub(super) responses: &'a Responses,
+    pub(super) products: Products,
+}
+
+/// Scratch memory of learning. The scale search uses `responses`, too.
+pub(super) struct Scratch {
+    gradient: Vec<i32, WEIGHTS>,
+    /// Errors before they are coded; then responses to the direction.
+    pub(super) responses: [[i32; SPAN]; SPAN],
+    errors: [[i16; SPAN]; SPAN],
+}
+
+impl Scratch {
+    #[inline(always)] // made in place
+    pub(super) const fn new() -> Self {
+        Self { gradient: Vec::new(), responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
+    }
+
+    /// Computes and codes the errors. Gives their shift, and clears the gradient.
+    #[inline(never)] // one copy in flash
+    fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
+        let Self { gradient, responses: errors, errors: coded } = self;
+        let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
+        Numbers::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
+        gradient.clear();
+        let _ = gradient.resize_default(training.filter.weights().len());
+        shift
+    }
+
+    /// Computes and codes the direction. Gives grad E . p, in the direction's unit squared. `error_shift` is the shift of the errors.
+    ///
+    /// A slope is `REGULARISATION` * weight + 2^16 * gradient; the gradient is below 2^30 in units of 2^`error_shift`, which is at most
+    /// 2^3. The unit is chosen so that each slope fits 32 bits and the largest keeps 13 bits if it has as many:
+    ///
+    /// | unit | used if | slopes are then below |
+    /// |---|---|---|
+    /// | 2^(16 + `error_shift`) | a slope is at least 8191 units | 2^31 |
+    /// | 2^14 | else, and a slope is at least 8191 units | 2^18 |
+    /// | 1 | else | 2^27 |
+    #[inline(never)] // one copy in flash
+    fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
+        let weights = training.filter.weights();
+        for unit in [16 + error_shift, 14, 0] {
+            let slopes = Numbers {
+                weights,
+                factor: REGULARISATION << (32 - unit),
+                sums: &self.gradient,
+                left: 16 + error_shift - unit,
+            };
+            let steepest = slopes.largest();
+            if steepest >= crate::correlation::LARGEST || unit == 0 {
+                direction.set(slopes, weights.len(), steepest, unit);
+                return apply_window(training.grid, direction.numbers_mut());
+            }
+        }
+        0
+    }
+
+    /// The length of the step, `rate` / 256 of the exact one, with 44 fractional bits: below 2^47.
+    #[inline(never)] // its loops have registers of their own
+    fn step_length(&self, direction: &[i16], descent: i64, rate: u16) -> i64 {
+        // At most 2000 * 8191^2 < 2^37.
+        let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
+        // A response is below 2^31; less 9 bits and squared, 289 of them are below 2^53.
+        let responses = rolled(self.responses.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
+        let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
+        (i64::from(rate) * ((descent << 26) / curvature.max(1))) >> 8
+    }
+}
+
+/// e = r - y at all offsets, clamped. Gives the largest. `target` is the target's place from the middle, in units of 1/256 cell.
+#[inline(never)] // its stack is not that of a step
+fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
+    let (label, span) = (Gaussian::label(training.grid), training.responses.span);
+    let reach = u16::try_from(span / 2).unwrap_or(0);
+    let mut across = [0; SPAN];
+    for (offset, part) in rolled(across.iter_mut().enumerate()) {
+        *part = label.at_offset(offset, target.0, reach);
+    }
+    let mut largest = 0;
+    errors.as_flattened_mut().fill(0);
+    for (row, (errors, responses)) in errors.iter_mut().zip(&training.responses.rows).enumerate().take(span) {
+        let down = label.at_offset(row, target.1, reach);
+        for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(across).take(span)) {
+            let label = (across * down + (1 << 13)) >> 14;
+            *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);
+            largest = largest.max(error.unsigned_abs());
+        }
+    }
+    largest
+}
+
+/// p = m * grad E, in place. Gives grad E . p.
+#[inline(never)] // one copy in flash
+fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
+    let [across, down] = Gaussian::window(grid);
+    // From the target's middle to a cell's, in units of 1/256 cell.
+    let from_middle = |at: usize, cells: u16| 128 * (2 * i32::try_from(at).unwrap_or(0) + 1 - i32::from(cells));
+    let mut descent = 0;
+    for (y, row) in slopes.chunks_mut(usize::from(grid.across.max(1)) * CHANNELS).enumerate() {
+        let down = down.at(from_middle(y, grid.down));
+        for (x, cell) in row.chunks_mut(CHANNELS).enumerate() {
+            let part = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
+            descent += i64::from(lessen_by(cell, part));
+        }
+    }
+    descent
+}
+
+/// A step of learning.
+#[derive(Clone, Copy)]
+pub(super) struct Learning {
+    /// Where the target is in the window, from its middle, in units of 1/256 cell.
+    target: (i32, i32),
+    rate: u16,
+    phase: Phase,
+}
+
+#[derive(Clone, Copy)]
+enum Phase {
+    /// Computes the errors.
+    Errors,
+    /// Adds a part of the gradient.
+    Gradient { part: usize, error_shift: u32 },
+    /// Computes the direction.
+    Direction { error_shift: u32 },
+    /// Computes a part of the responses to the direction.
+    Curvature { part: usize, descent: i64 },
+}
+
+impl Learning {
+    pub(super) fn begin(target: (i32, i32), rate: u16) -> Self {
+        Self { target, rate, phase: Phase::Errors }
+    }
+
+    /// One unit of work; the length of the step after the last one. `direction` is then the way to go; before, it may hold anything.
+    pub(super) fn advance(
+        &mut self,
+        training: &Training<'_>,
+        direction: &mut Coded<WEIGHTS>,
+        scratch: &mut Scratch,
+        packed: &mut Room,
+        work: &mut UnderWay,
+    ) -> Option<i64> {
+        let Training { filter, grid, window, products, .. } = training;
+        let (layout, count) = (window.layout, filter.weights().len());
+        match self.phase {
+            Phase::Errors => {
+                let error_shift = scratch.code_errors(training, self.target);
+                work.spend(units(layout.span.pow(2)) + CODED * weights(grid));
+                self.phase = Phase::Gradient { part: 0, error_shift };
+            }
+            Phase::Gradient { part, error_shift } => {
+                work.spend(units(products.gather_work(part, layout, count)));
+                let done = add_gradient(*products, packed, *window, &scratch.errors, part, &mut scratch.gradient);
+                self.phase = if done {
+                    Phase::Direction { error_shift }
+                } else {
+                    Phase::Gradient { part: part + 1, error_shift }
+                };
+            }
+            Phase::Direction { error_shift } => {
+                let descent = scratch.code_direction(training, error_shift, direction);
+                work.spend(SLOPED * weights(grid));
+                self.phase = Phase::Curvature { part: 0, descent };
+            }
+            Phase::Curvature { part, descent } => {
+                work.spend(units(products.work(part, layout, count)));
+                if direction.respond(*products, packed, *window, part, &mut scratch.responses) {
+                    work.spend(CODED * weights(grid));
+                    return Some(scratch.step_length(direction.numbers(), descent, self.rate));
+                }
+                self.phase = Phase::Curvature { part: part + 1, descent };
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::response::layout;
+    use super::*;
+    use crate::kernels::{Backend, ROOM};
+    use std::vec::Vec as Numbers64;
+
+    /// Against 64 bits, in which all units are 1.
+    #[test]
+    fn slopes_are_coded_in_any_unit() {
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let count = grid.weights();
+        let (mut filter, mut scratch, mut direction) = (Filter::new(), Scratch::new(), Coded::new());
+        let responses = Responses::new();
+        let mut state = 1_u32;
+        let mut noise = |places: u32| {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state.cast_signed() >> 3) >> (28 - places)
+        };
+        for (of_weight, of_sum) in
+            [(0, 0), (1, 0), (3, 1), (9, 3), (12, 8), (18, 12), (24, 20), (28, 28), (0, 28), (28, 0)]
+        {
+            for shift in 0..=3 {
+                filter.restore(count, core::iter::repeat_with(|| 8 * noise(of_weight)));
+                scratch.gradient = core::iter::repeat_with(|| noise(of_sum)).take(count).collect();
+                let sums = filter.weights().iter().zip(&scratch.gradient);
+                let slope = |(&weight, &sum): (&i32, &i32)| {
+                    REGULARISATION * i64::from(weight) + (i64::from(sum) << (16 + shift))
+                };
+                let slopes: Numbers64<i64> = sums.map(slope).collect();
+                let steepest = slopes.iter().map(|slope| slope.unsigned_abs()).max().unwrap();
+                let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
+                let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
+                let mut wanted: Numbers64<i16> = slopes.iter().map(round).collect();
+                let descent = apply_window(&grid, &mut wanted);
+                let window = Window { cells: &[], layout: layout(&grid, SPAN) };
+                let products = Products::new(Backend::Scalar);
+                let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+                let given = scratch.code_direction(&training, shift, &mut direction);
+                assert_eq!((given, direction.shift()), (descent, scale), "{of_weight} {of_sum} {shift}");
+                assert_eq!(direction.numbers(), &*wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn the_filter_answers_where_it_learned() {
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let cells: Numbers64<i8> = (0..30 * 30 * CHANNELS as u32)
+            .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
+            .collect();
+        let (mut filter, mut scratch, mut coded) = (Filter::new(), Scratch::new(), Coded::new());
+        filter.start(grid.weights());
+        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), [0; ROOM], UnderWay::NOTHING);
+        let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
+        let mut responses = Responses { span: SPAN, ..Responses::new() };
+        for _ in 0..25 {
+            let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+            let mut learning = Learning::begin((512, -256), 160);
+            let mut length = None;
+            while length.is_none() {
+                length = learning.advance(&training, &mut coded, &mut scratch, &mut packed, &mut work);
+            }
+            filter.descend(length.unwrap(), &coded);
+            filter.code(&mut coded);
+            let mut parts = 0..;
+            while !responses.advance(&coded, products, &mut packed, window, parts.next().unwrap(), &mut work) {}
+        }
+        let peak = responses.peak(false);
+        assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");
+    }
+}

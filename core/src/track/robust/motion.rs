@@ -1,0 +1,101 @@
+//! Where the target is expected: its place, and how fast it moves.
+//!
+//!     expected  = place + velocity / 2
+//!     velocity' = (velocity + place' - place) / 2
+//!
+//! Positions are in units of 1/4096 pixel, and those of a pixel are its middle's; scales are in units of 1/65536. A position lies within
+//! the frame, so both coordinates are below 2^28.
+
+use super::constants::{PIXEL, SCALE};
+use super::grid::Grid;
+use crate::image::Rect;
+
+/// A target's middle and size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) x: i64,
+    pub(super) y: i64,
+    pub(super) scale: u32,
+}
+
+impl Place {
+    pub(super) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
+
+    /// The middle of a box.
+    pub(super) fn of(target: Rect) -> Self {
+        let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
+        Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
+    }
+
+    /// Moved by units of 1/64 pixel of the grid.
+    pub(super) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
+        let moved = |from: i64, by: i32| from + ((i64::from(by) * grid.step_at(self.scale)) >> 6);
+        Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
+    }
+
+    /// Moved into a frame.
+    #[inline(never)] // one copy in flash
+    pub(super) fn inside(self, bounds: Rect) -> Self {
+        let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;
+        Self { x: self.x.clamp(0, end(bounds.width)), y: self.y.clamp(0, end(bounds.height)), ..self }
+    }
+}
+
+/// A target's place, and how far it moves from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Motion {
+    pub(super) place: Place,
+    /// To the right and down, in units of positions.
+    pub(super) velocity: [i64; 2],
+}
+
+impl Motion {
+    pub(super) const fn at(place: Place) -> Self {
+        Self { place, velocity: [0; 2] }
+    }
+
+    /// Where it is expected in the next frame; without `velocity`, where it is.
+    pub(super) fn expected(&self, velocity: bool, bounds: Rect) -> Place {
+        let [right, down] = self.velocity;
+        let further = |from: i64, by: i64| if velocity { from + (by >> 1) } else { from };
+        let Place { x, y, scale } = self.place;
+        Place { x: further(x, right), y: further(y, down), scale }.inside(bounds)
+    }
+
+    /// The target was followed to `place`.
+    pub(super) fn follow(&mut self, place: Place) {
+        let [right, down] = self.velocity;
+        self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
+        self.place = place;
+    }
+
+    /// Nothing was seen of the target: it stays, and is expected to go on half as fast.
+    pub(super) fn hold(&mut self) {
+        self.follow(self.place);
+    }
+
+    /// The picture has moved, by units of 1/256 pixel; the target's own velocity stays.
+    pub(super) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
+        let Place { x, y, scale } = self.place;
+        self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_the_velocity_is_expected() {
+        let bounds = Rect::new(0, 0, 100, 80);
+        let mut motion = Motion::at(Place::of(Rect::new(20, 20, 11, 11)));
+        let at = |x: i64| Place { x: x * PIXEL, y: 25 * PIXEL, scale: SCALE };
+        assert_eq!(motion.place, at(25));
+        motion.follow(at(33));
+        assert_eq!(motion.expected(true, bounds), at(35));
+        assert_eq!(motion.expected(false, bounds), at(33));
+        motion.follow(at(97));
+        assert_eq!(motion.expected(true, bounds), at(99), "no further than the frame");
+        assert_eq!(Motion::at(at(40)).expected(true, bounds), at(40));
+    }
+}

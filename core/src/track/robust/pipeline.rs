@@ -1,0 +1,390 @@
+//! The way of a frame through the stages, cut into units of work so that an update or a lock can be made in steps.
+//!
+//! ```text
+//! update: search -> verification -> refinement -> scale -> decision -> learning
+//!                                                                   -> search -> verification, elsewhere, if it is lost
+//! lock:   view, which becomes the template -> features -> 25 times: response -> learning
+//! ```
+//!
+//! A search is features and responses. Each stage holds its inputs and hands on its result. Until an update or a lock is finished, only
+//! the workspace changes.
+
+use super::buffers::Buffers;
+use super::confidence::Confidence;
+use super::config::{Config, Parts};
+use super::constants::{CELL, FIRST_RATE, FIRST_STEPS, SPAN};
+use super::cost::{CODED, REFINED, weights};
+use super::displacement::Displacement;
+use super::grid::Grid;
+use super::learning::{Learning, Training};
+use super::motion::{Motion, Place};
+use super::refinement::{Refined, refine};
+use super::response::layout;
+use super::sampling::Lattice;
+use super::scale::{self, ScaleSearch, Tools};
+use super::state::{Memory, Track};
+use super::verification::{Candidate, Reference, Verification, Verified, View};
+use crate::correlation::Window;
+use crate::image::{Frame, Image};
+use crate::kernels::Products;
+use crate::track::State;
+use crate::track::update::UnderWay;
+
+/// What a search window is searched for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    /// To learn the target that is locked on.
+    Lock,
+    /// To follow the target where it is expected.
+    Follow,
+    /// To find the lost target elsewhere.
+    Redetect,
+}
+
+/// The stage that is next, with what it holds.
+#[derive(Clone, Copy)]
+#[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
+enum Stage {
+    Done,
+    Template(View),
+    Features(Purpose, Lattice),
+    Response(Purpose, usize),
+    Verification(Purpose, Verification),
+    Refinement(Verified),
+    /// With the exact growth, if it is known.
+    Scale(ScaleSearch, Option<i32>),
+    Learning(Learning),
+}
+
+/// What the stages have decided so far.
+#[derive(Clone, Copy)]
+pub(super) struct Outcome {
+    /// What the track becomes; `None` before the first update or lock.
+    pub(super) track: Option<Track>,
+    /// The candidate that is followed, or found again.
+    pub(super) candidate: Candidate,
+    /// Where the early template lies on the view.
+    displacement: Displacement,
+    /// Whether the early template learns from this frame.
+    pub(super) template_learns: bool,
+    /// The length of the filter's step.
+    step: Option<i64>,
+    /// Steps of learning that a lock still has to make, with the present one; 0 in an update.
+    steps_left: u32,
+}
+
+/// How far an update or a lock is.
+pub(super) struct Pipeline {
+    stage: Stage,
+    pub(super) outcome: Outcome,
+}
+
+impl Pipeline {
+    #[inline(always)] // made in place
+    pub(super) const fn new() -> Self {
+        Self { stage: Stage::Done, outcome: Outcome::new(None) }
+    }
+
+    pub(super) const fn response(&self) -> i32 {
+        self.outcome.candidate.response
+    }
+}
+
+impl Outcome {
+    const fn new(track: Option<Track>) -> Self {
+        Self {
+            track,
+            candidate: Candidate::NONE,
+            displacement: (0, 0),
+            template_learns: false,
+            step: None,
+            steps_left: 0,
+        }
+    }
+
+    /// What the early template learns from, or starts as.
+    pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
+        buffers.verification.patch(grid, self.displacement)
+    }
+
+    /// Makes the filter's step, if there is one.
+    pub(super) fn make_step(&mut self, memory: &mut Memory, buffers: &Buffers) {
+        if let Some(length) = self.step.take() {
+            memory.filter.descend(length, &buffers.coded);
+        }
+    }
+
+    /// True in a lock that is not done.
+    pub(super) const fn is_lock(&self) -> bool {
+        self.steps_left > 0
+    }
+
+    /// True if the lock has another step to make, after the one that was made.
+    pub(super) fn has_another_step(&mut self) -> bool {
+        self.steps_left = self.steps_left.saturating_sub(1);
+        self.steps_left > 0
+    }
+}
+
+/// What an update or a lock goes by. None of it changes before it is finished.
+pub(super) struct Model<'a> {
+    pub(super) config: &'a Config,
+    pub(super) memory: &'a Memory,
+    pub(super) track: Track,
+}
+
+impl Model<'_> {
+    /// Begins an update.
+    pub(super) fn begin(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
+        self.memory.filter.code(&mut buffers.coded);
+        buffers.verification.begin(&self.reference());
+        work.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
+        pipeline.outcome = Outcome::new(Some(self.track));
+        pipeline.stage = self.search(buffers, Purpose::Follow);
+    }
+
+    /// Begins a lock.
+    pub(super) fn begin_lock(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
+        pipeline.outcome = Outcome { steps_left: FIRST_STEPS, ..Outcome::new(Some(self.track)) };
+        pipeline.stage = Stage::Template(self.view(buffers, self.track.motion.place));
+    }
+
+    /// Begins another step of learning from the same window.
+    pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
+        pipeline.stage = self.respond_first(buffers, work);
+    }
+
+    /// Goes on until what is granted is spent; true at the end.
+    #[inline(never)] // one copy in flash
+    pub(super) fn advance(
+        &self,
+        pipeline: &mut Pipeline,
+        buffers: &mut Buffers,
+        work: &mut UnderWay,
+        frame: &Frame<'_>,
+    ) -> bool {
+        while !matches!(pipeline.stage, Stage::Done) && !work.is_spent() {
+            if let Some(next) = self.advance_stage(pipeline, buffers, work, frame) {
+                pipeline.stage = next;
+            }
+        }
+        matches!(pipeline.stage, Stage::Done)
+    }
+
+    /// One unit of work; the next stage after the last one.
+    fn advance_stage(
+        &self,
+        Pipeline { stage, outcome }: &mut Pipeline,
+        buffers: &mut Buffers,
+        work: &mut UnderWay,
+        frame: &Frame<'_>,
+    ) -> Option<Stage> {
+        match stage {
+            Stage::Done => None,
+            Stage::Template(view) => {
+                let Buffers { extractor, verification, .. } = buffers;
+                let done = view.advance(frame, extractor.sampling(), verification, work);
+                done.then(|| self.search(buffers, Purpose::Lock))
+            }
+            Stage::Features(purpose, lattice) => {
+                let Buffers { extractor, cells, .. } = buffers;
+                let done = extractor.advance(frame, lattice, cells, work);
+                done.then(|| match purpose {
+                    Purpose::Lock => self.respond_first(buffers, work),
+                    _ => Stage::Response(*purpose, 0),
+                })
+            }
+            Stage::Response(purpose, part) => {
+                let Buffers { extractor, cells, coded, responses, .. } = buffers;
+                let window = self.window(cells);
+                let done = responses.advance(coded, self.products(), extractor.packed(), window, *part, work);
+                *part += 1;
+                done.then(|| match purpose {
+                    Purpose::Lock => Stage::Learning(Learning::begin((0, 0), FIRST_RATE)),
+                    _ => self.verify(buffers, *purpose),
+                })
+            }
+            Stage::Verification(purpose, verification) => {
+                let Buffers { extractor, verification: scratch, .. } = buffers;
+                let verified = verification.advance(&self.reference(), frame, extractor.sampling(), scratch, work)?;
+                Some(match purpose {
+                    Purpose::Redetect => redetect(outcome, verified),
+                    _ => Stage::Refinement(verified),
+                })
+            }
+            Stage::Refinement(verified) => Some(self.refine(outcome, *verified, buffers, work)),
+            Stage::Scale(search, growth) => {
+                let (tools, mut scratch) = self.scale_search(buffers);
+                let scale = search.advance(&tools, frame, &mut scratch, work)?;
+                let scale = growth.map_or(scale, |growth| scale::grown(outcome.candidate.place.scale, growth));
+                Some(self.decide(outcome, scale, buffers))
+            }
+            Stage::Learning(learning) => {
+                let Buffers { cells, responses, extractor, coded, learning: scratch, .. } = buffers;
+                let training = Training {
+                    filter: &self.memory.filter,
+                    grid: &self.track.grid,
+                    window: self.window(cells),
+                    responses,
+                    products: self.products(),
+                };
+                outcome.step = Some(learning.advance(&training, coded, scratch, extractor.packed(), work)?);
+                Some(Stage::Done)
+            }
+        }
+    }
+
+    /// Begins the search of a window.
+    fn search(&self, buffers: &mut Buffers, purpose: Purpose) -> Stage {
+        let lattice = Lattice::search_window(self.centre(purpose), &self.track.grid, self.config.reach());
+        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.cells);
+        Stage::Features(purpose, lattice)
+    }
+
+    fn centre(&self, purpose: Purpose) -> Place {
+        match purpose {
+            Purpose::Lock => self.track.motion.place,
+            Purpose::Follow => self.track.expected(self.config),
+            Purpose::Redetect => self.track.swept(self.config.reach()),
+        }
+    }
+
+    /// Begins the responses of a lock, to the weights as they are now.
+    fn respond_first(&self, buffers: &mut Buffers, work: &mut UnderWay) -> Stage {
+        self.memory.filter.code(&mut buffers.coded);
+        work.spend(CODED * weights(&self.track.grid));
+        Stage::Response(Purpose::Lock, 0)
+    }
+
+    /// Begins the verification of the peak.
+    fn verify(&self, buffers: &mut Buffers, purpose: Purpose) -> Stage {
+        let peak = buffers.responses.peak(self.config.parts.distance_penalty);
+        // 1/256 cell is 1/64 pixel of the grid.
+        let place = self.centre(purpose).moved(&self.track.grid, (peak.x, peak.y)).inside(self.track.bounds);
+        let candidate = Candidate::new(place, peak.response);
+        Stage::Verification(purpose, Verification::begin(candidate, self.view(buffers, place)))
+    }
+
+    /// Begins the view of a place.
+    fn view(&self, buffers: &mut Buffers, place: Place) -> View {
+        let Buffers { extractor, verification, .. } = buffers;
+        View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), verification)
+    }
+
+    /// Refines a verified candidate, and begins the scale search.
+    fn refine(
+        &self,
+        outcome: &mut Outcome,
+        Verified { mut candidate, displacement }: Verified,
+        buffers: &mut Buffers,
+        work: &mut UnderWay,
+    ) -> Stage {
+        let (grid, scratch) = (&self.track.grid, &buffers.verification);
+        let refined = match (scratch.patch(grid, displacement), scratch.relit(grid)) {
+            (Some(patch), Some(relit)) => refine(candidate.agreement, displacement, patch, relit, scratch.alpha()),
+            _ => None,
+        };
+        if let Some(Refined { x, y, .. }) = refined {
+            candidate.place = candidate.place.moved(grid, (x, y)).inside(self.track.bounds);
+        }
+        work.spend(REFINED * grid.pixels());
+        (outcome.candidate, outcome.displacement) = (candidate, displacement);
+        if self.config.size {
+            let (tools, mut scratch) = self.scale_search(buffers);
+            let search = ScaleSearch::begin(candidate.place, &tools, &mut scratch);
+            Stage::Scale(search, refined.map(|refined| refined.growth))
+        } else {
+            self.decide(outcome, candidate.place.scale, buffers)
+        }
+    }
+
+    /// Place and scale are known: decides what is believed, and what comes next.
+    fn decide(&self, outcome: &mut Outcome, scale: u32, buffers: &mut Buffers) -> Stage {
+        let Outcome { track: Some(track), candidate, template_learns, .. } = outcome else { return Stage::Done };
+        let Parts { gated_learning, verification, .. } = self.config.parts;
+        candidate.place.scale = scale;
+        if verification {
+            track.confidence = track.confidence.after(candidate.evidence(), self.config.patience);
+        }
+        if candidate.visible || !verification {
+            track.motion.follow(candidate.place);
+        } else {
+            track.motion.hold();
+        }
+        if track.confidence.state(self.config) == State::Lost {
+            return if self.config.sweep { self.search(buffers, Purpose::Redetect) } else { Stage::Done };
+        }
+        *template_learns = candidate.evidence().may_be_learned() || !gated_learning || !verification;
+        if !*template_learns {
+            return Stage::Done;
+        }
+        // Cells and responses are still those of the window where the target was expected.
+        let target = offset(&self.track.grid, self.centre(Purpose::Follow), candidate.place);
+        Stage::Learning(Learning::begin(target, self.config.learning_rate))
+    }
+
+    fn reference(&self) -> Reference<'_> {
+        Reference { config: self.config, template: &self.memory.template, grid: &self.track.grid }
+    }
+
+    fn window<'a>(&self, cells: &'a [i8]) -> Window<'a> {
+        Window { cells, layout: layout(&self.track.grid, self.config.span()) }
+    }
+
+    fn scale_search<'a>(&'a self, buffers: &'a mut Buffers) -> (Tools<'a>, scale::Scratch<'a>) {
+        let Buffers { extractor, scale_cells, coded, learning, .. } = buffers;
+        let Track { grid, bounds, .. } = &self.track;
+        (
+            Tools { grid, bounds: *bounds, weights: coded, products: self.products() },
+            scale::Scratch { extractor, cells: scale_cells, responses: &mut learning.responses },
+        )
+    }
+
+    fn products(&self) -> Products {
+        Products::new(self.config.backend())
+    }
+
+    /// The features of the window where the target is expected, as the next update will see them. False if it is not in memory.
+    pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
+        let place = self.centre(Purpose::Follow);
+        let lattice = Lattice::search_window(place, &self.track.grid, self.config.reach());
+        buffers.extractor.features(frame, &lattice, &mut buffers.cells)
+    }
+
+    /// The filter's responses to these features.
+    pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
+        self.memory.filter.code(&mut buffers.coded);
+        let Buffers { extractor, cells, coded, responses, .. } = buffers;
+        responses.rows = [[0; SPAN]; SPAN];
+        let mut parts = 0..;
+        while !responses.advance(
+            coded,
+            self.products(),
+            extractor.packed(),
+            self.window(cells),
+            parts.next().unwrap_or(0),
+            work,
+        ) {}
+        responses.rows
+    }
+}
+
+/// Follows a candidate elsewhere if it is the lost target.
+fn redetect(outcome: &mut Outcome, Verified { candidate, .. }: Verified) -> Stage {
+    if let Some(track) = &mut outcome.track {
+        track.sweep.advance();
+        if candidate.evidence().finds(outcome.candidate.evidence()) {
+            track.motion = Motion::at(candidate.place);
+            track.confidence = Confidence::found(candidate.evidence());
+            outcome.candidate = candidate;
+        }
+    }
+    Stage::Done
+}
+
+/// Where the target is in a window, from its middle, in units of 1/256 cell.
+fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
+    let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
+    let part = |to: i64, from: i64| i32::try_from((to - from) * 256 / cell).unwrap_or(0);
+    (part(target.x, centre.x), part(target.y, centre.y))
+}

@@ -1,0 +1,126 @@
+//! The scale search: is the target a little smaller or larger? The filter's response at the last scale, at 1/1.02 and at 1.02 of it (as
+//! in DSST; Danelljan et al., 2014).
+//!
+//!     scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
+//!
+//! All three are sampled around the same place, so that none gains by where it was sampled. Offsets of one cell are searched.
+//! The search is made even where refinement has found the exact growth, which then wins: so every frame costs the same.
+//! Cost: three small windows of features, and 27 products for each weight.
+
+use super::constants::{CHANNELS, SPAN, WEIGHTS};
+use super::constants::{LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP};
+use super::cost::weights;
+use super::gradients::Extractor;
+use super::grid::Grid;
+use super::motion::Place;
+use super::response::{layout, peak};
+use super::sampling::Lattice;
+use crate::correlation::{Coded, Window};
+use crate::image::{Frame, Rect};
+use crate::kernels::Products;
+use crate::track::update::UnderWay;
+use heapless::Vec;
+
+/// Bytes of the largest window that is searched: the longest filter has the longest margin.
+const CELLS: usize =
+    (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
+/// Offsets on an axis.
+const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
+
+/// Features at another scale.
+pub(super) type Cells = Vec<i8, CELLS>;
+
+/// A scale search.
+#[derive(Clone, Copy)]
+pub(super) struct ScaleSearch {
+    place: Place,
+    /// The best peak so far, and its scale.
+    highest: i64,
+    best: u32,
+    /// Which scale is looked at: the last, the smaller, the larger one.
+    number: usize,
+    lattice: Lattice,
+    /// Whether its features are known.
+    sampled: bool,
+}
+
+/// What a scale is searched by.
+pub(super) struct Tools<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) bounds: Rect,
+    /// The filter's weights.
+    pub(super) weights: &'a Coded<WEIGHTS>,
+    pub(super) products: Products,
+}
+
+/// Scratch memory of a scale search.
+pub(super) struct Scratch<'a> {
+    pub(super) extractor: &'a mut Extractor,
+    pub(super) cells: &'a mut Cells,
+    pub(super) responses: &'a mut [[i32; SPAN]; SPAN],
+}
+
+impl ScaleSearch {
+    pub(super) fn begin(place: Place, tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> Self {
+        let lattice = Lattice::search_window(place, tools.grid, SCALE_REACH);
+        scratch.extractor.begin(tools.bounds, &lattice, scratch.cells);
+        Self { place, highest: i64::MIN, best: place.scale, number: 0, lattice, sampled: false }
+    }
+
+    /// One unit of work; the scale after the last one.
+    pub(super) fn advance(
+        &mut self,
+        tools: &Tools<'_>,
+        frame: &Frame<'_>,
+        scratch: &mut Scratch<'_>,
+        work: &mut UnderWay,
+    ) -> Option<u32> {
+        if !self.sampled {
+            self.sampled = scratch.extractor.advance(frame, &self.lattice, scratch.cells, work);
+            return None;
+        }
+        let [smaller, larger] = other_scales(self.place.scale);
+        let scales = [self.place.scale, smaller, larger];
+        let height = peak_height(tools, scratch);
+        work.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * weights(tools.grid));
+        let counted = if self.number == 0 { height } else { (height * SCALE_PENALTY) >> 8 };
+        if let Some(&scale) = scales.get(self.number).filter(|_| counted > self.highest) {
+            (self.highest, self.best) = (counted, scale);
+        }
+        self.number += 1;
+        let Some(&scale) = scales.get(self.number) else { return Some(self.best) };
+        self.lattice = Lattice::search_window(Place { scale, ..self.place }, tools.grid, SCALE_REACH);
+        self.sampled = false;
+        scratch.extractor.begin(tools.bounds, &self.lattice, scratch.cells);
+        None
+    }
+}
+
+/// The height of the responses' peak at one scale.
+fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
+    let Scratch { extractor, cells, responses } = scratch;
+    let window = Window { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
+    let mut parts = 0..;
+    while !tools.weights.respond(tools.products, extractor.packed(), window, parts.next().unwrap_or(0), responses) {}
+    let rows = responses.get_mut(..OFFSETS).unwrap_or_default();
+    tools.weights.scale(rows);
+    peak(rows, OFFSETS, false).height.into()
+}
+
+/// A little smaller, and a little larger.
+pub(super) fn other_scales(scale: u32) -> [u32; 2] {
+    let scale = u64::from(scale);
+    [(scale << 16) / SCALE_STEP, (scale * SCALE_STEP) >> 16]
+        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
+}
+
+/// Grown by `growth` / 65536.
+pub(super) fn grown(scale: u32, growth: i32) -> u32 {
+    let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
+    u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
+}
+
+/// True if a target can have this scale.
+pub(super) fn is_possible(scale: u32) -> bool {
+    (LEAST_SCALE..=MOST_SCALE).contains(&scale)
+}

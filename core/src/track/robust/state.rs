@@ -1,0 +1,197 @@
+//! What is remembered of a target from frame to frame, and its saved form.
+
+use super::confidence::Confidence;
+use super::config::{Config, Parts};
+use super::constants::{CELL, CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL, PIXEL_BITS, SCALE, WEIGHTS};
+use super::grid::Grid;
+use super::motion::{Motion, Place};
+use super::redetection::Sweep;
+use super::sampling::Lattice;
+use super::scale;
+use super::template::Template;
+use crate::correlation::Filter;
+use crate::image::{FineRect, Rect};
+use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
+use crate::track::{Quality, RestoreError, SaveError};
+
+/// All that is remembered.
+pub(super) struct Memory {
+    /// `None` before the first lock.
+    pub(super) track: Option<Track>,
+    pub(super) filter: Filter<WEIGHTS>,
+    pub(super) template: Template,
+}
+
+impl Memory {
+    #[inline(always)] // made in place
+    pub(super) const fn new() -> Self {
+        Self { track: None, filter: Filter::new(), template: Template::new() }
+    }
+}
+
+/// Where the target is, how it moves, and what is believed of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Track {
+    pub(super) bounds: Rect,
+    pub(super) grid: Grid,
+    /// The size of the box that was locked on.
+    pub(super) size: [u16; 2],
+    pub(super) motion: Motion,
+    /// The scale when the state was last tracking.
+    pub(super) tracked_scale: u32,
+    pub(super) confidence: Confidence,
+    pub(super) sweep: Sweep,
+    pub(super) quality: Quality,
+}
+
+impl Track {
+    pub(super) fn new(bounds: Rect, target: Rect) -> Self {
+        Self {
+            bounds,
+            grid: Grid::new(target),
+            size: [target.width, target.height],
+            motion: Motion::at(Place::of(target)),
+            tracked_scale: SCALE,
+            confidence: Confidence::FULL,
+            sweep: Sweep::new(),
+            quality: Quality::NONE,
+        }
+    }
+
+    /// Where the target is expected in the next frame.
+    pub(super) fn expected(&self, config: &Config) -> Place {
+        self.motion.expected(config.parts.velocity, self.bounds)
+    }
+
+    /// Where it is searched next while it is lost.
+    #[inline(never)] // one copy in flash
+    pub(super) fn swept(&self, reach: u16) -> Place {
+        let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
+        let (x, y) = self.sweep.middle(side, self.bounds);
+        Place { x, y, scale: self.tracked_scale }
+    }
+
+    /// The pixels of the frame that are read for the search window of a place.
+    pub(super) fn pixels(&self, place: Place, reach: u16) -> Rect {
+        Lattice::search_window(place, &self.grid, reach).pixels(self.bounds)
+    }
+
+    /// The target's box.
+    pub(super) fn bbox(&self) -> FineRect {
+        let Place { x, y, scale } = self.motion.place;
+        let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
+        let [width, height] = self.size.map(size);
+        let corner = |middle: i64, size: u32| {
+            let corner = ((middle + PIXEL / 2) >> 4) - i64::from(size / 2);
+            i32::try_from(corner).unwrap_or(0)
+        };
+        FineRect { x: corner(x, width), y: corner(y, height), width, height }
+    }
+}
+
+/// Bytes of a saved track.
+const TRACK: usize = 58;
+/// The most bytes of a saved target.
+pub(super) const SAVED_SIZE: usize = AROUND + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS;
+
+impl Memory {
+    /// Bytes of the saved form.
+    pub(super) fn saved_size(&self) -> Result<usize, SaveError> {
+        let size = AROUND + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len();
+        self.track.map(|_| size).ok_or(SaveError::NotLocked)
+    }
+
+    pub(super) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
+        let track = self.track.ok_or(SaveError::NotLocked)?;
+        let mut to = Writer::new(bytes, self.saved_size()?, Kind::Robust, checksum(config))?;
+        for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
+            to.u16(side);
+        }
+        let Motion { place: Place { x, y, scale }, velocity: [right, down] } = track.motion;
+        for place in [x, y, right, down] {
+            to.i64(place);
+        }
+        to.u32(scale);
+        to.u32(track.tracked_scale);
+        to.i32(track.confidence.mean());
+        to.u32(track.sweep.next);
+        to.u16(track.quality.value());
+        self.filter.weights().iter().for_each(|&weight| to.i32(weight));
+        self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
+        Ok(to.finish())
+    }
+
+    /// Restores what [`Memory::save`] wrote. If it fails, nothing has changed.
+    pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), RestoreError> {
+        let mut from = Reader::new(bytes, Kind::Robust, checksum(config))?;
+        let track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
+        let count = track.grid.weights();
+        let pixels = usize::from(track.grid.columns) * usize::from(track.grid.rows);
+        let weights = from.slice(4 * count).ok_or(RestoreError::Damaged)?;
+        let mean = from.slice(2 * pixels).filter(|_| from.is_empty()).ok_or(RestoreError::Damaged)?;
+        self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
+        self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
+        self.track = Some(track);
+        Ok(())
+    }
+}
+
+/// A saved track, if each number can be one.
+fn read_track(from: &mut Reader<'_>) -> Option<Track> {
+    let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
+    let target = Rect::new(0, 0, from.u16()?, from.u16()?);
+    let (x, y, right, down) = (from.i64()?, from.i64()?, from.i64()?, from.i64()?);
+    let (scale, tracked_scale) = (from.u32()?, from.u32()?);
+    let confidence = Confidence::restore(from.i32()?)?;
+    let sweep = Sweep { next: from.u32()? };
+    let quality = Quality::of_value(from.u16()?);
+    let place = Place { x, y, scale };
+    let farthest = i64::from(u16::MAX) << PIXEL_BITS;
+    let possible = bounds.contains(target)
+        && place.inside(bounds) == place
+        && [right, down].iter().all(|by| (-farthest..=farthest).contains(by))
+        && [scale, tracked_scale].into_iter().all(scale::is_possible);
+    possible.then(|| Track {
+        bounds,
+        grid: Grid::new(target),
+        size: [target.width, target.height],
+        motion: Motion { place, velocity: [right, down] },
+        tracked_scale,
+        confidence,
+        sweep,
+        quality,
+    })
+}
+
+/// The checksum of the configuration.
+fn checksum(config: &Config) -> u32 {
+    let mut sum = ConfigSum::new();
+    numbers(config, |number| sum.add(number));
+    sum.finish()
+}
+
+/// All numbers of the configuration that answers depend on.
+pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
+    config.table.entries().iter().for_each(|&entry| add(entry));
+    let Parts { velocity, distance_penalty, verification, gated_learning } = config.parts;
+    for part in [config.size, config.sweep, velocity, distance_penalty, verification, gated_learning] {
+        add(part.into());
+    }
+    let Config { reach, patience, lost_below, uncertain_below, learning_rate, early_rate, .. } = *config;
+    for number in [reach.into(), patience.into(), lost_below, uncertain_below, learning_rate, early_rate] {
+        add(number);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_grows_around_its_middle() {
+        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20));
+        assert_eq!(track.bbox().whole(), Rect::new(20, 30, 10, 20));
+        track.motion.place.scale = 2 * SCALE;
+        assert_eq!(track.bbox().whole(), Rect::new(15, 20, 20, 40));
+    }
+}

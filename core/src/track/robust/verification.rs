@@ -1,0 +1,326 @@
+//! Verification: is what is seen at the peak still the target?
+//!
+//! The view around the peak is sampled, the early template is displaced to where it lies best ([`displacement`](super::displacement)), and
+//! both are compared part by part:
+//!
+//!     agreement = the fourth least of the SMR ratios of 4x4 parts, in units of 1/65535
+//!
+//! As a whole, even a plain patch agrees with a template by more than one half, and so does a target that is half hidden. By parts, three
+//! may be hidden or turned away, but not four. The template is compared in the light of the patch ([`lighting`](super::lighting)). A patch
+//! without contrast, or clipped to black or white, shows no target (`similarity/contrast.rs`).
+//!
+//! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
+
+use super::confidence::Evidence;
+use super::config::Config;
+use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK};
+use super::cost::{COMPARED, RELIT, VIEWED};
+use super::displacement::{Displacement, Search, in_view};
+use super::grid::Grid;
+use super::lighting;
+use super::motion::Place;
+use super::sampling::{self, Lattice};
+use super::template::Template;
+use crate::image::{Frame, Image, Rect};
+use crate::similarity::{Contrast, CutTable, Scorer};
+use crate::track::update::UnderWay;
+use heapless::Vec;
+
+/// Pixels of the largest view, a template and `MARGIN` on each side: the longest template has the longest margin.
+const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
+    * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
+
+/// The early template, and how it is compared.
+pub(super) struct Reference<'a> {
+    pub(super) config: &'a Config,
+    pub(super) template: &'a Template,
+    pub(super) grid: &'a Grid,
+}
+
+/// A place where the target may be, and what speaks for it.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate {
+    pub(super) place: Place,
+    /// The filter's response.
+    pub(super) response: i32,
+    /// The early template's agreement; 0 before it is known.
+    pub(super) agreement: u16,
+    /// Whether a target can be seen there at all.
+    pub(super) visible: bool,
+}
+
+impl Candidate {
+    pub(super) const NONE: Self = Self::new(Place::NONE, 0);
+
+    pub(super) const fn new(place: Place, response: i32) -> Self {
+        Self { place, response, agreement: 0, visible: false }
+    }
+
+    pub(super) fn evidence(&self) -> Evidence {
+        if self.visible { Evidence::new(self.agreement, self.response) } else { Evidence::NONE }
+    }
+}
+
+/// What is compared. After verification the view, the relit template and the table are those of the best displacement.
+#[repr(C)] // see `Workspace`
+pub(super) struct Scratch {
+    table: CutTable,
+    /// The early template's own contrast.
+    contrast: Contrast,
+    view: Vec<u8, VIEW>,
+    relit: Vec<u8, MOST_PIXELS>,
+}
+
+impl Scratch {
+    #[inline(always)] // made in place
+    pub(super) const fn new() -> Self {
+        Self { view: Vec::new(), relit: Vec::new(), table: const { CutTable::EMPTY }, contrast: Contrast::NONE }
+    }
+
+    /// Before an update: measures the template's contrast.
+    pub(super) fn begin(&mut self, reference: &Reference<'_>) {
+        reference.template.copy_to(&mut self.relit);
+        let Grid { columns, rows, .. } = *reference.grid;
+        self.contrast = Image::new(&self.relit, columns, rows).map_or(Contrast::NONE, Contrast::of);
+    }
+
+    pub(super) fn table(&mut self) -> &mut CutTable {
+        &mut self.table
+    }
+
+    pub(super) fn cut_table(&self) -> &CutTable {
+        &self.table
+    }
+
+    pub(super) fn alpha(&self) -> u16 {
+        self.table.threshold()
+    }
+
+    /// What the displaced template lies on.
+    pub(super) fn patch(&self, grid: &Grid, displacement: Displacement) -> Option<Image<'_>> {
+        patch(&self.view, grid, displacement)
+    }
+
+    /// The template in the light of the patch.
+    pub(super) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
+        Image::new(&self.relit, grid.columns, grid.rows).ok()
+    }
+
+    /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a target.
+    #[inline(never)] // one copy in flash
+    fn relight(&mut self, reference: &Reference<'_>, displacement: Displacement) -> bool {
+        let Self { table, contrast, view, relit } = self;
+        let Some(patch) = patch(view, reference.grid, displacement) else { return false };
+        reference.template.copy_to(relit);
+        let seen = lighting::relight(relit, *contrast, patch);
+        table.set(reference.config.table, lighting::alpha(seen));
+        seen.has_contrast_of(*contrast) && !seen.is_cut_off_beside(Contrast::NONE)
+    }
+
+    /// The score of the displaced template, in the light it was relit to last.
+    fn score(&self, reference: &Reference<'_>, displacement: Displacement) -> u32 {
+        let scorer = Scorer::new(reference.config.backend(), &self.table);
+        match (self.patch(reference.grid, displacement), self.relit(reference.grid)) {
+            (Some(patch), Some(relit)) => scorer.score(patch, relit).unwrap_or(0),
+            _ => 0,
+        }
+    }
+
+    /// The agreement of the displaced template.
+    fn agreement(&self, reference: &Reference<'_>, displacement: Displacement) -> u16 {
+        let scorer = Scorer::new(reference.config.backend(), &self.table);
+        match (self.patch(reference.grid, displacement), self.relit(reference.grid)) {
+            (Some(patch), Some(relit)) => fourth_least(patch, relit, &scorer),
+            _ => 0,
+        }
+    }
+}
+
+#[inline(never)] // one copy in flash
+fn patch<'a>(view: &'a [u8], grid: &Grid, displacement: Displacement) -> Option<Image<'a>> {
+    let Grid { columns, rows, .. } = *grid;
+    let [left, top] = in_view(displacement).map(i32::from);
+    let view = Image::new(view, columns + 2 * MARGIN, rows + 2 * MARGIN).ok()?;
+    view.crop(Rect::new(left, top, columns, rows))
+}
+
+/// The view of a place, sampled row by row.
+#[derive(Clone, Copy)]
+pub(super) struct View {
+    lattice: Lattice,
+    row: u16,
+}
+
+impl View {
+    pub(super) fn begin(
+        place: Place,
+        grid: &Grid,
+        bounds: Rect,
+        sampling: &mut sampling::Scratch,
+        scratch: &mut Scratch,
+    ) -> Self {
+        let lattice = Lattice::view(place, grid);
+        lattice.begin(bounds, sampling, &mut scratch.view);
+        Self { lattice, row: 0 }
+    }
+
+    /// Samples a row; true after the last one.
+    #[inline(never)] // one copy in flash
+    pub(super) fn advance(
+        &mut self,
+        frame: &Frame<'_>,
+        sampling: &mut sampling::Scratch,
+        scratch: &mut Scratch,
+        work: &mut UnderWay,
+    ) -> bool {
+        self.lattice.sample_row(frame, sampling, self.row, &mut scratch.view);
+        work.spend(sampling.work(VIEWED));
+        self.row += 1;
+        self.row >= self.lattice.rows
+    }
+}
+
+/// The verification of a candidate.
+#[derive(Clone, Copy)]
+pub(super) struct Verification {
+    candidate: Candidate,
+    search: Search,
+    phase: Phase,
+}
+
+#[derive(Clone, Copy)]
+enum Phase {
+    /// Samples a row of the view.
+    View(View),
+    /// Scores the displacement with this number.
+    Displacement(u16),
+    /// Measures the agreement at the best one.
+    Agreement,
+}
+
+/// A candidate whose agreement is known, and where the early template lies best.
+#[derive(Clone, Copy)]
+pub(super) struct Verified {
+    pub(super) candidate: Candidate,
+    pub(super) displacement: Displacement,
+}
+
+impl Verification {
+    pub(super) fn begin(candidate: Candidate, view: View) -> Self {
+        Self { candidate, search: Search::new(), phase: Phase::View(view) }
+    }
+
+    /// One unit of work; the result after the last one.
+    pub(super) fn advance(
+        &mut self,
+        reference: &Reference<'_>,
+        frame: &Frame<'_>,
+        sampling: &mut sampling::Scratch,
+        scratch: &mut Scratch,
+        work: &mut UnderWay,
+    ) -> Option<Verified> {
+        let pixels = reference.grid.pixels();
+        let (phase, search) = (&mut self.phase, &mut self.search);
+        match phase {
+            Phase::View(view) => {
+                if view.advance(frame, sampling, scratch, work) {
+                    *phase = Phase::Displacement(0);
+                }
+            }
+            Phase::Displacement(number) => {
+                let displacement = search.displacement(*number);
+                if *number == 0 {
+                    scratch.relight(reference, displacement);
+                    work.spend(RELIT * pixels);
+                }
+                search.add(*number, scratch.score(reference, displacement));
+                work.spend(COMPARED * pixels);
+                *number += 1;
+                if *number == DISPLACEMENTS {
+                    *phase = Phase::Agreement;
+                }
+            }
+            Phase::Agreement => {
+                let Self { mut candidate, search: Search { best, .. }, .. } = *self;
+                candidate.visible = scratch.relight(reference, best);
+                if candidate.visible {
+                    candidate.agreement = scratch.agreement(reference, best);
+                }
+                work.spend((RELIT + COMPARED) * pixels);
+                return Some(Verified { candidate, displacement: best });
+            }
+        }
+        None
+    }
+}
+
+/// The fourth least of the ratios of all parts.
+fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
+    let mut least = [u16::MAX; RANK];
+    for (row, column) in (0..PARTS).flat_map(|row| (0..PARTS).map(move |column| (row, column))) {
+        let cut = |side: u16, number: u16| number * side / PARTS;
+        let (left, top) = (cut(patch.width(), column), cut(patch.height(), row));
+        let (right, bottom) = (cut(patch.width(), column + 1), cut(patch.height(), row + 1));
+        let part = Rect::new(left.into(), top.into(), right - left, bottom - top);
+        let (Some(patch), Some(relit)) = (patch.crop(part), relit.crop(part)) else { continue };
+        let mut ratio = u16::try_from(scorer.score(patch, relit).unwrap_or(0) / part.area().max(1)).unwrap_or(u16::MAX);
+        for least in &mut least {
+            if ratio < *least {
+                core::mem::swap(&mut ratio, least);
+            }
+        }
+    }
+    let [.., fourth] = least;
+    fourth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec as Pixels;
+
+    /// The agreement of a template of 16x16 pixels with a patch.
+    fn agreement(template: &[u8], patch: &[u8]) -> u16 {
+        const SIDE: u16 = 16 + 2 * MARGIN;
+        let mut early = Template::new();
+        early.start(Image::new(template, 16, 16).unwrap());
+        let (config, grid) = (Config::robust(), Grid::new(Rect::new(0, 0, 16, 16)));
+        let grid = Grid { columns: 16, rows: 16, ..grid };
+        let reference = Reference { config: &config, template: &early, grid: &grid };
+        let mut scratch = std::boxed::Box::new(Scratch::new());
+        scratch.begin(&reference);
+        scratch.view.resize_default((SIDE * SIDE).into()).unwrap();
+        for (row, patch) in scratch.view.chunks_mut(SIDE.into()).skip(MARGIN.into()).zip(patch.chunks(16)) {
+            row[MARGIN.into()..][..16].copy_from_slice(patch);
+        }
+        scratch.relight(&reference, (0, 0));
+        scratch.agreement(&reference, (0, 0))
+    }
+
+    fn pixel(at: usize) -> u8 {
+        u8::try_from(at * 37 % 200).unwrap()
+    }
+
+    /// The agreement where the first `hidden` of the 16 parts show something else.
+    fn with_hidden(hidden: usize) -> u16 {
+        let template: Pixels<u8> = (0..256).map(pixel).collect();
+        let part = |at: usize| at / 64 * 4 + at % 16 / 4;
+        let patch: Pixels<u8> =
+            (0..256).map(|at| if part(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
+        agreement(&template, &patch)
+    }
+
+    #[test]
+    fn three_parts_may_be_hidden_but_not_four() {
+        assert_eq!(with_hidden(0), u16::MAX);
+        assert!(with_hidden(3) > 60_000, "{}", with_hidden(3));
+        assert!(with_hidden(4) < 40_000, "{}", with_hidden(4));
+    }
+
+    #[test]
+    fn a_plain_patch_does_not_agree() {
+        let template: Pixels<u8> = (0..=255).map(|at: u8| if at.is_multiple_of(3) { 20 } else { 180 }).collect();
+        // In its light the template's levels are 37 and 117; both differ by at least 8 from 90.
+        assert_eq!(agreement(&template, &[90; 256]), 0);
+    }
+}
