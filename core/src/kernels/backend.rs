@@ -29,8 +29,6 @@ pub enum Backend {
     Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
-    /// x86-64 with AVX-512 BW, VBMI and VNNI: 64 pixels at a time.
-    Avx512,
     /// AArch64 with NEON: 16 pixels at a time.
     Neon,
     /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
@@ -40,7 +38,7 @@ pub enum Backend {
 }
 
 impl Backend {
-    const ALL: [Self; 7] = [Self::Avx512, Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 6] = [Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -64,11 +62,9 @@ impl Backend {
             Self::Sse2 => x86::sse2::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => x86::avx2::scores::is_available(),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => x86::avx512::is_available(),
             Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Sse2 | Self::Avx2 | Self::Avx512 => false,
+            Self::Sse2 | Self::Avx2 => false,
             Self::Dsp => cfg!(smr_dsp),
             Self::Helium => cfg!(smr_helium),
         }

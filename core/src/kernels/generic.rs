@@ -24,9 +24,6 @@ pub(crate) trait Vector: Copy {
     /// A sum of bytes, in parts. No part overflows: a sum of 65537 bytes is below 2^25.
     type Total: Copy;
 
-    /// Which lanes hold the end of a row: the pixels that are left where whole vectors have been taken off.
-    type End: Copy;
-
     unsafe fn splat(byte: u8) -> Self;
     /// The bytes from any address on.
     unsafe fn load(from: *const u8) -> Self;
@@ -49,18 +46,11 @@ pub(crate) trait Vector: Copy {
     unsafe fn across(total: Self::Total) -> u32;
 
     /// For rows of this width. `WHOLE` is 0 where no vector is filled.
-    unsafe fn end<const WHOLE: usize>(width: usize) -> Self::End;
+    unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// The end of the row that begins at `row`; what is in the other lanes does not matter.
-    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self::End) -> Self;
+    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self) -> Self;
     /// Zero in the lanes that do not hold the end.
-    unsafe fn keep(bytes: Self, end: Self::End) -> Self;
-
-    /// The same of what `load_end` has given: nothing to do where that is zero there.
-    #[inline(always)]
-    unsafe fn keep_loaded(bytes: Self, end: Self::End) -> Self {
-        // SAFETY: as the caller has seen to.
-        unsafe { Self::keep(bytes, end) }
-    }
+    unsafe fn keep(bytes: Self, end: Self) -> Self;
 
     /// |f - g|.
     #[inline(always)]
@@ -261,7 +251,7 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
     rows: &Rows,
     y: usize,
-    end: <L::Vector as Vector>::End,
+    end: L::Vector,
     sums: &mut Sums<L::Vector>,
 ) {
     // SAFETY: as the caller has seen to; no vector ends beyond the width.
@@ -396,8 +386,8 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
                 at += V::LANES;
             }
             if END {
-                let f = V::keep_loaded(V::load_end::<WHOLE>(f, rows.width, end), end);
-                let g = V::keep_loaded(V::load_end::<WHOLE>(g, rows.width, end), end);
+                let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
+                let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
                 sum = V::add_distance(sum, f, g);
             }
             if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && V::across(sum) > enough {

@@ -2,8 +2,7 @@
 //!
 //! | file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `x86/avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
-//! | `x86/avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
+//! | `x86/avx2.rs` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
 //! | `x86/sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
 //! | `aarch64/neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
 //! | `arm/helium.rs` | Helium, the vectors of Armv8.1-M | compiled for it | `examples/kernels` on the emulated Cortex-M55 |
@@ -86,7 +85,6 @@ mod x86 {
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
-    pub(super) mod avx512;
     pub(super) mod sse2;
 }
 

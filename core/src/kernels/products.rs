@@ -2,7 +2,7 @@
 //!
 //! | file | backends |
 //! |---|---|
-//! | `avx2.rs` | AVX2 and AVX-512: the plain loops, compiled for AVX2 |
+//! | `avx2.rs` | AVX2: the plain loops, compiled for AVX2 |
 //! | `dsp.rs` | the DSP extension: two products an instruction |
 //! | `helium.rs` | Helium: eight |
 //! | (`similarity/products.rs`) | all others: compilers make SSE2 and NEON of the plain loops |
@@ -82,8 +82,8 @@ impl Products {
         let last = parts.end >= self.parts(layout, weights.len());
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
-            Backend::Avx2 | Backend::Avx512 => unsafe { avx2::responses(parts, cells, layout, weights, out) },
+            // SAFETY: `new` has seen that the machine has it.
+            Backend::Avx2 => unsafe { avx2::responses(parts, cells, layout, weights, out) },
             #[cfg(smr_dsp)]
             Backend::Dsp => dsp::responses(parts, room, cells, layout, weights, out),
             #[cfg(smr_helium)]
@@ -119,8 +119,8 @@ impl Products {
         let mut expected: heapless::Vec<i32, 4096> = sums.iter().copied().collect();
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
-            Backend::Avx2 | Backend::Avx512 => unsafe { avx2::gather(parts, cells, layout, errors, sums) },
+            // SAFETY: `new` has seen that the machine has it.
+            Backend::Avx2 => unsafe { avx2::gather(parts, cells, layout, errors, sums) },
             #[cfg(smr_dsp)]
             Backend::Dsp => dsp::gather(parts, room, cells, layout, errors, sums),
             #[cfg(smr_helium)]

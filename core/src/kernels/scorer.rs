@@ -13,7 +13,7 @@ use super::scores::Scores;
 #[cfg(feature = "verify")]
 use super::verify::scores as verify;
 #[cfg(target_arch = "x86_64")]
-use super::x86::{avx2::scores as avx2, avx512, sse2};
+use super::x86::{avx2::scores as avx2, sse2};
 use crate::image::{Image, Rect};
 
 /// A table, cut off at a threshold, made ready for a backend: scores, distances and bounds of pictures of up to
@@ -49,8 +49,6 @@ enum Ready<'a> {
     Sse2(sse2::Bound<'a>),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
-    #[cfg(target_arch = "x86_64")]
-    Avx512(avx512::Lookup),
     #[cfg(smr_dsp)]
     Dsp(dsp::Dsp<'a>),
     #[cfg(smr_helium)]
@@ -68,8 +66,6 @@ macro_rules! dispatch {
             Ready::Sse2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Avx2($kernels) => $call,
-            #[cfg(target_arch = "x86_64")]
-            Ready::Avx512($kernels) => $call,
             #[cfg(smr_dsp)]
             Ready::Dsp($kernels) => $call,
             #[cfg(smr_helium)]
@@ -81,8 +77,7 @@ macro_rules! dispatch {
 }
 
 impl<'a> Scorer<'a> {
-    /// Scores by `table`, computed by `backend`; by the plain loop where the machine does not have it or
-    /// it does not reach up to the threshold (AVX-512: 128).
+    /// Scores by `table`, computed by `backend`; by the plain loop where the machine does not have it.
     #[must_use]
     #[inline(always)] // made where it stays: some are too large to be moved about on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
@@ -92,8 +87,6 @@ impl<'a> Scorer<'a> {
             Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar(plain), Ready::Sse2),
             #[cfg(target_arch = "x86_64")]
             Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx2),
-            #[cfg(target_arch = "x86_64")]
-            Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx512),
             #[cfg(smr_dsp)]
             Backend::Dsp => Ready::Dsp(dsp::Dsp::new(table)),
             #[cfg(smr_helium)]

@@ -16,8 +16,6 @@ use core::arch::aarch64::*;
 impl Vector for uint8x16_t {
     const LANES: usize = 16;
     type Total = uint32x4_t;
-    /// All bits of the lanes that hold a pixel of the end: the last ones.
-    type End = Self;
 
     intrinsics! {
         fn splat(byte: u8) -> Self { vdupq_n_u8(byte) }

@@ -124,6 +124,5 @@ stamp! {
     scalar_loop: Scalar;
     sse2: Sse2;
     avx2: Avx2;
-    avx512: Avx512;
     neon: Neon;
 }

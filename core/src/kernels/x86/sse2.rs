@@ -19,7 +19,6 @@ use core::arch::x86_64::*;
 impl Vector for __m128i {
     const LANES: usize = 16;
     type Total = Self;
-    type End = Self;
 
     intrinsics! {
         fn splat(byte: u8) -> Self { _mm_set1_epi8(byte.cast_signed()) }

@@ -20,8 +20,6 @@ use core::slice;
 impl Vector for __m256i {
     const LANES: usize = 32;
     type Total = Self;
-    /// All bits of the lanes that hold a pixel of the end, each pixel once.
-    type End = Self;
 
     intrinsics! {
         fn splat(byte: u8) -> Self { _mm256_set1_epi8(byte.cast_signed()) }
