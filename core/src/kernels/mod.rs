@@ -40,15 +40,18 @@ mod aarch64 {
 mod arm {
     #[cfg(smr_dsp)]
     pub(super) mod dsp {
+        pub(in super::super) mod bilinear;
         pub(in super::super) mod gradients;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
     #[cfg(smr_helium)]
     pub(super) mod helium {
+        pub(in super::super) mod bilinear;
         pub(in super::super) mod gradients;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
+        pub(in super::super) mod weights;
     }
     mod loss;
 }
@@ -61,10 +64,12 @@ mod generic;
 mod gradients;
 mod layout;
 mod plain {
+    pub(super) mod bilinear;
     #[cfg(any(not(smr_helium), feature = "verify"))]
     pub(super) mod gradients;
     pub(super) mod products;
     pub(super) mod scores;
+    pub(super) mod weights;
 }
 mod products;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
@@ -96,13 +101,14 @@ mod tests {
 }
 
 pub use backend::Backend;
-pub(crate) use bilinear::{Columns, LESS, Mixed};
+pub(crate) use bilinear::Columns;
 pub(crate) use cells::SIDE;
 pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, ROOM, Room};
+pub(crate) use plain::bilinear::{LESS, Mixed};
 pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use unrolling::rolled;

@@ -2,8 +2,9 @@
 //! `verify`). On a target, where the tests of the crate cannot run, `examples/conformance_robust` asks for it.
 
 use super::super::backend::Backend;
-use super::super::bilinear::{Columns, LESS, Mixed};
+use super::super::bilinear::Columns;
 use super::super::layout::{Layout, ROOM};
+use super::super::plain::bilinear::{LESS, Mixed};
 use super::super::products::Products;
 use super::super::weights::{Move, Numbers, lessen_by};
 
