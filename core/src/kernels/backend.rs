@@ -1,17 +1,20 @@
-//! The instruction sets that kernels are written for.
+//! The instruction sets that kernels are written for, and which of them this machine has.
 
 #[cfg(target_arch = "x86_64")]
 use super::x86;
 
-/// A way to compute scores. All ways give the same integers.
+/// An instruction set that computes scores and sums of products. All give the same integers.
 ///
 /// # Where pixels may be
 ///
-/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address, which Arm's microcontrollers do in Normal memory
-/// only. External RAM in the region of Device memory (0xA000_0000 to 0xDFFF_FFFF of the default memory map) faults until
-/// firmware has set up the MPU to make it Normal, and so does every other memory that the MPU makes Device or Strongly-ordered;
-/// so does all memory while `UNALIGN_TRP` is set. Where this cannot be had, [`Backend::Scalar`] loads bytes only:
-/// `Config::backend` of either tracker.
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers can do that in Normal memory only.
+/// These accesses fault:
+///
+/// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory in the default memory map, until
+///   firmware sets up the MPU to make it Normal;
+/// - in all memory while `UNALIGN_TRP` is set.
+///
+/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker.
 ///
 /// ```
 /// use smr_core::similarity::Backend;
@@ -24,8 +27,8 @@ use super::x86;
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
-    /// x86-64 with no more than every one has: distances, ranges and bounds 16 pixels at a time; a score is the plain
-    /// loop's, begun only where a bound allows it to reach the floor.
+    /// Any x86-64: distances, ranges and bounds 16 pixels at a time. The plain loop computes scores, and only if a bound says that
+    /// the score can reach the floor.
     Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
@@ -42,7 +45,7 @@ impl Backend {
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
-    /// With the feature `std` the machine is asked at run time, else only what the program is compiled for counts.
+    /// With the feature `std` the machine is asked at run time. Without it, only what the program is compiled for counts.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|backend| backend.is_available())
     }
