@@ -106,6 +106,7 @@ mod tests {
     mod guard;
     mod products;
     mod scores;
+    pub(super) mod table;
 }
 
 pub use backend::Backend;

@@ -160,17 +160,17 @@ fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::Table;
+    use crate::kernels::tests::table::{cut, similarity};
     use proptest::prelude::*;
     use std::{vec, vec::Vec};
 
     #[test]
     fn the_largest_template_has_the_largest_sum() {
-        // 65537 = Table::MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
+        // 65537 = MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
         let pixels = vec![7; 256 * 256];
         let image = Image::new(&pixels, 256, 256).unwrap();
-        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 1)), 65536 * 65535);
-        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 256)), 65536 * 65535);
+        assert_eq!(score(image, image, &cut(1)), 65536 * 65535);
+        assert_eq!(score(image, image, &cut(256)), 65536 * 65535);
     }
 
     fn image(pixels: &[u8], width: u16) -> Image<'_> {
@@ -180,8 +180,8 @@ mod tests {
     #[test]
     fn pixels_count_below_the_threshold() {
         let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
-        let table = CutTable::new(&Table::PAPER, 13);
-        let p = |d| u32::from(Table::PAPER.similarity(d));
+        let table = cut(13);
+        let p = |d| u32::from(similarity(d));
         assert_eq!(score(image(&patch, 4), image(&template, 4), &table), p(0) + p(1) + p(12));
     }
 
@@ -196,9 +196,9 @@ mod tests {
     #[test]
     fn what_lies_between_two_pictures_differs_by_as_much_as_it_is_outside_them() {
         let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
-        let table = CutTable::new(&Table::PAPER, 13);
+        let table = cut(13);
         let most = score_between_at_least(image(&low, 3), image(&high, 3), image(&template, 3), &table, 0);
-        let p = |d| u32::from(Table::PAPER.similarity(d));
+        let p = |d| u32::from(similarity(d));
         assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
     }
 
@@ -214,7 +214,7 @@ mod tests {
     fn a_threshold_of_zero_lets_nothing_count() {
         let pixels = [0; 9];
         let image = Image::new(&pixels, 3, 3).unwrap();
-        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 0)), 0);
+        assert_eq!(score(image, image, &cut(0)), 0);
     }
 
     proptest! {
@@ -233,11 +233,11 @@ mod tests {
                 for (i, &g) in (0..).zip(row) {
                     let on_padding = seen.is_empty() || !seen.contains(Rect::new(i, j, 1, 1));
                     if on_padding && u16::from(g) < threshold {
-                        expected += u32::from(Table::PAPER.similarity(g));
+                        expected += u32::from(similarity(g));
                     }
                 }
             }
-            prop_assert_eq!(score_on_padding(template, seen, &CutTable::new(&Table::PAPER, threshold)), expected);
+            prop_assert_eq!(score_on_padding(template, seen, &cut(threshold)), expected);
         }
 
         #[test]
@@ -248,8 +248,8 @@ mod tests {
             let template = Image::new(&template, 7, 6).unwrap();
             let packed = Image::new(&packed, 7, 6).unwrap();
             prop_assert_eq!(
-                score(strided, template, &CutTable::new(&Table::PAPER, threshold)),
-                score(packed, template, &CutTable::new(&Table::PAPER, threshold))
+                score(strided, template, &cut(threshold)),
+                score(packed, template, &cut(threshold))
             );
         }
     }
