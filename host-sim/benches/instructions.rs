@@ -1,5 +1,5 @@
 //! Instructions of the parts that matter, counted by valgrind: `.ci/instructions` runs this and compares with what was
-//! recorded. Backends are named, not chosen: valgrind has AVX2, but not AVX-512.
+//! recorded. Backends are named, not chosen: the figures are those of AVX2.
 
 #![allow(unused_qualifications)] // in what the macros write
 

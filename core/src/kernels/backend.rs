@@ -1,17 +1,20 @@
-//! The instruction sets that kernels are written for.
+//! The instruction sets that kernels are written for, and which of them this machine has.
 
 #[cfg(target_arch = "x86_64")]
 use super::x86;
 
-/// A way to compute scores. All ways give the same integers.
+/// An instruction set that computes scores and sums of products. All give the same integers.
 ///
 /// # Where pixels may be
 ///
-/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address, which Arm's microcontrollers do in Normal memory
-/// only. External RAM in the region of Device memory (0xA000_0000 to 0xDFFF_FFFF of the default memory map) faults until
-/// firmware has set up the MPU to make it Normal, and so does every other memory that the MPU makes Device or Strongly-ordered;
-/// so does all memory while `UNALIGN_TRP` is set. Where this cannot be had, [`Backend::Scalar`] loads bytes only:
-/// `Config::backend` of either tracker.
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers can do that in Normal memory only.
+/// These accesses fault:
+///
+/// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory in the default memory map, until
+///   firmware sets up the MPU to make it Normal;
+/// - in all memory while `UNALIGN_TRP` is set.
+///
+/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker.
 ///
 /// ```
 /// use smr_core::similarity::Backend;
@@ -24,13 +27,11 @@ use super::x86;
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
-    /// x86-64 with no more than every one has: distances, ranges and bounds 16 pixels at a time; a score is the plain
-    /// loop's, begun only where a bound allows it to reach the floor.
+    /// Any x86-64: distances, ranges and bounds 16 pixels at a time. The plain loop computes scores, and only if a bound says that
+    /// the score can reach the floor.
     Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
-    /// x86-64 with AVX-512 BW, VBMI and VNNI: 64 pixels at a time.
-    Avx512,
     /// AArch64 with NEON: 16 pixels at a time.
     Neon,
     /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
@@ -40,11 +41,11 @@ pub enum Backend {
 }
 
 impl Backend {
-    const ALL: [Self; 7] = [Self::Avx512, Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 6] = [Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
-    /// With the feature `std` the machine is asked at run time, else only what the program is compiled for counts.
+    /// With the feature `std` the machine is asked at run time. Without it, only what the program is compiled for counts.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|backend| backend.is_available())
     }
@@ -64,11 +65,9 @@ impl Backend {
             Self::Sse2 => x86::sse2::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => x86::avx2::scores::is_available(),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => x86::avx512::is_available(),
             Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Sse2 | Self::Avx2 | Self::Avx512 => false,
+            Self::Sse2 | Self::Avx2 => false,
             Self::Dsp => cfg!(smr_dsp),
             Self::Helium => cfg!(smr_helium),
         }

@@ -1,4 +1,4 @@
-//! The similarity of two pixels by their difference, as kernels look it up: cut off at the threshold.
+//! The similarity of two pixels by their difference, as kernels look it up: zero from the threshold on.
 
 /// The similarity of equal pixels: 1.0.
 pub(crate) const ONE: u16 = u16::MAX;
@@ -6,10 +6,10 @@ pub(crate) const ONE: u16 = u16::MAX;
 /// The most pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
-/// A table cut off at a threshold (step 2 of the method): from that difference on all entries are 0. Scores are looked up
-/// here, so a pixel that does not count needs no test.
+/// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel looks up here and needs no
+/// test for pixels that do not count.
 ///
-/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte and is made anew where the threshold changes.
+/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte and is made anew when the threshold changes.
 ///
 /// ```
 /// use smr_core::similarity::{CutTable, Table};
@@ -22,13 +22,13 @@ pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 pub struct CutTable {
     entries: [u16; 256],
     threshold: u16,
-    /// See [`CutTable::chord`]. Kept by those that need it in every step and divide slowly.
+    /// See [`CutTable::chord`]. Kept where it is needed in every step and division is slow.
     #[cfg(any(smr_dsp, smr_helium))]
     chord: u32,
 }
 
 impl CutTable {
-    /// The one with the threshold 0, by which nothing counts.
+    /// The table with the threshold 0: no pixel counts.
     pub(crate) const EMPTY: Self = Self {
         entries: [0; 256],
         threshold: 0,
@@ -36,7 +36,7 @@ impl CutTable {
         chord: 0,
     };
 
-    /// Takes the entries for differences below `threshold`, and 0 for all others.
+    /// Sets the entries below `threshold` to those given, and all others to 0.
     pub(crate) fn cut(&mut self, entries: &[u16; 256], threshold: u16) {
         let counting = entries.get(..threshold.into()).unwrap_or(entries);
         if let Some((live, rest)) = self.entries.split_at_mut_checked(counting.len()) {
@@ -66,16 +66,15 @@ impl CutTable {
     }
 
     #[inline]
-    #[allow(dead_code)] // for backends, of which there may be none
+    #[allow(dead_code)] // no backend may need it
     pub(super) const fn entries(&self) -> &[u16; 256] {
         &self.entries
     }
 
-    /// c such that a pixel that counts and has the difference d loses at least c * d of its 65535: the largest such integer.
+    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
     ///
-    /// With N pixels that count, whose differences sum to S, the score is thus at most N * 65535 - c * S: a bound that needs no
-    /// table. No slope of a convex p is looked for, all differences below the threshold are gone through; for a table of exp
-    /// the largest of them decides, as the chord from p(0) to it is then the flattest.
+    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no table. The
+    /// search goes through all d, so it holds for any table. For exp the largest d decides: the chord from p(0) to it is the flattest.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn chord(&self) -> u32 {

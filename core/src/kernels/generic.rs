@@ -1,16 +1,16 @@
-//! The loops of the backends with vectors, each once.
+//! The score loops of x86-64 and AArch64, written once over a vector trait.
 //!
-//! The file of an instruction set says what its vector is ([`Vector`]; for ranges [`Neighbours`]) and how it looks entries of
-//! a table up ([`LookUp`]); `scores!` compiles the loops for it.
+//! The file of an instruction set says what its vector is ([`Vector`], and [`Neighbours`] for ranges) and how it looks up entries of
+//! a table ([`LookUp`]). `scores!` compiles the loops for it.
 //!
-//! Everything here, and every method of the traits, is `#[inline(always)]`: it becomes a part of a function with
-//! `#[target_feature]`, and only there does an intrinsic become an instruction. So no closures: they are functions of their own.
+//! Everything here, and every method of the traits, is `#[inline(always)]`: an intrinsic becomes an instruction only inside a function
+//! with `#[target_feature]`. For the same reason there are no closures: a closure is a function of its own.
 
 use super::cut_table::ONE;
 use super::rows::Rows;
 use core::slice;
 
-/// So many rows are added before it is looked whether the end is already certain.
+/// Rows between two checks whether the result is already certain.
 const ROWS_A_LOOK: usize = 8;
 
 /// A register of pixels, and what its instruction set does with it.
@@ -21,61 +21,52 @@ pub(crate) trait Vector: Copy {
     /// Pixels in it.
     const LANES: usize;
 
-    /// A sum of bytes, in parts. No part overflows: a sum of 65537 bytes is below 2^25.
+    /// A sum of bytes, in several lanes. No lane overflows: a sum of 65537 bytes is below 2^25.
     type Total: Copy;
 
-    /// Which lanes hold the end of a row: the pixels that are left where whole vectors have been taken off.
-    type End: Copy;
-
     unsafe fn splat(byte: u8) -> Self;
-    /// The bytes from any address on.
+    /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
     unsafe fn or(a: Self, b: Self) -> Self;
-    /// a - b, and 0 where that is negative.
+    /// max(a - b, 0).
     unsafe fn beyond(a: Self, b: Self) -> Self;
     /// a - b, wrapping.
     unsafe fn minus(a: Self, b: Self) -> Self;
-    /// All bits where a <= b, else none.
+    /// 255 where a <= b, else 0.
     unsafe fn at_most(a: Self, b: Self) -> Self;
 
     unsafe fn nothing() -> Self::Total;
-    /// Adds all bytes.
+    /// Adds all bytes to the sum.
     unsafe fn add(total: Self::Total, bytes: Self) -> Self::Total;
-    /// Adds all |f - g|.
+    /// Adds all |f - g| to the sum.
     unsafe fn add_distance(total: Self::Total, f: Self, g: Self) -> Self::Total;
     unsafe fn plus(a: Self::Total, b: Self::Total) -> Self::Total;
     unsafe fn times_256(total: Self::Total) -> Self::Total;
-    /// The sum of the parts.
+    /// The sum of the lanes.
     unsafe fn across(total: Self::Total) -> u32;
 
-    /// For rows of this width. `WHOLE` is 0 where no vector is filled.
-    unsafe fn end<const WHOLE: usize>(width: usize) -> Self::End;
-    /// The end of the row that begins at `row`; what is in the other lanes does not matter.
-    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self::End) -> Self;
-    /// Zero in the lanes that do not hold the end.
-    unsafe fn keep(bytes: Self, end: Self::End) -> Self;
-
-    /// The same of what `load_end` has given: nothing to do where that is zero there.
-    #[inline(always)]
-    unsafe fn keep_loaded(bytes: Self, end: Self::End) -> Self {
-        // SAFETY: as the caller has seen to.
-        unsafe { Self::keep(bytes, end) }
-    }
+    /// A mask of the lanes that hold the end of a row: the pixels after its last whole vector. `WHOLE` is 0 if the row is narrower than a
+    /// vector.
+    unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
+    /// Loads the end of the row that begins at `row`. The other lanes may hold anything.
+    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self) -> Self;
+    /// Zeroes the lanes that do not hold the end.
+    unsafe fn keep(bytes: Self, end: Self) -> Self;
 
     /// |f - g|.
     #[inline(always)]
     unsafe fn difference(f: Self, g: Self) -> Self {
-        // SAFETY: as the caller has seen to.
+        // SAFETY: as the caller guarantees.
         unsafe { outside(f, f, g) }
     }
 }
 
-/// What ranges take beside.
+/// What ranges of neighbouring pixels need besides.
 pub(crate) trait Neighbours: Vector {
     unsafe fn store(bytes: Self, to: *mut u8);
     unsafe fn min(a: Self, b: Self) -> Self;
     unsafe fn max(a: Self, b: Self) -> Self;
-    /// What is so many bytes further on; at the end zeroes.
+    /// Moves the bytes down by `BY` lanes and fills up with zeroes.
     unsafe fn further<const BY: i32>(bytes: Self) -> Self;
 }
 
@@ -83,7 +74,7 @@ pub(crate) trait Neighbours: Vector {
 pub(crate) trait LookUp {
     type Vector: Vector;
 
-    /// The entries of differences, low bytes and high bytes; zero from the threshold on.
+    /// The low bytes and the high bytes of the entries; zero from the threshold on.
     unsafe fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
 }
 
@@ -91,19 +82,19 @@ pub(crate) trait LookUp {
 macro_rules! intrinsics {
     ($(fn $name:ident $(<const $n:ident: $of:ty>)? ($($argument:ident: $type:ty),*) $(-> $to:ty)? { $value:expr })*) => {$(
         #[inline(always)]
-        #[allow(unused_unsafe)] // some are ordinary expressions
+        #[allow(unused_unsafe)] // some are plain expressions
         unsafe fn $name $(<const $n: $of>)? ($($argument: $type),*) $(-> $to)? {
-            // SAFETY: the caller has seen to it that the processor has the instructions, and that the bytes of a vector are
-            // where an address points to. No instruction wants an alignment.
+            // SAFETY: the caller guarantees that the processor has the instructions and that a whole vector can be read or written at
+            // an address. No instruction needs alignment.
             unsafe { $value }
         }
     )*};
 }
 
-/// The number of vectors that a row fills is `WHOLE`, or at least one; `END`: there are pixels that fill none.
+/// `WHOLE` is the number of whole vectors in a row, or this: one or more. `END` says whether pixels follow them.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// `$call` with `WHOLE` and `END` of a width: the usual ones have a loop of their own.
+/// `$call` with the `WHOLE` and `END` of a width. Common widths get a loop of their own.
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
@@ -124,15 +115,15 @@ macro_rules! by_width {
     }};
 }
 
-/// `Scores` of a backend that looks tables up: it has `segments` of them in use, one of the numbers here (the last stands for
-/// all others), and `last`, the largest difference that counts, if there is one.
+/// Implements `Scores` for a backend that looks up a table. Its field `segments` is the number of segments in use; each number listed gets
+/// a loop of its own, and the last one serves all others. Its field `last` is the largest difference that counts, if there is one.
 macro_rules! scores {
     ($backend:ty, $planes:ident, $vector:ty, $features:literal, segments: $($segments:literal)* or $most:literal) => {
         impl Scores for $backend {
-            #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
+            #[inline(always)] // keeps `Rows` in registers: through memory it would wait for halves of words
             fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
                 let rows = Rows::of(patch, template);
-                // SAFETY: a backend is made only where its instructions are, and the pictures are borrowed.
+                // SAFETY: a backend exists only if the machine has its instructions, and the pictures are borrowed.
                 unsafe {
                     match self.segments {
                         $($segments => self.sum_by_width::<$segments>(&rows, floor),)*
@@ -166,7 +157,7 @@ macro_rules! scores {
         impl $backend {
             #[target_feature(enable = $features)]
             unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
-                // SAFETY: as the caller has seen to.
+                // SAFETY: as the caller guarantees.
                 unsafe { by_width!(rows.width, $vector, self.sum_at_least::<SEGMENTS, WHOLE, END>(rows, floor)) }
             }
 
@@ -176,20 +167,20 @@ macro_rules! scores {
                 rows: &Rows,
                 floor: u32,
             ) -> Option<u32> {
-                // SAFETY: as the caller has seen to.
+                // SAFETY: as the caller guarantees.
                 unsafe { generic::sum_at_least::<_, WHOLE, END>(&$planes::<SEGMENTS>::of(self), rows, floor) }
             }
         }
 
         #[target_feature(enable = $features)]
         unsafe fn count_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> Option<u32> {
-            // SAFETY: as the caller has seen to.
+            // SAFETY: as the caller guarantees.
             unsafe { generic::count_at_least::<$vector, WHOLE, END>(rows, last, floor) }
         }
 
         #[target_feature(enable = $features)]
         unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
-            // SAFETY: as the caller has seen to.
+            // SAFETY: as the caller guarantees.
             unsafe { generic::distance::<$vector, WHOLE, END>(rows, enough) }
         }
     };
@@ -197,23 +188,23 @@ macro_rules! scores {
 
 pub(crate) use {by_width, intrinsics, scores};
 
-/// The pixels of a row in whole vectors.
+/// How many pixels of a row lie in whole vectors.
 #[inline(always)]
 fn whole<V: Vector, const WHOLE: usize>(width: usize) -> usize {
     if WHOLE == ANY { width / V::LANES * V::LANES } else { WHOLE * V::LANES }
 }
 
-/// By how much pixels lie outside their ranges: |f - g| where a range is one pixel.
+/// How far each pixel of `g` lies outside its range from `low` to `high`: |f - g| if both are f.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
 #[inline(always)]
 pub(crate) unsafe fn outside<V: Vector>(low: V, high: V, g: V) -> V {
-    // SAFETY: as the caller has seen to.
+    // SAFETY: as the caller guarantees.
     unsafe { V::or(V::beyond(low, g), V::beyond(g, high)) }
 }
 
-/// The sums of the two byte planes of similarities.
+/// The sums of the low bytes and of the high bytes of similarities.
 struct Sums<V: Vector> {
     low: V::Total,
     high: V::Total,
@@ -229,10 +220,10 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     rows: &Rows,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: as the caller has seen to; no row is added that there is not.
+    // SAFETY: as the caller guarantees; y is below the height.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
-        // Two, so that a row need not wait for the one before it.
+        // Two sums, so that a row need not wait for the one before it.
         let nothing = L::Vector::nothing();
         let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
         let mut odd = Sums { low: nothing, high: nothing };
@@ -255,16 +246,16 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
 /// Adds the similarities of row `y`.
 ///
 /// # Safety
-/// As for [`sum_at_least`]; there is such a row, and `end` was made for its width.
+/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
 #[inline(always)]
 unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
     rows: &Rows,
     y: usize,
-    end: <L::Vector as Vector>::End,
+    end: L::Vector,
     sums: &mut Sums<L::Vector>,
 ) {
-    // SAFETY: as the caller has seen to; no vector ends beyond the width.
+    // SAFETY: as the caller guarantees; no vector ends beyond the width.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -285,18 +276,18 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The sum of the similarities, which fits a `u32` for as many pixels as a template may have.
+/// The sum of the similarities. It fits in a `u32` for every template.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
 #[inline(always)]
 unsafe fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
-    // SAFETY: as the caller has seen to.
+    // SAFETY: as the caller guarantees.
     unsafe { V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high)))) }
 }
 
-/// A bound of a score: every pixel that counts, as it differs by no more than `last`, is taken to be fully similar. It reads
-/// three pictures for about the price that the score of two has.
+/// An upper bound of a score: the number of pixels that count (differ by at most `last`), each taken as fully similar. It reads three
+/// pictures at about the cost of a score of two.
 ///
 /// # Safety
 /// As for [`sum_at_least`].
@@ -306,7 +297,7 @@ pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bo
     last: u8,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: as the caller has seen to; no vector ends beyond the width, and `end` was made for it.
+    // SAFETY: as the caller guarantees; no vector ends beyond the width, and `end` was made for it.
     unsafe {
         let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
         let (mut count, needed) = (Count { bytes: V::splat(0), flushed: 0 }, Rows::pixels_of(floor));
@@ -345,25 +336,25 @@ pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bo
     }
 }
 
-/// How many pixels count.
+/// A count of pixels.
 struct Count<V> {
-    /// In as many parts as there are lanes, of up to 255 vectors.
+    /// A count in each lane, of up to 255 vectors.
     bytes: V,
-    /// And of those before.
+    /// The count before the last flush.
     flushed: u32,
 }
 
 impl<V: Vector> Count<V> {
-    /// So many vectors can be counted before the next [`Count::flush`], and 127 more.
+    /// Vectors between two calls of [`Count::flush`]. A lane has room for 127 more.
     const MOST: usize = 128;
 
-    /// Counts the lanes of which all bits are set.
+    /// Counts the lanes that are 255.
     ///
     /// # Safety
     /// The processor has the instruction set of `V`.
     #[inline(always)]
     unsafe fn add(&mut self, counts: V) {
-        // SAFETY: as the caller has seen to. All bits are -1.
+        // SAFETY: as the caller guarantees. 255 is -1.
         self.bytes = unsafe { V::minus(self.bytes, counts) };
     }
 
@@ -371,7 +362,7 @@ impl<V: Vector> Count<V> {
     /// The processor has the instruction set of `V`.
     #[inline(always)]
     unsafe fn flush(&mut self) {
-        // SAFETY: as the caller has seen to.
+        // SAFETY: as the caller guarantees.
         unsafe {
             self.flushed += V::across(V::add(V::nothing(), self.bytes));
             self.bytes = V::splat(0);
@@ -379,13 +370,13 @@ impl<V: Vector> Count<V> {
     }
 }
 
-/// See [`scalar::distance`](crate::similarity::scalar::distance).
+/// See [`plain::scores::distance`](crate::kernels::plain::scores::distance).
 ///
 /// # Safety
 /// As for [`sum_at_least`].
 #[inline(always)]
 pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
-    // SAFETY: as the caller has seen to; no vector ends beyond the width, and `end` was made for it.
+    // SAFETY: as the caller guarantees; no vector ends beyond the width, and `end` was made for it.
     unsafe {
         let (end, mut sum) = (V::end::<WHOLE>(rows.width), V::nothing());
         for y in 0..rows.height {
@@ -396,8 +387,8 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
                 at += V::LANES;
             }
             if END {
-                let f = V::keep_loaded(V::load_end::<WHOLE>(f, rows.width, end), end);
-                let g = V::keep_loaded(V::load_end::<WHOLE>(g, rows.width, end), end);
+                let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
+                let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
                 sum = V::add_distance(sum, f, g);
             }
             if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && V::across(sum) > enough {
@@ -408,7 +399,7 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
     }
 }
 
-/// See [`scalar::spread`](crate::similarity::scalar::spread). False, and nothing done, if there are fewer ranges than lanes.
+/// See [`plain::scores::spread`](crate::kernels::plain::scores::spread). Returns false, and does nothing, if there are fewer ranges than lanes.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -419,7 +410,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     let rows = rows.each_ref().map(|row| row.as_ptr());
     let (low, high) = (low.as_mut_ptr(), high.as_mut_ptr());
     let mut at = 0;
-    // SAFETY: the processor is as the caller has seen to. Every row has `columns` bytes and three more, `low` and `high` have
+    // SAFETY: the processor is as the caller guarantees. Every row has `columns` bytes and three more, `low` and `high` have
     // `columns`; at + LANES is less than that, last + LANES is just that.
     unsafe {
         while at < last {
@@ -428,11 +419,11 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             let highest = V::max(highest, V::further::<1>(highest));
             V::store(V::min(lowest, V::further::<2>(lowest)), low.wrapping_add(at));
             V::store(V::max(highest, V::further::<2>(highest)), high.wrapping_add(at));
-            // The last three are not whole; they come out again.
+            // The last three are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // The last columns are done together with some before them, which come out the same, and with three loads more a row,
-        // as there is no vector to the right of them.
+        // The last vector overlaps the one before it, which gives the same values. It needs three more loads a row, because no vector
+        // fits to its right.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);
@@ -444,13 +435,13 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     true
 }
 
-/// The lowest and the highest of four rows, column by column, from `at` on.
+/// The lowest and the highest pixel of four rows in each column from `at` on.
 ///
 /// # Safety
-/// The processor has the instruction set of `V`, and there is a vector of bytes in each row.
+/// The processor has the instruction set of `V`, and a vector can be read in each row.
 #[inline(always)]
 unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, V) {
-    // SAFETY: as the caller has seen to.
+    // SAFETY: as the caller guarantees.
     unsafe {
         let [a, b, c, d] = *rows;
         let (a, b) = (V::load(a.wrapping_add(at)), V::load(b.wrapping_add(at)));
@@ -459,28 +450,27 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
     }
 }
 
-/// The most lanes for which the two functions below work.
-const MOST_LANES: usize = 64;
+/// The two functions below work for at most so many lanes.
+const MOST_LANES: usize = 32;
 
-/// All bits of the last `width % LANES` lanes: [`Vector::end`] where [`last`] loads it.
+/// 255 in the last `width % LANES` lanes: [`Vector::end`] for rows that [`last`] loads.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
-    // SAFETY: as the caller has seen to; the vector ends among the second half of the bytes.
+    // SAFETY: as the caller guarantees; the vector ends in the second half of the bytes.
     unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
 }
 
-/// The end of a row as the last lanes: after the pixels that have been taken off, or where `WHOLE` is 0 after zeroes.
+/// The end of a row in the last lanes. Pixels of the row precede it, or zeroes if `WHOLE` is 0.
 ///
 /// # Safety
-/// The processor has the instruction set of `V`; at `row` there are `width` bytes, more than LANES if `WHOLE` is not 0, else
-/// fewer.
+/// The processor has the instruction set of `V`. `width` bytes can be read at `row`: more than LANES if `WHOLE` is not 0, else fewer.
 #[inline(always)]
 pub(crate) unsafe fn last<V: Vector, const WHOLE: usize>(row: *const u8, width: usize) -> V {
-    // SAFETY: as the caller has seen to; the copy ends with the vector.
+    // SAFETY: as the caller guarantees; the copy ends with the vector.
     unsafe {
         if WHOLE > 0 {
             return V::load(row.wrapping_add(width).wrapping_sub(V::LANES));

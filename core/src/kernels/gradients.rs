@@ -1,4 +1,4 @@
-//! Cells of gradient orientations: the sums of a row of cells, and these as bytes.
+//! Cells of gradient orientations (HOG, Dalal and Triggs): the sums of a row of cells, and their features as bytes.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::gradients::cell;
@@ -11,7 +11,7 @@ use super::plain::gradients::cell;
 #[cfg(not(smr_helium))]
 pub(crate) use super::plain::gradients::scale;
 
-/// The sums of a row of cells, and their energies.
+/// The sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
 #[cfg(not(smr_helium))]
 #[inline(never)] // one copy in flash
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(

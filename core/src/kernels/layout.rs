@@ -1,30 +1,30 @@
-//! How the weights of a filter lie on the bytes of cells, and the scratch memory of sums of products.
+//! How the weights of a filter lie on the bytes of cells, and the scratch memory for sums of products.
 
-/// Numbers that a backend may put together before it multiplies: for the bytes in a row of 48 cells two each.
+/// Scratch numbers: a backend may unpack bytes here before it multiplies. Room for two numbers for each byte of a row of 48 cells.
 pub(crate) const ROOM: usize = 960;
 pub(crate) type Room = [u16; ROOM];
 
-/// How a filter lies on bytes.
+/// How a filter lies on the bytes of cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
-    /// Bytes under a row of the filter.
+    /// Bytes under one row of the filter, which are as many as its weights.
     pub(crate) row: usize,
-    /// Bytes from there to those under its next row; also from an offset to the next one below.
+    /// Bytes from a row of cells to the next one.
     pub(crate) stride: usize,
-    /// Bytes from an offset to the next one to the right.
+    /// Bytes from an offset to its right neighbour.
     pub(crate) step: usize,
     /// Offsets on each axis.
     pub(crate) span: usize,
 }
 
 impl Layout {
-    /// Rows of cells that a filter of so many weights lies on at one offset or another.
-    #[allow(dead_code)] // for backends that go by them
+    /// Rows of cells that a filter of `weights` weights meets at any offset.
+    #[allow(dead_code)] // for backends that go row by row of cells
     pub(crate) fn rows(self, weights: usize) -> usize {
         weights.checked_div(self.row).unwrap_or(0) + self.span.saturating_sub(1)
     }
 
-    /// Products of so many weights with the bytes in such a row of cells.
+    /// Products of the weights with the bytes in row `row` of the cells, over all offsets.
     #[allow(dead_code)] // as above
     pub(crate) fn work_on(self, row: usize, weights: usize) -> usize {
         let down = weights.checked_div(self.row).unwrap_or(0);

@@ -1,37 +1,44 @@
-//! The loops of `scalar.rs`, faster: one file an instruction set, and the choice between them.
+//! Sums over pixels and cells, fast: the inner loops of both trackers. All `unsafe` code of the crate is here.
 //!
-//! | file | instruction set | used when | tested |
+//! The plain loops in `plain/` are the specification. Every other loop gives the same integers and is tested against them.
+//!
+//! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `x86/avx512.rs` | AVX-512 BW, VBMI and VNNI | found at run time (`std`) or compiled for; threshold up to 128 | where the machine has it |
-//! | `x86/avx2.rs` | AVX2 | the same; any threshold | where the machine has it |
-//! | `x86/sse2.rs` | SSE2, the least of x86-64 | every other x86-64 | on every x86-64 |
-//! | `aarch64/neon.rs` | NEON | every AArch64 that is compiled for it | emulated by QEMU (`.ci/neon`), or natively |
-//! | `arm/helium.rs` | Helium, the vectors of Armv8.1-M | compiled for it | `examples/kernels` on the emulated Cortex-M55 |
-//! | `arm/dsp.rs` | DSP extension of Armv7E-M and Armv8-M | compiled for it, and not for Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
-//! | (`scalar.rs`) | any | everywhere else | always |
+//! | `plain/` | any | there is nothing faster | always |
+//! | `x86/sse2.rs` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
+//! | `x86/avx2/` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
+//! | `aarch64/neon.rs` | NEON | compiled for | emulated by QEMU (`.ci/neon`), or natively |
+//! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
+//! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
 //!
-//! Words of four bytes by ordinary arithmetic do not pay where there is nothing better: on Armv6-M and RV32IMAC words cannot
-//! be loaded from any address, and put together from bytes a distance takes 19 instead of 10 instructions a pixel on Armv6-M.
+//! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that chooses:
 //!
-//! `products/` has sums of products, by the same backends: what the robust tracker's filter is made of. `columns.rs`, `sectors.rs` (DSP)
-//! and `arm/cells.rs` (Helium) are loops of its grid and features, `weights.rs` of its filter, by what the program is compiled for; answers on emulated parts and
-//! the feature `verify` hold them against the plain loops.
+//! | loop | chosen in | plain | x86 | NEON | DSP, Helium |
+//! |---|---|---|---|---|---|
+//! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` |
+//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | `avx2/products.rs` | (compiler) | `products.rs` |
+//! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | `gradients.rs` |
+//! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | `bilinear.rs` |
+//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | Helium: `weights.rs` |
 //!
-//! `generic.rs` has the loops that x86-64 and AArch64 share: there the file of an instruction set says only what a vector is and
-//! how it looks a table up. The loops of `arm/` are by hand: they are `asm!`.
+//! "(compiler)": the plain loop, of which the compiler makes vectors where it can. A [`Backend`] chooses scores and products; the other
+//! loops follow what the program is compiled for.
 //!
-//! `rows.rs` is what the kernels go through pictures by, `rolled.rs` keeps loops small; `verify.rs` has the plain loops beside them and
-//! `verify_filter.rs` extreme values (feature `verify`).
+//! `generic.rs` holds the score loops of x86-64 and AArch64, written once over a vector trait. The file of an instruction set says only
+//! what a vector is and how it looks up a table. The loops in `arm/` are assembly; `arm/loss.rs` is what both of them bound scores by.
+//! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` runs the plain loops beside the others
+//! (feature `verify`).
 //!
-//! # Where weights would be added
+//! There is no backend for words of four bytes in ordinary registers: on Armv6-M and RV32IMAC words cannot be loaded from any
+//! address. Put together from bytes, a distance takes 19 instructions a pixel on Armv6-M instead of 10.
 //!
-//! A weight for each pixel of the template, a small integer, would multiply what is looked up before it is added: in
-//! `scalar::pixel`, which specifies it, in `generic::add_row` and in the loops of `arm/`. The
-//! lookup and its tables stay as they are. Bounds then take the sum of the weights for the number of pixels.
+//! # Where a weight for each pixel would go
 //!
-//! All `unsafe` of the crate is here. Every backend passes the same tests, which one macro stamps.
+//! A kernel would multiply the similarity by the weight, a small integer, before it adds it: in `plain::scores::pixel`, which would
+//! specify it, in `generic::add_row`, and in the loops of `arm/`. Lookup and tables would stay. Bounds would take the sum of the
+//! weights instead of the number of pixels.
 
-#![allow(unsafe_code)] // intrinsics; each block says why it is sound
+#![allow(unsafe_code)] // intrinsics and assembly; each block says why it is sound
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 mod aarch64 {
@@ -41,15 +48,18 @@ mod aarch64 {
 mod arm {
     #[cfg(smr_dsp)]
     pub(super) mod dsp {
+        pub(in super::super) mod bilinear;
         pub(in super::super) mod gradients;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
     #[cfg(smr_helium)]
     pub(super) mod helium {
+        pub(in super::super) mod bilinear;
         pub(in super::super) mod gradients;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
+        pub(in super::super) mod weights;
     }
     mod loss;
 }
@@ -62,10 +72,12 @@ mod generic;
 mod gradients;
 mod layout;
 mod plain {
+    pub(super) mod bilinear;
     #[cfg(any(not(smr_helium), feature = "verify"))]
     pub(super) mod gradients;
     pub(super) mod products;
     pub(super) mod scores;
+    pub(super) mod weights;
 }
 mod products;
 #[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
@@ -86,7 +98,6 @@ mod x86 {
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
-    pub(super) mod avx512;
     pub(super) mod sse2;
 }
 
@@ -95,16 +106,18 @@ mod tests {
     mod guard;
     mod products;
     mod scores;
+    pub(super) mod table;
 }
 
 pub use backend::Backend;
-pub(crate) use bilinear::{Columns, LESS, Mixed};
+pub(crate) use bilinear::Columns;
 pub(crate) use cells::SIDE;
 pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, ROOM, Room};
+pub(crate) use plain::bilinear::{LESS, Mixed};
 pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use unrolling::rolled;

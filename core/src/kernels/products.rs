@@ -1,11 +1,7 @@
-//! Sums of products, faster: the loops of `similarity/products.rs`, which specify them.
+//! Chooses the sums of products for a backend: the responses of a filter, and the gradient of its error.
 //!
-//! | file | backends |
-//! |---|---|
-//! | `avx2.rs` | AVX2 and AVX-512: the plain loops, compiled for AVX2 |
-//! | `dsp.rs` | the DSP extension: two products an instruction |
-//! | `helium.rs` | Helium: eight |
-//! | (`similarity/products.rs`) | all others: compilers make SSE2 and NEON of the plain loops |
+//! The DSP extension multiplies two pairs of numbers in an instruction, Helium eight. For AVX2 the plain loops are compiled anew. All other
+//! backends take the plain loops as they are; the compiler makes SSE2 and NEON of them.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::products as dsp;
@@ -18,18 +14,17 @@ use super::plain::products as plain;
 use super::x86::avx2::products as avx2;
 use core::ops::Range;
 
-/// How sums of products are computed. All ways give the same integers.
+/// Sums of products by a backend. All backends give the same integers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Products(Backend);
 
 impl Products {
-    /// By `backend`; by the plain loops where the machine does not have it.
+    /// By `backend`, or by the plain loops if the machine does not have it.
     pub(crate) fn new(backend: Backend) -> Self {
         Self(if backend.is_available() { backend } else { Backend::Scalar })
     }
 
-    /// In how many parts the sums of so many weights are made. What is in a part is up to the backend; no part has more than 34
-    /// products for each weight.
+    /// In how many parts [`Products::responses`] can be computed. A backend decides what a part is: at most 34 products for each weight.
     pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
         let _ = weights;
         match self.0 {
@@ -39,7 +34,7 @@ impl Products {
         }
     }
 
-    /// The products in such a part.
+    /// Products in part `part` of the responses.
     pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
         let _ = part;
         match self.0 {
@@ -49,7 +44,7 @@ impl Products {
         }
     }
 
-    /// The products in a part of [`Products::gather`].
+    /// Products in part `part` of [`Products::gather`].
     pub(crate) fn gather_work(self, part: usize, layout: Layout, weights: usize) -> usize {
         match self.0 {
             #[cfg(smr_helium)]
@@ -58,7 +53,7 @@ impl Products {
         }
     }
 
-    /// The number of parts of [`Products::gather`].
+    /// In how many parts [`Products::gather`] can be computed.
     pub(crate) fn gather_parts(self, layout: Layout, weights: usize) -> usize {
         match self.0 {
             #[cfg(smr_helium)]
@@ -67,7 +62,7 @@ impl Products {
         }
     }
 
-    /// See [`plain::responses`]: these parts of it, which are made from the first one on. `room` is scratch.
+    /// The parts `parts` of [`plain::responses`]. The caller asks for them in order, from the first on. `room` is scratch.
     #[inline(never)] // one copy in flash for each span
     pub(crate) fn responses<const N: usize>(
         self,
@@ -82,8 +77,8 @@ impl Products {
         let last = parts.end >= self.parts(layout, weights.len());
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
-            Backend::Avx2 | Backend::Avx512 => unsafe { avx2::responses(parts, cells, layout, weights, out) },
+            // SAFETY: `new` has checked that the machine has AVX2.
+            Backend::Avx2 => unsafe { avx2::responses(parts, cells, layout, weights, out) },
             #[cfg(smr_dsp)]
             Backend::Dsp => dsp::responses(parts, room, cells, layout, weights, out),
             #[cfg(smr_helium)]
@@ -101,7 +96,7 @@ impl Products {
         }
     }
 
-    /// See [`plain::gather`]: these parts of it. `room` is scratch.
+    /// The parts `parts` of [`plain::gather`]. `room` is scratch.
     #[inline(never)] // one copy in flash
     pub(crate) fn gather<const N: usize>(
         self,
@@ -112,15 +107,15 @@ impl Products {
         errors: &[[i16; N]],
         sums: &mut [i32],
     ) {
-        // Parts differ: only what was gathered at once can be compared.
+        // Backends cut parts differently: only a call for all parts can be compared.
         #[cfg(feature = "verify")]
         let whole = parts == (0..self.gather_parts(layout, sums.len()));
         #[cfg(feature = "verify")]
         let mut expected: heapless::Vec<i32, 4096> = sums.iter().copied().collect();
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `new` has seen that the machine has it; one that has AVX-512 has AVX2.
-            Backend::Avx2 | Backend::Avx512 => unsafe { avx2::gather(parts, cells, layout, errors, sums) },
+            // SAFETY: `new` has checked that the machine has AVX2.
+            Backend::Avx2 => unsafe { avx2::gather(parts, cells, layout, errors, sums) },
             #[cfg(smr_dsp)]
             Backend::Dsp => dsp::gather(parts, room, cells, layout, errors, sums),
             #[cfg(smr_helium)]

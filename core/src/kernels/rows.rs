@@ -1,24 +1,24 @@
-//! The rows of two pictures side by side, as cheap to go through as two addresses.
+//! The rows of two pictures, as addresses that are cheap to step through.
 
 use super::cut_table::ONE;
 use crate::image::Image;
 
-/// The common top left part of a template and of a patch, or of the two pictures that a patch is between.
+/// The common top left part of a template and a patch, or of a template and the two pictures that bound a patch.
 ///
-/// [`Image::rows`] looks for the end of the slice in every row. Where a row is one register that costs as much as the row,
-/// so here are addresses: kernels read `width` bytes from each, and may not read more.
+/// [`Image::rows`] checks the end of the slice in every row. That costs as much as the row itself if a row fits in one register. So
+/// these are addresses: a kernel may read `width` bytes from each row and no more.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows {
     pub(crate) patch: *const u8,
-    /// What the patch is at most; of a patch that is known, itself.
+    /// The upper bound of the patch. The same as `patch` if the patch is known.
     pub(crate) high: *const u8,
     pub(crate) template: *const u8,
     pub(crate) patch_stride: usize,
     pub(crate) high_stride: usize,
     pub(crate) template_stride: usize,
-    /// Bytes in a row of all.
+    /// Bytes in a row of each picture.
     pub(crate) width: usize,
-    /// Rows of all.
+    /// Rows of each picture.
     pub(crate) height: usize,
 }
 
@@ -43,14 +43,14 @@ impl Rows {
         }
     }
 
-    /// Of every row the first pixels, `width` at most.
+    /// The first `width` pixels of each row.
     #[inline]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for SSE2
     pub(crate) fn first(&self, width: usize) -> Self {
         Self { width: self.width.min(width), ..*self }
     }
 
-    /// The score of equal rows from `y` on; it fits a `u32` for as many pixels as a template may have.
+    /// The score of the rows from `y` on if all their pixels were equal. It fits in a `u32`.
     #[inline]
     pub(crate) fn full_after(&self, y: usize) -> u32 {
         u32::from(ONE).wrapping_mul(self.pixels_after(y))
@@ -65,24 +65,22 @@ impl Rows {
         }
     }
 
-    /// The least number of equal pixels whose score is at least `floor`.
+    /// How many equal pixels score at least `floor`.
     #[inline]
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for those that count, with little time between looks
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for kernels that count pixels
     pub(crate) const fn pixels_of(floor: u32) -> u32 {
         floor.div_ceil(ONE as u32)
     }
 
-    /// Where row `y` of patch and template begins: as long as the pictures live, there are `width` readable bytes if `y` <
-    /// `height`.
-    ///
-    /// That is what [`Image::with_stride`] has checked.
+    /// Where row `y` of patch and template begins. If `y < height`, `width` bytes can be read there as long as the pictures live:
+    /// [`Image::with_stride`] has checked that.
     #[inline]
-    #[cfg_attr(target_arch = "arm", allow(dead_code))] // whole loops are asm! there
+    #[cfg_attr(target_arch = "arm", allow(dead_code))] // loops there are assembly
     pub(crate) fn row(&self, y: usize) -> (*const u8, *const u8) {
         (place(self.patch, self.patch_stride, y), place(self.template, self.template_stride, y))
     }
 
-    /// The same of what the patch is at most.
+    /// Where row `y` of the upper bound begins.
     #[inline]
     #[cfg_attr(target_arch = "arm", allow(dead_code))]
     pub(crate) fn high_row(&self, y: usize) -> *const u8 {

@@ -1,4 +1,4 @@
-//! SMR's measure by the fastest instruction set: scores, distances, and bounds that exclude offsets.
+//! Chooses the kernels of SMR for a backend and checks what they are given.
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use super::aarch64::neon;
@@ -13,10 +13,10 @@ use super::scores::Scores;
 #[cfg(feature = "verify")]
 use super::verify::scores as verify;
 #[cfg(target_arch = "x86_64")]
-use super::x86::{avx2::scores as avx2, avx512, sse2};
+use super::x86::{avx2::scores as avx2, sse2};
 use crate::image::{Image, Rect};
 
-/// A table, cut off at a threshold, made ready for a backend: scores, distances and bounds of pictures of up to
+/// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures of up to
 /// [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
 ///
 /// ```
@@ -42,15 +42,13 @@ pub struct Scorer<'a> {
     ready: Ready<'a>,
 }
 
-#[allow(clippy::large_enum_variant)] // there is one at a time, on the stack
+#[allow(clippy::large_enum_variant)] // one at a time, on the stack
 enum Ready<'a> {
     Scalar(Plain<'a>),
     #[cfg(target_arch = "x86_64")]
     Sse2(sse2::Bound<'a>),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
-    #[cfg(target_arch = "x86_64")]
-    Avx512(avx512::Lookup),
     #[cfg(smr_dsp)]
     Dsp(dsp::Dsp<'a>),
     #[cfg(smr_helium)]
@@ -68,8 +66,6 @@ macro_rules! dispatch {
             Ready::Sse2($kernels) => $call,
             #[cfg(target_arch = "x86_64")]
             Ready::Avx2($kernels) => $call,
-            #[cfg(target_arch = "x86_64")]
-            Ready::Avx512($kernels) => $call,
             #[cfg(smr_dsp)]
             Ready::Dsp($kernels) => $call,
             #[cfg(smr_helium)]
@@ -81,10 +77,9 @@ macro_rules! dispatch {
 }
 
 impl<'a> Scorer<'a> {
-    /// Scores by `table`, computed by `backend`; by the plain loop where the machine does not have it or
-    /// it does not reach up to the threshold (AVX-512: 128).
+    /// Scores by `table`, computed by `backend`, or by the plain loop if the machine does not have it.
     #[must_use]
-    #[inline(always)] // made where it stays: some are too large to be moved about on a small stack
+    #[inline(always)] // made where it stays: some are too large to be moved on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
         let plain = Plain { table };
         let ready = match backend {
@@ -92,8 +87,6 @@ impl<'a> Scorer<'a> {
             Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar(plain), Ready::Sse2),
             #[cfg(target_arch = "x86_64")]
             Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx2),
-            #[cfg(target_arch = "x86_64")]
-            Backend::Avx512 => avx512::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx512),
             #[cfg(smr_dsp)]
             Backend::Dsp => Ready::Dsp(dsp::Dsp::new(table)),
             #[cfg(smr_helium)]
@@ -105,10 +98,10 @@ impl<'a> Scorer<'a> {
         Self { plain, ready }
     }
 
-    /// The sum of the similarities of two pictures of the same size (of two sizes, of their common top left part). `None` if
-    /// it has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+    /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is compared.
+    /// `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
     #[must_use]
-    #[inline(always)] // where there is only the plain loop, nothing is to be left of this but the call
+    #[inline(always)] // with only the plain loop, nothing but its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score(patch, template));
@@ -117,7 +110,7 @@ impl<'a> Scorer<'a> {
         Some(score)
     }
 
-    /// The same score if it is at least `floor`; `None` also, as soon as that is certain, if it is less.
+    /// The same score if it is at least `floor`. `None` as soon as it is certain that it is less.
     #[must_use]
     #[inline(always)]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
@@ -128,8 +121,8 @@ impl<'a> Scorer<'a> {
         score
     }
 
-    /// The sum of absolute differences (SAD). Once it is more than `enough`, any part of it that is. `None` as for
-    /// [`Scorer::score`].
+    /// The sum of absolute differences (SAD). Once it exceeds `enough`, rows may be left out: the result is then more than `enough`
+    /// and at most the SAD. `None` as for [`Scorer::score`].
     #[must_use]
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
@@ -140,8 +133,8 @@ impl<'a> Scorer<'a> {
         Some(distance)
     }
 
-    /// The most that a patch scores which lies between two pictures, `low` nowhere above `high`, or a little more, if that is
-    /// at least `floor`. `None` if no such patch scores as much, or as for [`Scorer::score`].
+    /// An upper bound of the score of every patch between two pictures: each of its pixels is at least that of `low` and at most that
+    /// of `high`. `low` is nowhere above `high`. `None` if the bound is less than `floor`, or as for [`Scorer::score`].
     #[must_use]
     #[inline(always)]
     pub fn score_between_at_least(
@@ -158,8 +151,8 @@ impl<'a> Scorer<'a> {
         score
     }
 
-    /// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
-    /// than `low` and `high`.
+    /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more
+    /// pixels than `low` and `high`.
     #[inline(always)]
     pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));
@@ -174,7 +167,7 @@ impl<'a> Scorer<'a> {
     }
 }
 
-/// `None` where a sum could be too large for a backend.
+/// `None` if a sum could overflow.
 #[inline(always)]
 fn checked(patch: Image<'_>, template: Image<'_>) -> Option<()> {
     (plain::pixels(patch, template) <= MAX_PIXELS).then_some(())

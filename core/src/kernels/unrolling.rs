@@ -1,7 +1,9 @@
-//! Loops that stay loops. For Arm's microcontrollers a compiler writes four rounds of a small loop out, and again those that are left:
-//! several times the code for a few instructions less. It does not where a round holds assembly, even if that is empty.
+//! Keeps the compiler from unrolling small loops, which saves flash.
+//!
+//! For Arm's microcontrollers the compiler unrolls a small loop four times and adds a loop for the rest: several times the code, to save
+//! a few instructions. It does not unroll a loop that contains assembly, even if that is empty.
 
-/// The same, in a loop that is not written out. Nothing changes where there are vectors: it could not be made of them either.
+/// The same iterator, whose loop is not unrolled. Does nothing for Helium: assembly would keep the compiler from making vectors.
 #[inline(always)]
 pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {
@@ -10,7 +12,7 @@ pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> 
     })
 }
 
-/// The same for a plain loop beside a faster one, which hardly ever runs. Where there is no faster one, it may be written out.
+/// The same for a plain loop that hardly ever runs because the target has a faster one. Elsewhere the compiler may unroll it.
 #[inline(always)]
 pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {
@@ -19,9 +21,9 @@ pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = 
     })
 }
 
-/// Assembly that is empty.
+/// Empty assembly.
 #[inline(always)]
-#[allow(dead_code)] // for those above
+#[allow(dead_code)] // not every target needs it
 fn nothing() {
     #[cfg(target_arch = "arm")]
     // SAFETY: it is empty.

@@ -1,24 +1,24 @@
-//! Contrast: whether a patch can show a target at all, however similar it is. What a covered lens shows cannot.
+//! Contrast: can a patch show the target at all? What a covered lens shows cannot, however similar it is.
 
 use crate::image::Image;
 use crate::kernels::rolled;
 
-/// Mean and mean absolute deviation from it; the mean is rounded to a gray level, the sum of deviations is exact.
+/// The mean gray level of a patch (rounded) and the sum of absolute deviations from it (exact).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Contrast {
     pub(crate) pixels: u32,
     pub(crate) mean: u32,
-    /// The sum over all pixels.
+    /// The sum of absolute deviations over all pixels.
     pub(crate) deviation: u32,
-    /// Pixels that are cut off at black or at white.
+    /// Pixels clipped at black or white.
     cut_off: u32,
 }
 
 impl Contrast {
-    /// Of nothing.
+    /// The contrast of no pixels.
     pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, cut_off: 0 };
 
-    /// Of at most [`Table::MAX_PIXELS`](super::Table::MAX_PIXELS) pixels: their sums, and 256 times these, are less than 2^32.
+    /// The contrast of at most 65537 pixels: 256 times their sum is less than 2^32.
     #[inline(never)] // one copy in flash
     pub(crate) fn of(pixels: Image<'_>) -> Self {
         let sum_of = |pixels: &[u8], count: fn(u8, u32) -> u32, mean| {
@@ -30,7 +30,7 @@ impl Contrast {
         let mean = (sum + count / 2) / count.max(1);
         let (mut deviation, mut cut_off) = (0, 0);
         for part in rows().flat_map(|row| row.chunks(PART)) {
-            // Both in one pass: the upper half of a sum counts what is cut off, the lower one holds the deviations.
+            // Both in one pass: the upper 16 bits count clipped pixels, the lower 16 bits sum deviations.
             let sums = sum_of(
                 part,
                 |pixel, mean| u32::from(pixel).abs_diff(mean) + (u32::from(matches!(pixel, 0 | u8::MAX)) << 16),
@@ -42,20 +42,20 @@ impl Contrast {
         Self { pixels: count, mean, deviation, cut_off }
     }
 
-    /// Whether a patch like this one has at least a quarter of the contrast of `target`, which has as many pixels.
+    /// True if the patch has at least a quarter of the contrast of `target`, which has as many pixels.
     pub(crate) const fn has_contrast_of(&self, target: Self) -> bool {
         SHOWN * self.deviation >= target.deviation
     }
 
-    /// Whether more pixels are cut off than in `target`, which has as many pixels, by more than half of all.
+    /// True if more than half of all pixels are clipped, beyond those clipped in `target`, which has as many pixels.
     pub(crate) const fn is_cut_off_beside(&self, target: Self) -> bool {
         2 * self.cut_off > self.pixels + 2 * target.cut_off
     }
 }
 
-/// Pixels of a row that are summed at once: 257 * 255 is the most that 16 bits hold.
+/// Pixels of a row that are summed at once: 257 * 255 is the most that 16 bits can hold.
 const PART: usize = 257;
-/// So many times the contrast of what is seen must be at least that of the target.
+/// The target may have at most so many times the contrast of the patch.
 const SHOWN: u32 = 4;
 
 #[cfg(test)]
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (127, 32768 * 127 + 32767 * 128, 65535));
         let contrast = of(&board[..65536], 256, 256);
         assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (128, 32768 * 255, 65536));
-        // In the first part each pixel differs by as much as it can, or nearly.
+        // In the first part each pixel deviates by nearly as much as possible.
         let mut rows = [255; 257 * 255];
         rows[..257].fill(0);
         let contrast = of(&rows, 257, 255);

@@ -1,8 +1,7 @@
-//! The measure: how similar a patch is to the template.
+//! SMR's measure: how similar a patch is to the template.
 //!
-//! A [`Table`] is the specification of a pixel's similarity, `kernels/plain/scores.rs` that of a score; a [`Backend`] computes the same
-//! score faster. Here they meet the frame: [`score_at`] scores any offset, also one whose box reaches into the
-//! padding.
+//! A [`Table`] specifies the similarity of two pixels, `kernels/plain/scores.rs` the score of two pictures. A [`Backend`] computes
+//! the same score faster. [`score_at`] scores any offset in a frame, also if the box reaches beyond the frame into the padding.
 
 mod contrast;
 mod table;
@@ -15,10 +14,9 @@ pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};
 
-/// The score of `template` with its top left corner at (`x`, `y`) of the frame; what lies outside the frame is zeroes.
+/// The score of `template` with its top left corner at (`x`, `y`) of the frame. Pixels outside the frame are zero.
 ///
-/// `None` if a pixel that is needed lies within the frame, but not in the part of it that is in memory, or if the template has
-/// more than [`Table::MAX_PIXELS`] pixels.
+/// `None` if a pixel of the frame is needed that is not in memory, or if the template has more than [`Table::MAX_PIXELS`] pixels.
 /// Cost: one comparison for each pixel of the template.
 ///
 /// ```
@@ -42,7 +40,7 @@ pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: 
     score_at_least(frame, template, x, y, scorer, 0)
 }
 
-/// The same score, if all that is needed is in memory and the score is at least `floor`.
+/// The same score if it is at least `floor` and all pixels that are needed are in memory.
 pub(crate) fn score_at_least(
     frame: &Frame<'_>,
     template: Image<'_>,
@@ -60,7 +58,7 @@ pub(crate) fn score_at_least(
 
 /// The same for a box that reaches outside the frame.
 #[cold]
-#[inline(never)] // no part of the usual case, which is inlined
+#[inline(never)] // keeps it out of the usual case, which is inlined
 fn score_at_border(
     frame: &Frame<'_>,
     template: Image<'_>,

@@ -1,14 +1,14 @@
 //! The exp table: the specification of p, the similarity of two pixels (step 3 of the method).
 //!
-//! It is computed in integers by a `const fn`, so it stands in flash before the program runs and is the same on every
-//! platform. Every entry is the correctly rounded one; the tests say how that is known.
+//! A `const fn` computes it in integers, so it is in flash before the program runs and the same on every platform. Every entry is correctly
+//! rounded, which the tests show.
 
 use crate::kernels::{self, CutTable};
 use core::fmt;
 
 /// p by difference: entry d is 65535 * exp(-d / scale), rounded to the nearest integer. 512 bytes.
 ///
-/// The unit is 1/65535 ([`Table::ONE`]), so that 1.0 is exact and an entry fits 16 bits. A score is the sum of at most
+/// The unit is 1/65535 ([`Table::ONE`]): 1.0 is exact, and an entry fits in 16 bits. A score is the sum of at most
 /// [`Table::MAX_PIXELS`] = 65537 entries, and 65537 * 65535 = 2^32 - 1: it never overflows a `u32`.
 ///
 /// ```
@@ -25,7 +25,7 @@ pub struct Table {
     entries: [u16; 256],
 }
 
-/// One entry tells the scale: 256 of them would be a kilobyte of log.
+/// Prints one entry, which tells the scale: 256 would be a kilobyte of log.
 #[cfg(feature = "defmt")]
 impl defmt::Format for Table {
     fn format(&self, to: defmt::Formatter<'_>) {
@@ -71,10 +71,10 @@ impl Table {
         &self.entries
     }
 
-    /// Makes this the table of another scale, as [`Table::new`] does: in place, for those with little stack.
+    /// Turns this into the table of another scale, in place: [`Table::new`] for little stack.
     ///
     /// # Errors
-    /// [`TableError::ScaleOutOfRange`] outside [`Table::SCALES`]; the table is then as it was.
+    /// [`TableError::ScaleOutOfRange`] outside [`Table::SCALES`]. The table is then unchanged.
     ///
     /// ```
     /// use smr_core::similarity::Table;
@@ -97,11 +97,11 @@ impl Table {
         table
     }
 
-    /// With r = exp(-1 / scale) in 64 fractional bits, entry d is r^d, one multiplication after the other.
+    /// Entry d is 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits, by one multiplication after the other.
     ///
-    /// Every multiplication loses less than 2^-64 and passes on what was lost before, so r^255 is short by less than
-    /// 2^-55, and 65535 * r^255 by less than 2^-39. No exact value for any scale in range lies that close to the middle
-    /// between two integers (tested for all of them), so the rounding is the correct one.
+    /// Each multiplication loses less than 2^-64 and keeps the loss before it. So r^255 is too small by less than 2^-55, and 65535 * r^255
+    /// by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a test tries all of them). So
+    /// the rounding is correct.
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
     const fn fill(&mut self, scale: u16) {
         const HALF: u128 = 1 << 63;
@@ -128,7 +128,7 @@ impl CutTable {
     }
 
     /// The same in place.
-    #[inline(always)] // a name for another function
+    #[inline(always)] // only forwards
     pub(crate) fn set(&mut self, table: &Table, threshold: u16) {
         self.cut(table.entries(), threshold);
     }
@@ -149,7 +149,7 @@ const fn exp_of_minus_one_over(scale: u16) -> u128 {
         n += 1;
         term = match term.checked_div(scale as u128 * n) {
             Some(term) => term,
-            None => 0, // neither is 0, but no compiler sees that
+            None => 0, // never: the divisor is not 0
         };
     }
     sum >> 56

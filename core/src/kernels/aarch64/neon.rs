@@ -1,9 +1,9 @@
 //! Scores by NEON, which every AArch64 with floating point has: 16 pixels at a time, for any threshold.
 //!
-//! 1. `tbl` looks up 64 entries of a byte plane and gives zero for a larger index; entries at the threshold and beyond are
-//!    stored as zero. So the lookup is the test d < threshold, too. Larger thresholds take up to four of them.
-//! 2. Bytes are added in pairs, and these to four-byte lanes.
-//! 3. The end of a row that fills no register is loaded together with pixels before it, which are then masked away.
+//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So the lookup is also
+//!    the test d < threshold. Larger thresholds take up to four lookups.
+//! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
+//! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
@@ -16,8 +16,6 @@ use core::arch::aarch64::*;
 impl Vector for uint8x16_t {
     const LANES: usize = 16;
     type Total = uint32x4_t;
-    /// All bits of the lanes that hold a pixel of the end: the last ones.
-    type End = Self;
 
     intrinsics! {
         fn splat(byte: u8) -> Self { vdupq_n_u8(byte) }
@@ -53,7 +51,7 @@ impl Neighbours for uint8x16_t {
 /// Entries that one instruction looks up.
 const SEGMENT: usize = 64;
 
-/// The live part of a table, low bytes and high bytes apart.
+/// The entries below the threshold, low bytes and high bytes apart.
 pub(crate) struct Lookup {
     low: [[u8; SEGMENT]; 4],
     high: [[u8; SEGMENT]; 4],
@@ -65,7 +63,7 @@ pub(crate) struct Lookup {
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
 
 impl Lookup {
-    /// This file is compiled only where all has NEON.
+    /// Always possible: this file is compiled only if the target has NEON.
     pub(crate) fn new(table: &CutTable) -> Self {
         let threshold = table.threshold();
         let segments = usize::from(threshold).div_ceil(SEGMENT).max(1);
@@ -88,7 +86,7 @@ fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The first `SEGMENTS` of both byte planes; the rest is not looked up.
+/// The first `SEGMENTS` segments of both byte planes. The others are not looked up.
 struct Planes<const SEGMENTS: usize> {
     low: [uint8x16x4_t; 4],
     high: [uint8x16x4_t; 4],
@@ -103,7 +101,7 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
         let mut planes = Self { low: nothing, high: nothing };
         for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
             for (register, segment) in registers.iter_mut().zip(segments).take(SEGMENTS) {
-                // SAFETY: `segment` is 64 readable bytes.
+                // SAFETY: 64 bytes can be read at `segment`.
                 *register = unsafe { vld1q_u8_x4(segment.as_ptr()) };
             }
         }
@@ -116,12 +114,12 @@ impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
 
     #[inline(always)]
     unsafe fn look_up(&self, difference: uint8x16_t) -> (uint8x16_t, uint8x16_t) {
-        // SAFETY: as the caller has seen to.
+        // SAFETY: as the caller guarantees.
         unsafe { (entries::<SEGMENTS>(&self.low, difference), entries::<SEGMENTS>(&self.high, difference)) }
     }
 }
 
-/// Of one plane.
+/// The bytes of one plane.
 ///
 /// # Safety
 /// NEON is there.
@@ -130,12 +128,12 @@ unsafe fn entries<const SEGMENTS: usize>(
     [first, others @ ..]: &[uint8x16x4_t; 4],
     difference: uint8x16_t,
 ) -> uint8x16_t {
-    // SAFETY: as the caller has seen to.
+    // SAFETY: as the caller guarantees.
     unsafe {
         let mut index = difference;
         let mut entries = vqtbl4q_u8(*first, index);
         for segment in others.iter().take(SEGMENTS - 1) {
-            // What lies in another segment has an index that is too large, be it by wrapping, and keeps what it has.
+            // An index of another segment is too large, perhaps because it wrapped, and keeps its value.
             index = vsubq_u8(index, vdupq_n_u8(64));
             entries = vqtbx4q_u8(entries, *segment, index);
         }

@@ -1,40 +1,45 @@
-//! Gradients of a cell: how much of them points each way.
+//! Cells of gradient orientations (HOG, Dalal and Triggs), the plain loops.
+//!
+//! A cell has 4x4 pixels. The gradient of a pixel is (x, y) = (right - left, below - above). It votes for the two directions next to it, of
+//! nine directions 20 degrees apart; opposite directions count alike. The votes are the components of the gradient along the two
+//! directions: g = a u + b v. That is linear, so it needs no root, no angle and no division.
 
 use super::super::cells::{CELL, CHANNELS, SIDE};
 #[cfg(not(smr_helium))]
 use super::super::unrolling::rolled;
 
+/// Directions of gradients.
 const BINS: usize = 9;
 
-/// cos and sin of 0, 20, ... 100 degrees over sin 20 degrees, in units of 1/256. Those beyond mirror them.
+/// (cos, sin) / sin 20 degrees of 0, 20, ... 100 degrees, in units of 1/256. The other directions mirror these.
 pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
 
-/// Those of a cell.
+/// The sums of a cell, channel by channel: nine directions in units of 1/4 gray level, and the sum of gray levels.
 pub(crate) struct Sums(pub(crate) [u16; CHANNELS]);
 
 impl Sums {
-    /// The gradient that there is, squared, in gray levels: at most 5,900^2.
+    /// The sum of the squares of the gradient sums in gray levels: at most 5,900^2.
     pub(crate) fn energy(&self) -> u32 {
         self.0.iter().take(BINS).map(|&sum| u32::from(sum >> 2).pow(2)).sum()
     }
 }
 
-/// Such sums in the making, by the sector between two directions up to 100 degrees, and by those that mirror them: what the first one
-/// gets, and, 16 bits higher, what the second one does.
+/// The votes of a cell: for each of the five sectors between the directions of 0 to 100 degrees, and for each mirrored sector. The low
+/// 16 bits are the votes for the first direction of the sector, the high 16 bits those for the second.
 pub(crate) struct Votes(pub(crate) [[u32; 5]; 2]);
 
 impl Votes {
-    /// Adds a pixel, by its four neighbours. `arm/dsp/gradients.rs` does the same.
+    /// Adds the votes of a pixel, given its four neighbours.
     #[cfg(any(not(smr_dsp), feature = "verify"))]
     #[inline(always)]
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
-        // Light to dark and dark to light alike; the directions beyond 90 degrees mirror the others.
+        // Opposite gradients count alike; directions beyond 90 degrees mirror the others.
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // How far it is beyond a direction, at most 361 * 256 / sin 20 degrees: what the next direction gets of it, if it is
-        // between the two. It is beyond that at 0 degrees and not beyond that at 100.
+        // How far the gradient is beyond a direction: at most 361 * 256 / sin 20 degrees. That is its vote for the next direction, if the
+        // gradient lies between the two. It is always beyond 0 degrees and never beyond 100.
         let beyond = |(cos, sin): (i32, i32)| cos * up - sin * right;
         let [zero, one, two, three, four, five] = DIRECTIONS;
         let (number, short, over);
@@ -51,7 +56,7 @@ impl Votes {
                 (number, short, over) = if four < 0 { (3, four, three) } else { (4, beyond(five), four) };
             }
         }
-        // In units of 1/4; no sum of a cell reaches 2^16.
+        // In units of 1/4. No sum of a cell reaches 2^16.
         if let Some(sector) = sectors.get_mut(number) {
             *sector += (short.wrapping_neg().cast_unsigned() >> 6) + (over.cast_unsigned() >> 6 << 16);
         }
@@ -82,20 +87,20 @@ pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
     votes(lines, at).sums(gray(lines, at))
 }
 
-/// The gray levels of a cell.
+/// The sum of the gray levels of a cell.
 #[inline(always)]
 pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> u16 {
     let mut gray = 0;
     for line in lines.iter().skip(1).take(CELL.into()) {
         let pixels = line.get(at + 1..).and_then(|line| line.first_chunk());
         let pixels = u32::from_le_bytes(pixels.copied().unwrap_or_default());
-        // Two at a time.
+        // Two pixels at a time.
         gray += (pixels & 0x00FF_00FF) + (pixels >> 8 & 0x00FF_00FF);
     }
     low(gray) + low(gray >> 16)
 }
 
-/// Of all pixels of a cell.
+/// The votes of all pixels of a cell.
 #[cfg(any(not(smr_dsp), feature = "verify"))]
 fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
     let mut votes = Votes([[0; 5]; 2]);
@@ -114,12 +119,12 @@ fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Vote
 }
 
 /// The lower 16 bits.
-#[allow(clippy::cast_possible_truncation)] // they are what is asked for
+#[allow(clippy::cast_possible_truncation)]
 fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The sums of a cell as bytes: gradients by the number that they are multiplied by, and the mean gray.
+/// The features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray level less 128.
 #[cfg(not(smr_helium))]
 #[inline(always)] // into its one caller
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {

@@ -1,13 +1,18 @@
-//! Sums of products: bytes, as the filter sees a picture, times numbers of 16 bits. The plain loops; they specify what a backend
-//! computes.
+//! Sums of products, the plain loops: the responses of a filter, and the gradient of its error. They specify what a backend computes.
+//!
+//! | symbol | what | type |
+//! |---|---|---|
+//! | w | weight of the filter | `i16` |
+//! | x | feature of a cell | `i8` |
+//! | e | error of a response | `i16` |
 
 use super::super::layout::Layout;
 use super::super::unrolling::rolled_if_spare;
 use core::ops::Range;
 
-/// `out[y][x]` is the sum over all weights of `weight * byte` at the offset (x, y).
+/// The responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
 ///
-/// A part is a row of offsets. No sum may leave an `i32`: at most 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
+/// A part is a row of offsets. No sum may leave an `i32`: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
 #[inline(always)] // a backend compiles it for its own instruction set
 pub(crate) fn responses_inline<const N: usize>(
     parts: Range<usize>,
@@ -31,7 +36,7 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// The other way round: to each weight's sum the products of all `errors` with the byte that the weight lies on at that offset.
+/// The gradient: adds to the sum of each weight `e * x` over all offsets, where x is the feature under the weight at that offset.
 ///
 /// A part is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
 #[inline(always)]
@@ -56,7 +61,7 @@ pub(crate) fn gather_inline<const N: usize>(
     }
 }
 
-/// [`responses_inline`], once in flash.
+/// [`responses_inline`], with one copy in flash.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
@@ -68,7 +73,7 @@ pub(crate) fn responses<const N: usize>(
     responses_inline(parts, cells, layout, weights, out);
 }
 
-/// [`gather_inline`], once in flash.
+/// [`gather_inline`], with one copy in flash.
 #[inline(never)]
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,

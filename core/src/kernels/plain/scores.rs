@@ -1,19 +1,19 @@
-//! The plain loops: the specification of a score (steps 2 to 4 of the method), and of the two coarser measures that the
-//! search excludes offsets with. Every faster way gives the same integers.
+//! Scores, the plain loops: the specification of a score (steps 2 to 4 of the method), and of the distances and bounds by which the
+//! search excludes offsets. Every backend gives the same scores and distances.
 
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::Scores;
 use super::super::unrolling::rolled_if_spare;
 use crate::image::{Image, Rect};
 
-/// The plain loops.
+/// The plain loops as a backend.
 #[derive(Clone, Copy)]
 pub(crate) struct Plain<'a> {
     pub(crate) table: &'a CutTable,
 }
 
 impl Scores for Plain<'_> {
-    #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy, for those who filter first, too
+    #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy for all callers
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_at_least(patch, template, self.table, floor)
     }
@@ -36,15 +36,15 @@ impl Scores for Plain<'_> {
 
 /// The sum of the similarities of all pairs of pixels.
 ///
-/// `patch` and `template` are of the same size; of two sizes, the common top left part is compared. The sum is exact for
-/// up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
+/// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
+/// [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
 #[cfg(any(test, feature = "verify"))]
 #[must_use]
 pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
     patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table)).sum()
 }
 
-/// The same score if it is at least `floor`; `None` as soon as the rest of the pixels cannot lift it there.
+/// The same score if it is at least `floor`. `None` as soon as the remaining pixels cannot reach that.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     let mut reachable = most(patch, template);
@@ -62,13 +62,13 @@ pub(crate) fn most(patch: Image<'_>, template: Image<'_>) -> u32 {
     full(pixels(patch, template))
 }
 
-/// The pixels of the common top left part.
+/// How many pixels the common top left part has.
 #[inline]
 pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
 }
 
-/// The score of so many equal pixels; exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS).
+/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS).
 pub(crate) fn full(pixels: usize) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(ONE))
 }
@@ -77,14 +77,14 @@ fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
     rolled_if_spare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
 }
 
-/// The similarity of two pixels, 0 where they do not count.
+/// The similarity of two pixels, 0 if they do not count.
 #[inline]
 fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
     u32::from(table.similarity(f.abs_diff(g)))
 }
 
-/// The sum of absolute differences (SAD). Once it is more than `enough`, the rows that are left may be left out: what is
-/// given then is more than `enough`, and at most the SAD.
+/// The sum of absolute differences (SAD). Once it exceeds `enough`, the remaining rows may be left out: the result is then more than
+/// `enough` and at most the SAD.
 #[must_use]
 #[inline(never)] // one copy in flash
 pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
@@ -98,10 +98,10 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     sum
 }
 
-/// The score of a patch of which only bounds are known, if it is at least `floor`; `None` as soon as it cannot be.
+/// An upper bound of the score of every patch between `low` and `high`, if it is at least `floor`. `None` as soon as it cannot be.
 ///
-/// `low` nowhere exceeds `high`. A pixel differs by as much as it is outside them, so this is at least the score of every
-/// patch between the two; between a picture and itself it is that picture's score.
+/// `low` is nowhere above `high`. The difference of a pixel is its distance to the range between the two: no patch in the range is closer.
+/// If `low` equals `high`, the bound is the score.
 #[must_use]
 pub(crate) fn score_between_at_least(
     low: Image<'_>,
@@ -122,8 +122,8 @@ pub(crate) fn score_between_at_least(
     Some(reachable)
 }
 
-/// The lowest and the highest of each block of 4x4 pixels, by the block's first column. The rows have three pixels more
-/// than `low` and `high`.
+/// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more pixels than
+/// `low` and `high`.
 #[inline(never)] // one copy in flash
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     let blocks = rows.each_ref().map(|row| row.windows(4));
@@ -137,9 +137,9 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the part of `template` outside `seen` against the padding, which is all zeroes.
+/// The score of the part of `template` that lies on the padding, which is all zeroes.
 ///
-/// `seen` is in the template's own coordinates; empty if the whole template lies on the padding.
+/// `seen` is the part that lies on the frame, in coordinates of the template. It is empty if the whole template lies on the padding.
 #[must_use]
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
@@ -160,17 +160,17 @@ fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::Table;
+    use crate::kernels::tests::table::{cut, similarity};
     use proptest::prelude::*;
     use std::{vec, vec::Vec};
 
     #[test]
     fn the_largest_template_has_the_largest_sum() {
-        // 65537 = Table::MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
+        // 65537 = MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
         let pixels = vec![7; 256 * 256];
         let image = Image::new(&pixels, 256, 256).unwrap();
-        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 1)), 65536 * 65535);
-        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 256)), 65536 * 65535);
+        assert_eq!(score(image, image, &cut(1)), 65536 * 65535);
+        assert_eq!(score(image, image, &cut(256)), 65536 * 65535);
     }
 
     fn image(pixels: &[u8], width: u16) -> Image<'_> {
@@ -180,8 +180,8 @@ mod tests {
     #[test]
     fn pixels_count_below_the_threshold() {
         let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
-        let table = CutTable::new(&Table::PAPER, 13);
-        let p = |d| u32::from(Table::PAPER.similarity(d));
+        let table = cut(13);
+        let p = |d| u32::from(similarity(d));
         assert_eq!(score(image(&patch, 4), image(&template, 4), &table), p(0) + p(1) + p(12));
     }
 
@@ -196,9 +196,9 @@ mod tests {
     #[test]
     fn what_lies_between_two_pictures_differs_by_as_much_as_it_is_outside_them() {
         let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
-        let table = CutTable::new(&Table::PAPER, 13);
+        let table = cut(13);
         let most = score_between_at_least(image(&low, 3), image(&high, 3), image(&template, 3), &table, 0);
-        let p = |d| u32::from(Table::PAPER.similarity(d));
+        let p = |d| u32::from(similarity(d));
         assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
     }
 
@@ -214,7 +214,7 @@ mod tests {
     fn a_threshold_of_zero_lets_nothing_count() {
         let pixels = [0; 9];
         let image = Image::new(&pixels, 3, 3).unwrap();
-        assert_eq!(score(image, image, &CutTable::new(&Table::PAPER, 0)), 0);
+        assert_eq!(score(image, image, &cut(0)), 0);
     }
 
     proptest! {
@@ -233,11 +233,11 @@ mod tests {
                 for (i, &g) in (0..).zip(row) {
                     let on_padding = seen.is_empty() || !seen.contains(Rect::new(i, j, 1, 1));
                     if on_padding && u16::from(g) < threshold {
-                        expected += u32::from(Table::PAPER.similarity(g));
+                        expected += u32::from(similarity(g));
                     }
                 }
             }
-            prop_assert_eq!(score_on_padding(template, seen, &CutTable::new(&Table::PAPER, threshold)), expected);
+            prop_assert_eq!(score_on_padding(template, seen, &cut(threshold)), expected);
         }
 
         #[test]
@@ -248,8 +248,8 @@ mod tests {
             let template = Image::new(&template, 7, 6).unwrap();
             let packed = Image::new(&packed, 7, 6).unwrap();
             prop_assert_eq!(
-                score(strided, template, &CutTable::new(&Table::PAPER, threshold)),
-                score(packed, template, &CutTable::new(&Table::PAPER, threshold))
+                score(strided, template, &cut(threshold)),
+                score(packed, template, &cut(threshold))
             );
         }
     }

@@ -1,9 +1,9 @@
-//! Memory for tests of kernels: a byte too many that is read or written, before a slice or after it, ends the test.
+//! Memory for tests of kernels: reading or writing a byte before or after a slice ends the test.
 //!
-//! On Unix the slice touches a page that may not be accessed. Elsewhere, and under Miri, which watches by itself, it is an
-//! allocation of its own that ends where it ends.
+//! On Unix the slice touches a page that may not be accessed. Elsewhere it is an allocation of its own. So it is under Miri, which watches
+//! every access itself.
 
-/// Which end of a slice is watched to the byte.
+/// The end of a slice that touches the forbidden page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     Before,
@@ -15,7 +15,7 @@ mod memory {
     use super::Side;
     use core::{ptr, slice};
 
-    /// Pages that may be accessed between two that may not.
+    /// Pages that may be accessed, between two that may not.
     pub(in super::super) struct Guarded {
         first: *mut u8,
         page: usize,
@@ -37,7 +37,7 @@ mod memory {
             }
         }
 
-        /// So many bytes, which begin or end next to what may not be accessed.
+        /// `length` bytes that begin or end at a forbidden page.
         pub(in super::super) fn slice(&mut self, length: usize, side: Side) -> &mut [u8] {
             assert!(length <= self.room);
             let start = if side == Side::Before { 0 } else { self.room - length };
@@ -76,7 +76,7 @@ mod memory {
 pub(super) use memory::Guarded;
 
 impl Guarded {
-    /// A copy of `bytes` that is watched at `side`.
+    /// A copy of `bytes` whose end `side` touches a forbidden page.
     pub(super) fn copy(&mut self, bytes: &[u8], side: Side) -> &[u8] {
         let slice = self.slice(bytes.len(), side);
         slice.copy_from_slice(bytes);

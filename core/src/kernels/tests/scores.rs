@@ -1,19 +1,19 @@
-//! Every backend against `plain/scores.rs`: one macro stamps the same tests on each.
+//! Every backend against `plain/scores.rs`. One macro makes the same tests for each.
 
 use super::guard::{Guarded, Side};
+use super::table::{cut, similarity};
 use crate::image::Image;
+use crate::kernels::backend::Backend;
 use crate::kernels::plain::scores as plain;
-use crate::similarity::{Backend, Scorer};
-use crate::similarity::{CutTable, Table};
+use crate::kernels::scorer::Scorer;
 use std::boxed::Box;
 use std::io::Write;
 use std::vec::Vec;
 
-/// The largest edge of which all sizes are tried. Miri is thousands of times slower, so there it is what takes a register
-/// and a bit of the narrowest backend.
+/// All sizes up to this edge are tried. Miri is thousands of times slower: there it is a little more than the narrowest vector.
 const EDGE: u16 = if cfg!(miri) { 18 } else { 70 };
 
-/// Every so manieth of what is gone through one by one.
+/// Step of loops that go through all values.
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
 /// Bytes that look random, the same in every run.
@@ -34,10 +34,10 @@ fn close_to(patch: &[u8], seed: u32) -> Box<[u8]> {
     patch.iter().zip(&noise).map(|(&pixel, &noise)| pixel.wrapping_add(noise % 80)).collect()
 }
 
-/// Scores, with floors around the score, and distances, with an end around the distance, are those of the plain loops.
+/// Scores with floors around the score, and distances with limits around the distance, equal those of the plain loops.
 #[track_caller]
 fn same(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
-    let table = CutTable::new(&Table::PAPER, threshold);
+    let table = cut(threshold);
     let scorer = Scorer::new(backend, &table);
     let of = || std::format!("{backend:?}: {patch:?}, {template:?}, threshold {threshold}");
 
@@ -56,8 +56,7 @@ fn same(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
     }
 }
 
-/// All sizes up to 70 by 70, next to memory that may not be read: after both pictures, before both, and with rows that
-/// are not next to one another.
+/// All sizes up to 70 by 70 next to a forbidden page: after both pictures, before both, and with a stride larger than the width.
 fn all_sizes(backend: Backend) {
     let (mut one, mut other) = (Guarded::with_room(70 * 73), Guarded::with_room(70 * 73));
     for width in 1..=EDGE {
@@ -76,7 +75,7 @@ fn all_sizes(backend: Backend) {
     }
 }
 
-/// All thresholds, with both pictures at all places within larger ones.
+/// All thresholds, with both pictures at all positions within larger ones.
 fn all_thresholds_and_alignments(backend: Backend) {
     let (pixels, other) = (noise(200 * 12, 3), noise(200 * 12, 4));
     for threshold in (0..=256u16).step_by(STEP) {
@@ -94,7 +93,7 @@ fn all_thresholds_and_alignments(backend: Backend) {
     }
 }
 
-/// Every difference there is, at the thresholds around it.
+/// Every difference, at the thresholds around it.
 fn all_differences(backend: Backend) {
     for difference in (0..=255u8).step_by(STEP) {
         let (patch, template) = ([difference; 33], [0; 33]);
@@ -106,7 +105,7 @@ fn all_differences(backend: Backend) {
     }
 }
 
-/// The largest sums that there can be, of scores and of distances.
+/// The largest possible scores and distances.
 fn extremes(backend: Backend) {
     if cfg!(miri) {
         return;
@@ -124,17 +123,16 @@ fn extremes(backend: Backend) {
     same(backend, column(&white), column(&white), 1);
 }
 
-/// At the most pixels that a sum can hold the plain loops' integers, of equal pixels and of the most different ones;
-/// beyond it there is none. 65537 is prime and a side is a `u16`, so the most that a picture of that bound has is 65536, and the
-/// least beyond it 65538.
+/// Pictures with as many pixels as a sum can hold, equal or as different as possible, score as in the plain loops. Larger ones have no
+/// score. 65537 is prime and a side is a `u16`, so the largest allowed picture has 65536 pixels and the smallest beyond 65538.
 fn bound(backend: Backend) {
     let (white, black) = (std::vec![255; 2 * 65535], std::vec![0; 2 * 65535]);
-    let table = CutTable::new(&Table::PAPER, 256);
+    let table = cut(256);
     let scorer = Scorer::new(backend, &table);
     for (width, height) in [(256, 256), (65535, 1), (1, 65535), (4369, 15), (16384, 4)] {
         let view = |pixels| Image::new(pixels, width, height).unwrap();
         let (white, black, pixels) = (view(&white), view(&black), u32::from(width) * u32::from(height));
-        let least = pixels * u32::from(Table::PAPER.similarity(255));
+        let least = pixels * u32::from(similarity(255));
         assert_eq!(scorer.score(white, white), Some(pixels * 65535), "{backend:?}");
         assert_eq!(scorer.score(white, black), Some(least), "{backend:?}");
         assert_eq!(scorer.distance(white, black, u32::MAX), Some(pixels * 255), "{backend:?}");
@@ -154,10 +152,9 @@ fn bound(backend: Backend) {
     }
 }
 
-/// Ranges of all lengths, of bytes of all kinds, next to memory that may not be touched; of rows that are not equally long
-/// the shortest counts.
+/// Ranges of all lengths next to a forbidden page. If rows differ in length, the shortest counts.
 fn all_lengths_of_ranges(backend: Backend) {
-    let table = CutTable::new(&Table::PAPER, 16);
+    let table = cut(16);
     let scorer = Scorer::new(backend, &table);
     let mut guarded: [Guarded; 6] = core::array::from_fn(|_| Guarded::with_room(256));
     for length in (0..=200usize).step_by(STEP) {
@@ -182,7 +179,7 @@ fn all_lengths_of_ranges(backend: Backend) {
     }
 }
 
-/// Patches between two pictures: what is reached is at least the plain loop's, and as exact where a range is one pixel.
+/// Patches between two pictures: the bound is at least that of the plain loop, and valid if the two are equal.
 fn all_ranges(backend: Backend) {
     let (one, two) = (noise(3600, 1), noise(3600, 2));
     for threshold in (0..=256u16).step_by(STEP) {
@@ -193,7 +190,7 @@ fn all_ranges(backend: Backend) {
         let template = close_to(&low, threshold.into());
         let view = |pixels| Image::with_stride(pixels, width, height, 60).unwrap();
         let (low, high, template) = (view(&low), view(&high), view(&template));
-        let table = CutTable::new(&Table::PAPER, threshold);
+        let table = cut(threshold);
         let scorer = Scorer::new(backend, &table);
         let most = plain::most(low, template);
         for floor in [0, 1, most / 2, most / 4 * 3, most] {
@@ -201,7 +198,7 @@ fn all_ranges(backend: Backend) {
             let reached = scorer.score_between_at_least(low, high, template, floor);
             assert!(reached >= least, "{backend:?}: {reached:?} reached instead of {least:?}, floor {floor}");
             assert!(reached.is_none_or(|reached| floor <= reached && reached <= most), "{backend:?}: {reached:?}");
-            // Between a picture and itself there is nothing but the picture.
+            // Between a picture and itself lies only the picture.
             let score = plain::score(low, template, &table);
             let itself = scorer.score_between_at_least(low, low, template, floor);
             assert!(itself >= Some(score).filter(|&score| score >= floor), "{backend:?}: {itself:?}, {score}");
@@ -234,6 +231,5 @@ stamp! {
     scalar_loop: Scalar;
     sse2: Sse2;
     avx2: Avx2;
-    avx512: Avx512;
     neon: Neon;
 }

@@ -1,23 +1,25 @@
-//! What the robust tracker's filter is made of, at extreme values and in all shapes: sums of products, and weights coded and moved (feature
-//! `verify`). On a target, where the tests of the crate cannot run, `examples/conformance_robust` asks for it.
+//! The kernels of a filter at extreme values and in all shapes (feature `verify`): sums of products, weights, bilinear sampling.
+//!
+//! The unit tests of the crate do not run on a microcontroller. There `examples/conformance_robust` calls this.
 
 use super::super::backend::Backend;
-use super::super::bilinear::{Columns, LESS, Mixed};
+use super::super::bilinear::Columns;
 use super::super::layout::{Layout, ROOM};
+use super::super::plain::bilinear::{LESS, Mixed};
 use super::super::products::Products;
 use super::super::weights::{Move, Numbers, lessen_by};
 
-/// Bytes of a cell.
+/// Features of a cell.
 const STEP: usize = 10;
-/// Offsets on an axis, at most.
+/// The most offsets on an axis.
 const SPAN: usize = 17;
-/// Weights, at most.
+/// The most weights.
 const WEIGHTS: usize = 2000;
-/// Numbers that are far apart.
+/// Numbers around all bounds.
 const EXTREMES: [i32; 12] =
     [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
 
-/// Numbers that look random, the same in every run, from `-most` to `most`.
+/// Numbers from `-most` to `most` that look random, the same in every run.
 struct Noise(u32);
 
 impl Noise {
@@ -29,10 +31,10 @@ impl Noise {
     }
 }
 
-/// Runs what the filter is made of, with the plain loops beside it.
+/// Runs the kernels of a filter, and the plain loops beside them.
 ///
 /// # Panics
-/// Where they differ.
+/// If they differ.
 ///
 /// ```
 /// smr_core::similarity::verify_filter();
@@ -51,8 +53,8 @@ pub fn verify_filter() {
     columns(&mut noise);
 }
 
-/// Sums of products; where `extreme`, the largest that there are.
-#[inline(never)] // its stack is not that of others
+/// Sums of products; the largest possible ones if `extreme`.
+#[inline(never)] // keeps its stack out of the caller's frame
 fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut Noise) {
     let products = Products::new(Backend::best());
     let stride = (across + span - 1) * STEP;
@@ -72,8 +74,8 @@ fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut 
     products.gather(0..parts, &mut room, &cells, layout, &errors, &mut sums);
 }
 
-/// Weights, of all counts that leave other lanes.
-#[inline(never)] // its stack is not that of others
+/// Weights, in all counts that leave different lanes.
+#[inline(never)] // keeps its stack out of the caller's frame
 fn weights(noise: &mut Noise) {
     for count in 0..21 {
         let any = |noise: &mut Noise| *EXTREMES.get(noise.next(11).unsigned_abs() as usize).unwrap_or(&0);
@@ -86,7 +88,7 @@ fn weights(noise: &mut Noise) {
         };
         code(Numbers::of(&weights));
         for (unit, left) in [(14, 2), (14, 5), (16, 0), (17, 0), (19, 0)] {
-            // As large as what is gathered may be, with `left` places less; and so small that all is lost.
+            // The largest sums that `left` places leave room for, and sums so small that rounding drops them.
             for most in [(1 << 30) >> left, 1] {
                 let sums: heapless::Vec<i32, 20> = (0..count).map(|_| noise.next(most)).collect();
                 let weights: heapless::Vec<i32, 20> = sums.iter().rev().copied().collect();
@@ -112,8 +114,8 @@ fn low(number: i32) -> i16 {
     i16::try_from(number).unwrap_or(0)
 }
 
-/// Columns, between any levels.
-#[inline(never)] // its stack is not that of others
+/// Columns of a resampled row.
+#[inline(never)] // keeps its stack out of the caller's frame
 fn columns(noise: &mut Noise) {
     let mut columns = Columns::<40>::new();
     for column in 0..40 {

@@ -1,10 +1,10 @@
-//! The plain loops beside a faster backend (feature `verify`): a difference is a panic that says what was asked.
+//! The plain loops beside a backend (feature `verify`). A difference is a panic that tells the call.
 
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
 use crate::image::Image;
 
-/// The score that a backend gave for pictures, where it was asked for one of at least `floor`.
+/// Checks a score of at least `floor`.
 #[track_caller]
 pub(crate) fn score(answer: Option<u32>, (patch, template): (Image<'_>, Image<'_>), table: &CutTable, floor: u32) {
     let expected = Some(plain::score(patch, template, table)).filter(|&score| score >= floor);
@@ -16,7 +16,7 @@ pub(crate) fn score(answer: Option<u32>, (patch, template): (Image<'_>, Image<'_
     );
 }
 
-/// The distance that a backend gave, where it was asked for one of up to `enough`.
+/// Checks a distance up to `enough`.
 #[track_caller]
 pub(crate) fn distance(answer: u32, (patch, template): (Image<'_>, Image<'_>), enough: u32) {
     let exact = plain::distance(patch, template, u32::MAX);
@@ -24,7 +24,7 @@ pub(crate) fn distance(answer: u32, (patch, template): (Image<'_>, Image<'_>), e
     assert!(right, "distance {answer} instead of {exact}, enough {enough}: {patch:?}, {template:?}");
 }
 
-/// What a backend gave for a patch between two pictures.
+/// Checks the bound of a patch between two pictures.
 #[track_caller]
 pub(crate) fn score_between(
     answer: Option<u32>,
@@ -41,7 +41,7 @@ pub(crate) fn score_between(
     );
 }
 
-/// The ranges that a backend gave.
+/// Checks ranges.
 #[track_caller]
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
     for (column, answer) in low.iter().zip(high).enumerate() {
@@ -58,17 +58,13 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::similarity::Table;
+    use crate::kernels::tests::table::cut;
 
     const ROW: [u8; 4] = [10, 20, 30, 40];
     const OTHER: [u8; 4] = [10, 21, 30, 99];
 
     fn view(row: &[u8; 4]) -> Image<'_> {
         Image::new(row, 4, 1).unwrap()
-    }
-
-    fn cut() -> CutTable {
-        CutTable::new(&Table::PAPER, 13)
     }
 
     fn pictures() -> (Image<'static>, Image<'static>) {
@@ -78,13 +74,13 @@ mod tests {
     #[test]
     fn what_is_right_is_let_through() {
         let (patch, template) = pictures();
-        let exact = plain::score(patch, template, &cut());
-        score(Some(exact), pictures(), &cut(), exact);
-        score(None, pictures(), &cut(), exact + 1);
+        let exact = plain::score(patch, template, &cut(13));
+        score(Some(exact), pictures(), &cut(13), exact);
+        score(None, pictures(), &cut(13), exact + 1);
         distance(60, pictures(), 60);
         distance(7, pictures(), 6);
-        score_between(Some(4 * 65535), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(), 1);
-        score_between(None, (view(&ROW), view(&ROW), view(&OTHER)), &cut(), 4 * 65535);
+        score_between(Some(4 * 65535), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(13), 1);
+        score_between(None, (view(&ROW), view(&ROW), view(&OTHER)), &cut(13), 4 * 65535);
         spread(&[&ROW; 4], &[10], &[40]);
     }
 
@@ -92,14 +88,14 @@ mod tests {
     #[should_panic(expected = "score of at least 1")]
     fn a_score_that_is_one_too_large_is_noticed() {
         let (patch, template) = pictures();
-        let exact = plain::score(patch, template, &cut());
-        score(Some(exact + 1), pictures(), &cut(), 1);
+        let exact = plain::score(patch, template, &cut(13));
+        score(Some(exact + 1), pictures(), &cut(13), 1);
     }
 
     #[test]
     #[should_panic(expected = "score of at least 1")]
     fn a_score_that_is_withheld_is_noticed() {
-        score(None, pictures(), &cut(), 1);
+        score(None, pictures(), &cut(13), 1);
     }
 
     #[test]
@@ -111,7 +107,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "reached instead of")]
     fn a_bound_that_is_too_low_is_noticed() {
-        score_between(Some(4 * 65535 - 1), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(), 1);
+        score_between(Some(4 * 65535 - 1), (view(&ROW), view(&OTHER), view(&OTHER)), &cut(13), 1);
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! Distances, ranges and bounds by SSE2, 16 pixels at a time; a score is the plain loop's: what every x86-64 has.
+//! Distances, ranges and bounds of scores by SSE2, which every x86-64 has: 16 pixels at a time.
 //!
-//! SSE2 has no instruction that looks a byte up, so the score itself is left to the plain loop. But most scores that are
-//! asked for are asked with a floor, and most do not reach it: with N pixels that count and the sum S of their
-//! differences, which are two additions, a score is at most N * 65535 - c * S. (A pixel that counts and has the
-//! difference d adds p(d), and c is at most (65535 - p(d)) / d for every such d; see [`CutTable::chord`].) Where even that
-//! is below the floor the plain loop is not begun; where it is begun nevertheless, the bound has cost 8 to 15 % of it: 16
-//! instructions for 16 pixels, of which each takes the plain loop eight or more. Of a patch that lies between two
-//! pictures the bound is the answer.
+//! SSE2 cannot look up bytes in a table, so the plain loop computes the score. But the search asks for most scores with a floor, and most do
+//! not reach it. Let N pixels count and S be the sum of their differences. Then
+//!
+//!     score <= N * 65535 - c * S        with c from CutTable::chord
+//!
+//! If this bound is below the floor, the plain loop does not run. If it runs, the bound has cost 8 to 15 % of it: 16 instructions for 16
+//! pixels, where the plain loop takes eight or more for each. For a patch between two pictures the bound is the answer.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -19,7 +19,6 @@ use core::arch::x86_64::*;
 impl Vector for __m128i {
     const LANES: usize = 16;
     type Total = Self;
-    type End = Self;
 
     intrinsics! {
         fn splat(byte: u8) -> Self { _mm_set1_epi8(byte.cast_signed()) }
@@ -53,17 +52,17 @@ impl Neighbours for __m128i {
     }
 }
 
-/// Of rows that are no wider the bound looks only at the first register: at a second for no more than half of what it holds
-/// it would cost a fifth of the plain loop. What it does not look at it takes to be fully similar.
+/// Up to this width the bound looks only at the first vector of a row and takes the rest as fully similar. A second vector, at most half
+/// full, would cost a fifth of the plain loop.
 const NARROW: usize = 24;
 
-/// So many rows are added before it is looked whether the end is already certain.
+/// Rows between two checks whether the floor is still within reach.
 const ROWS_A_LOOK: usize = 4;
 
-/// A table, and what bounds a score without it.
+/// A table, and the numbers that bound a score without it.
 pub(crate) struct Bound<'a> {
     table: &'a CutTable,
-    /// The largest difference that counts; there is one.
+    /// The largest difference that counts.
     last: u8,
     chord: u32,
 }
@@ -73,13 +72,13 @@ pub(crate) const fn is_available() -> bool {
 }
 
 impl Scores for Bound<'_> {
-    #[inline(always)] // what `Rows` takes of the pictures is then in registers; through memory it waits for halves of words
+    #[inline(always)] // keeps `Rows` in registers: through memory it would wait for halves of words
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::of(patch, template);
         let looked_at = rows.first(if rows.width <= NARROW { __m128i::LANES } else { rows.width });
         let floor_there = floor.saturating_sub(rows.full_after(0) - looked_at.full_after(0));
         if floor_there > 0 && rows.width >= __m128i::LANES {
-            // SAFETY: a `Bound` exists only where SSE2 does, both pictures are borrowed, and a register's width is there.
+            // SAFETY: a `Bound` exists only if SSE2 does, the pictures are borrowed, and rows are at least a vector wide.
             unsafe { self.reach::<false>(&looked_at, floor_there) }?;
         }
         plain::score_at_least(patch, template, self.table, floor)
@@ -91,13 +90,13 @@ impl Scores for Bound<'_> {
         if rows.width < __m128i::LANES {
             return plain::score_between_at_least(low, high, template, self.table, floor);
         }
-        // SAFETY: a `Bound` exists only where SSE2 does, the pictures are borrowed, and a register's width is there.
+        // SAFETY: a `Bound` exists only if SSE2 does, the pictures are borrowed, and rows are at least a vector wide.
         unsafe { self.reach::<true>(&rows, floor) }
     }
 
     #[inline(always)]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        // SAFETY: a `Bound` exists only where SSE2 does.
+        // SAFETY: a `Bound` exists only if SSE2 does.
         unsafe { spread(rows, low, high) }
     }
 
@@ -107,14 +106,14 @@ impl Scores for Bound<'_> {
         if rows.width < __m128i::LANES {
             return plain::distance(patch, template, enough);
         }
-        // SAFETY: a `Bound` exists only where SSE2 does, and both pictures are borrowed.
+        // SAFETY: a `Bound` exists only if SSE2 does, and both pictures are borrowed.
         unsafe { distance(&rows, enough) }
     }
 }
 
 #[target_feature(enable = "sse2")]
 unsafe fn distance(rows: &Rows, enough: u32) -> u32 {
-    // SAFETY: as the caller has seen to.
+    // SAFETY: as the caller guarantees.
     unsafe { by_width!(rows.width, __m128i, generic::distance::<__m128i, WHOLE, END>(rows, enough)) }
 }
 
@@ -128,20 +127,20 @@ fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 }
 
 impl<'a> Bound<'a> {
-    /// `None` where nothing counts, and where there is no SSE2: that there is a `Bound` is the proof that there is.
+    /// `None` if no pixel counts, or if there is no SSE2: a `Bound` proves that there is.
     pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
         let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
         is_available().then_some(Self { table, last, chord: table.chord() })
     }
 
-    /// What the score is at most, if that is at least `floor`. `BETWEEN`: the patch is between two pictures.
+    /// An upper bound of the score, if it is at least `floor`. `BETWEEN`: the patch lies between two pictures.
     ///
     /// # Safety
     /// The pictures that `rows` were made of are borrowed, and at least 16 pixels wide.
     #[target_feature(enable = "sse2")]
     unsafe fn reach<const BETWEEN: bool>(&self, rows: &Rows, floor: u32) -> Option<u32> {
         const FILLED: usize = 1; // at least
-        // SAFETY: this is compiled for SSE2; no register ends beyond the width, which `end` was made for.
+        // SAFETY: this is compiled for SSE2; no vector ends beyond the width, for which `end` was made.
         unsafe {
             let end = __m128i::end::<FILLED>(rows.width);
             let mut sums =
@@ -176,23 +175,23 @@ impl<'a> Bound<'a> {
     }
 }
 
-/// The sums that bound a score, in two parts each.
+/// The sums that bound a score, in two lanes each.
 struct Sums {
     /// The largest difference that counts.
     last: __m128i,
-    /// 255 for each pixel that counts, so that a comparison need not be made a number first.
+    /// 255 for each pixel that counts: the result of a comparison is added as it is.
     counted: __m128i,
     differences: __m128i,
 }
 
 impl Sums {
-    /// Adds the differences of the pixels that count, of those that are `valid`.
+    /// Adds the differences of the `valid` pixels that count.
     ///
     /// # Safety
     /// SSE2 is there.
     #[inline(always)]
     unsafe fn add(&mut self, difference: __m128i, valid: __m128i) {
-        // SAFETY: as the caller has seen to.
+        // SAFETY: as the caller guarantees.
         unsafe {
             let counts = __m128i::keep(__m128i::at_most(difference, self.last), valid);
             self.counted = __m128i::add(self.counted, counts);
@@ -200,15 +199,15 @@ impl Sums {
         }
     }
 
-    /// What the pixels score at most; it fits a `u32` for as many pixels as a template may have.
+    /// An upper bound of the score. It fits in a `u32` for every template.
     ///
     /// # Safety
     /// SSE2 is there.
     #[inline(always)]
     unsafe fn most(&self, chord: u32) -> u32 {
         const COUNTED: u32 = ONE as u32 / 255;
-        // Never below zero: the part that each pixel adds is at least its similarity.
-        // SAFETY: as the caller has seen to.
+        // Not negative: each pixel contributes at least its similarity.
+        // SAFETY: as the caller guarantees.
         unsafe { __m128i::across(self.counted) * COUNTED - __m128i::across(self.differences) * chord }
     }
 }

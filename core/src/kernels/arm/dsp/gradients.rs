@@ -1,23 +1,23 @@
-//! Gradients of a cell by the DSP extension: differences of four pixels at a time, and `smusd` says in one instruction how far a gradient
-//! is beyond a direction. The plain loop is in `plain/gradients.rs`.
+//! Gradients of a cell by the DSP extension. It takes the differences of four pixels at a time, and `smusd` computes in one instruction how
+//! far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
 use crate::kernels::cells::SIDE;
 use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sums, Votes};
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
-/// Cosine, and 16 bits higher sine, as `smusd` has them.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // both are numbers of 16 bits
+/// Cosine in the low 16 bits and sine in the high 16 bits, as `smusd` takes them.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // both fit in 16 bits
 const fn pair(cos: i32, sin: i32) -> u32 {
     cos as u16 as u32 | (sin as u16 as u32) << 16
 }
 
-/// Directions as the loop has them.
+/// Directions as the assembly reads them.
 #[repr(C)]
 struct Directions {
-    /// Of the sectors 0 to 4: the first direction, and the opposite of the second one.
+    /// For each of the sectors 0 to 4 its first direction and the opposite of its second.
     sectors: [[u32; 2]; 5],
-    /// The second to the fifth direction, of which the number that a gradient is beyond is its sector.
+    /// The second to the fifth direction. A gradient that is beyond n of them lies in sector n.
     between: [u32; 4],
 }
 
@@ -31,21 +31,21 @@ impl Directions {
     }
 }
 
-/// What the loop works on. The assembler knows where its fields are.
+/// Memory of the assembly, which knows the offsets of the fields.
 #[repr(C)]
-struct Desk {
-    /// Of the sectors 0 to 4 what the first direction gets, and 16 bits higher what the second one does.
+struct Memory {
+    /// The votes in the sectors 0 to 4: for the first direction in the low 16 bits, for the second in the high 16 bits.
     sectors: [u32; 5],
-    /// Where the pixels end.
+    /// The address where the pixels end.
     end: u32,
     directions: [[u32; 2]; 5],
     unused: [u32; 16],
-    /// Of those that mirror the sectors: 128 bytes on, the highest bit of a byte.
+    /// The votes in the mirrored sectors: 128 bytes further, which is the top bit of a byte.
     mirrored: [u32; 5],
 }
 
-/// A pixel, of which the register holds up, and 16 bits higher right, and byte `byte` of r8 in its highest bit whether it is mirrored. r11
-/// is the number of its sector less 4.
+/// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of byte `byte` of r8 says
+/// whether the gradient is mirrored. r11 becomes the sector minus 4.
 macro_rules! vote {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -103,19 +103,17 @@ pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
     sums
 }
 
-/// What the pixels of the cell at the column `at` add to each sector between two of the directions: to its first direction, and 16
-/// bits higher to its second one. Then those of the mirrored sectors; a gradient along an axis, which is split alike either way, may be
-/// there. Zeroes if the cell is not on the lines.
+/// The votes of the pixels of the cell at the column `at`, by sector, and those of the mirrored sectors (see [`Votes`]). A gradient along
+/// an axis may be in either of the two: it is split alike. Zeroes if the cell is not on the lines.
 #[inline(always)]
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directions: &Directions) -> [[u32; 5]; 2] {
     const { assert!(COLUMNS > 8 && COLUMNS < 256) };
     if at + 6 > COLUMNS {
         return [[0; 5]; 2];
     }
-    let mut desk = MaybeUninit::<Desk>::uninit();
-    // SAFETY: of six lines, COLUMNS bytes apart, six pixels are read, which are there: words of four, which need not be aligned, from
-    // the first and the third column of the inner lines and from the second one of those above and below. Of the desk all is written
-    // but what is unused. r6 and r7, which may not be named, are kept on the stack.
+    let mut memory = MaybeUninit::<Memory>::uninit();
+    // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields of `memory` are
+    // written except `unused`. r6 and r7, which `asm!` may not name, are saved on the stack.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -131,13 +129,13 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
             "strd r6, r6, [r0, #128]",
             "strd r6, r6, [r0, #136]",
             "str r6, [r0, #144]",
-            // Where the sector 4 is.
+            // Now r0 points to sector 4.
             "adds r0, #16",
             "2:",
             "ldr r6, [r1]",
             "ldr r7, [r1, #2]",
             "usub8 r12, r6, r7",
-            "uhsub8 r8, r7, r6", // the highest bit is the sign
+            "uhsub8 r8, r7, r6", // the top bit is the sign
             "usub8 r7, r7, r6",
             "sel r7, r7, r12",
             "ldr r6, [r1, #1 - {columns}]",
@@ -149,7 +147,7 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
             "eor r8, r8, lr",
             "and r8, r8, #0x80808080",
             "add r1, r1, #{columns}",
-            // The first and the third pixel.
+            // The first and the third pixel; below, the second and the fourth.
             "uxtb16 r9, r6",
             "uxtb16 r10, r7",
             "pkhbt r12, r9, r10, lsl #16",
@@ -166,7 +164,7 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
             "cmp r1, r12",
             "bne 2b",
             "pop {{r6, r7}}",
-            inout("r0") desk.as_mut_ptr() => _,
+            inout("r0") memory.as_mut_ptr() => _,
             inout("r1") lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS + at) => _,
             inout("r2") directions => _,
             out("r3") _,
@@ -180,7 +178,7 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
             out("lr") _,
             columns = const COLUMNS,
         );
-        let desk = desk.as_ptr();
-        [(&raw const (*desk).sectors).read(), (&raw const (*desk).mirrored).read()]
+        let memory = memory.as_ptr();
+        [(&raw const (*memory).sectors).read(), (&raw const (*memory).mirrored).read()]
     }
 }

@@ -1,10 +1,10 @@
-//! Sums of products by the DSP extension: `smlad` adds two products of 16 bits.
+//! Sums of products by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! A row of the filter that slides along a row of numbers is all there is to it: offsets side by side share each weight, and
-//! what lies under it slides from one offset's register to the next one's, so that each number is loaded once for all of them.
+//! Both loops slide a row of factors along a row of numbers. Up to five neighbouring sums share each factor. The numbers under it pass from
+//! the register of one sum to that of the next, so each number is loaded once for all of them. A factor is a pair of 16-bit numbers:
 //!
-//! - Responses: bytes become numbers of 16 bits, row by row; a pair is two channels of a cell.
-//! - Gathering: errors are the filter, and a pair is a byte and the one below it, of two rows that were put together.
+//! - Responses: two channels of a cell. Features are unpacked to 16 bits, row by row.
+//! - Gradient: the errors at an offset and at the one below it. The features of two rows of cells are unpacked as pairs.
 
 use crate::kernels::layout::{Layout, ROOM, Room};
 use crate::kernels::plain::products as plain;
@@ -13,12 +13,12 @@ use core::arch::asm;
 use core::ops::Range;
 use core::ptr;
 
-/// Bytes from an offset to the next one: those of a cell.
+/// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = 10;
-/// The most offsets on an axis for which errors are gathered here.
+/// The most offsets on an axis for which `gather` works here.
 const SPAN: usize = 17;
 
-/// See [`products::responses`]. A part is two rows of cells.
+/// See [`plain::responses`]. A part is two rows of cells.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
     room: &mut Room,
@@ -46,7 +46,7 @@ pub(crate) fn responses<const N: usize>(
         for (wide, &[first, second]) in rolled(wide.iter_mut().zip(pairs).take(used / 2)) {
             *wide = pair(first.into(), second.into());
         }
-        // The rows of weights that lie on this row of cells at some offset.
+        // For each row of weights that meets this row of cells at some offset.
         for (y, weights) in weights.chunks_exact(row.max(1)).enumerate() {
             let Some(out) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| out.get_mut(y)) else { continue };
             let (mut at, cells) = (0, row / STEP);
@@ -58,15 +58,15 @@ pub(crate) fn responses<const N: usize>(
                     count: cells,
                     filters: STEP / 2,
                 };
-                // SAFETY: the filter has `cells` cells of weights; `under` is followed by as many and the block's offsets less
-                // one; of `out`, `at` and the block's offsets are at most `span`.
+                // SAFETY: the filter has `cells` cells of weights. For n sums, `under` is followed by `cells + n - 1` cells, and `at + n` is at
+                // most `span`.
                 at += unsafe { block.of_at_most::<{ 2 * STEP }, { 2 * STEP }, 1>(span - at) };
             }
         }
     }
 }
 
-/// See [`products::gather`]. A part is two rows of cells.
+/// See [`plain::gather`]. A part is two rows of cells.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Room,
@@ -87,14 +87,14 @@ pub(crate) fn gather<const N: usize>(
     }
     for number in (2 * parts.start..rows.min(2 * parts.end)).step_by(2) {
         let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
-        // What lies below the last row meets no error.
+        // Below the last row anything will do: no error meets it.
         let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
         let (pairs, _) = room.as_chunks_mut();
         for ((both, &upper), &lower) in rolled(pairs.iter_mut().zip(upper).zip(lower)) {
             *both = pair(upper.into(), lower.into());
         }
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
-            // The errors at the offsets where this row of sums lies on the two rows of cells.
+            // The errors at the offsets where this row of sums meets the two rows of cells.
             let of = |number: usize| number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y));
             let (first, second) = (of(number), of(number + 1));
             if first.is_none() && second.is_none() {
@@ -117,8 +117,8 @@ pub(crate) fn gather<const N: usize>(
                         count: span,
                         filters: 1,
                     };
-                    // SAFETY: the filter has `span` errors; `under` is followed by as many cells and the block's less one; of
-                    // the row of sums, `at` and the block's cells are at most all.
+                    // SAFETY: the filter has `span` errors. For n sums, `under` is followed by `span + n - 1` cells, and `at + n` is at most
+                    // `across`.
                     at += unsafe { block.of_at_most::<4, { 4 * STEP }, STEP>(across - at) };
                 }
             }
@@ -126,35 +126,36 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Two numbers as `smlad` has them.
+/// Two numbers as `smlad` takes them.
 fn pair(low: i16, high: i16) -> [u16; 2] {
     [low.cast_unsigned(), high.cast_unsigned()]
 }
 
-/// The rows of offsets that a loop of `products.rs` goes through in the place of these parts: all with the first one.
+/// The parts of the plain loop that stand for these parts: all of them for the first one, then none.
 fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
     if parts.start == 0 { 0..span } else { 0..0 }
 }
 
-/// Sums side by side, and what is added to them: so many filters of `count` pairs each, a pair after the other, and what lies under them
-/// at the first of the sums.
+/// Neighbouring sums, and what is added to them. Filter i of `filters` has `count` factors, which begin 4 * i bytes after `filter`; the
+/// numbers under them at the first sum begin 4 * i bytes after `under`.
 #[derive(Clone, Copy)]
 struct Block {
     filter: *const u8,
     under: *const u8,
     sums: *mut i32,
     count: usize,
-    filters: usize, // not a constant, of which the compiler would unroll the loop
+    filters: usize, // no constant, or the compiler would unroll the loop
 }
 
 impl Block {
-    /// Some of the sums that are left; says how many. A function for three would take 0.5 KB of flash, and is hardly ever wanted.
+    /// Computes some of the `left` remaining sums and returns how many. There is no function for three: it would take 0.5 KB of flash and
+    /// hardly ever run.
     ///
     /// # Safety
     /// As [`Block::slide5`] for as many.
     #[inline(always)]
     unsafe fn of_at_most<const F: usize, const U: usize, const S: usize>(self, left: usize) -> usize {
-        // SAFETY: the caller has seen to it.
+        // SAFETY: as the caller guarantees.
         unsafe {
             match left {
                 0 => 0,
@@ -167,7 +168,7 @@ impl Block {
     }
 }
 
-/// One place of the filter: its weight, the last number under it, which is new there, and the products for all sums.
+/// One factor: loads it and the next number under it, and adds its products to all sums.
 macro_rules! turn {
     ([$($sum:literal)*] [$($under:literal)*] $new:literal) => {
         concat!(
@@ -178,28 +179,29 @@ macro_rules! turn {
     };
 }
 
-/// A function for so many sums. Each turn of the window of what lies under the filter is written out: no number is moved.
+/// A function for n sums. The loop is unrolled n times, with the registers of the numbers rotated: no number moves.
 macro_rules! slide {
     ($name:ident, $n:literal, [$($sum:ident $sum_in:tt)*], [$($first:ident $first_in:tt)*]:
         $($sums:tt $window:tt $new:tt;)*) => {
         impl Block {
-            /// Adds to its sums, which are `S` numbers apart: to each the products of the filter and what lies under it; `U` bytes
-            /// on, that of the next sum lies. Pairs of a filter are `F` bytes apart. Returns how many sums there are, here called n.
+            /// Adds to each of n sums the products of the filter and the numbers under it, and returns n. Sums are `S` numbers apart, factors
+            /// `F` bytes, numbers `U` bytes.
             ///
             /// # Safety
-            /// `filter` can be read so often, `under` for n - 1 more, and `sums` can be written to; only `sums` must be aligned.
+            /// `count` factors can be read at `filter`, `count + n - 1` numbers at `under`, and n sums written at `sums`. Only `sums` must
+            /// be aligned.
             #[inline(never)]
             unsafe fn $name<const F: usize, const U: usize, const S: usize>(&self) -> usize {
                 let mut sums = self.sums;
-                // SAFETY: there are n sums, so far apart.
+                // SAFETY: there are n sums.
                 $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
                 for pair in 0..self.filters {
-                    #[allow(unused_mut)] // of one sum, there is nothing before
+                    #[allow(unused_mut)] // for one sum nothing is loaded ahead
                     let mut cells = self.under.wrapping_add(4 * pair);
-                    // SAFETY: n - 1 more than `count` can be read.
+                    // SAFETY: `count + n - 1` numbers can be read.
                     $(let $first = unsafe { load::<U>(&mut cells) };)*
-                    // SAFETY: of the filter `count` pairs are read, of what lies under it as many more. r6 and r7, which may not
-                    // be named, are kept on the stack. r11 brings `count`.
+                    // SAFETY: `count` factors and as many more numbers are read. r6 and r7, which `asm!` may not name, are saved on the
+                    // stack. r11 passes `count`.
                     unsafe {
                         asm!(
                             "push {{r6, r7}}",
@@ -254,7 +256,7 @@ slide!(slide5, 5, [a "r0" b "r1" c "r2" d "r3" e "r4"], [f "r5" g "r8" h "r9" i 
     ["r0" "r1" "r2" "r3" "r4"] ["r10" "r11" "r5" "r8" "r9"] "r9";
     ["r0" "r1" "r2" "r3" "r4"] ["r11" "r5" "r8" "r9" "r10"] "r10";);
 
-/// The number there, and on by so many.
+/// The address of this number; moves `at` on by `STEP` numbers.
 #[inline(always)]
 fn next<const STEP: usize>(at: &mut *mut i32) -> *mut i32 {
     let this = *at;
@@ -262,13 +264,13 @@ fn next<const STEP: usize>(at: &mut *mut i32) -> *mut i32 {
     this
 }
 
-/// A pair, and on by so many bytes.
+/// Loads a pair; moves `at` on by `STEP` bytes.
 ///
 /// # Safety
-/// It can be read.
+/// Four bytes can be read at `at`.
 #[inline(always)]
 unsafe fn load<const STEP: usize>(at: &mut *const u8) -> u32 {
-    // SAFETY: the caller has seen to it; it need not be aligned.
+    // SAFETY: as the caller guarantees. The pair need not be aligned.
     let pair = unsafe { ptr::read_unaligned(at.cast::<u32>()) };
     *at = at.wrapping_add(STEP);
     pair

@@ -1,13 +1,13 @@
-//! The kernels by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
+//! Scores by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
 //!
 //! - `usada8` adds the four absolute differences of two registers to a third.
-//! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and what is left of a threshold after that.
-//! - `usub8` compares, and `sel` then selects: the larger of each two pixels, and the smaller.
+//! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and how much of a threshold remains.
+//! - `usub8` compares, and `sel` then selects the larger or the smaller of each two pixels.
 //!
-//! `asm!`, as the intrinsics need an unstable compiler; whole loops of it, as these have to do without what a compiler
-//! spills for want of registers. Rows begin at any address, and words are loaded from there. These processors do so from
-//! Normal memory, unless firmware has set `UNALIGN_TRP`, which compilers for them do not allow for either. From Device memory
-//! they fault: external RAM is that (0xA000_0000 and up) until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
+//! The intrinsics need an unstable compiler, so these are `asm!`: whole loops, because the compiler would spill registers between pieces.
+//! Rows begin at any address, and words are loaded from there. That works in Normal memory, unless firmware sets `UNALIGN_TRP`. In Device
+//! memory it faults; external RAM (0xA000_0000 and up) is Device memory until the MPU says otherwise. See
+//! [`Backend`](crate::similarity::Backend).
 
 use super::super::loss::{Limit, Lookup, blocks};
 use crate::image::Image;
@@ -21,21 +21,22 @@ use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 /// Pixels in a register.
 const LANES: usize = 4;
 
-/// The columns that `distance` goes down at a time: the words for which its loop is unrolled.
+/// Columns that `distance` takes at a time: its loop is unrolled for so many.
 const STRIP: usize = 32 * LANES;
 
-/// The columns that the filter goes down at a time, and the bytes of its code for a word.
-const FILTER_STRIP: usize = 16 * LANES;
-const FILTER_WORD: usize = 34;
+/// Columns that `loss` takes at a time.
+const LOSS_STRIP: usize = 16 * LANES;
+/// Bytes of its code for a word.
+const LOSS_WORD: usize = 34;
 
-/// Distances of that many pixels are below 2^30.
+/// A distance of so many pixels is below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
 pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
-    /// How many scores are to be begun without the bound, and how often in turn it has excluded nothing. (Atomic so that
-    /// a scorer can be shared as it can elsewhere; what comes of it does not depend on them.)
+    /// How many scores to compute next without asking the bound. Atomic, so that a scorer can be shared; no result depends on it.
     without: AtomicU8,
+    /// A one for each time in a row that the bound excluded nothing. Atomic for the same reason.
     in_vain: AtomicU8,
 }
 
@@ -82,13 +83,13 @@ impl Scores for Dsp<'_> {
         if pair.width < LANES || pair.width * pair.height > MAX_PIXELS {
             return few_or_many(patch, template, enough);
         }
-        // Below zero as long as it is not more than enough; and all differences can be added without overflow.
+        // Negative until the distance exceeds `enough`. No sum overflows.
         let start = !enough.min(1 << 30).cast_signed();
         let mut sum = start;
         let mut column = 0;
         while column < pair.width && sum < 0 {
             let width = STRIP.min(pair.width - column);
-            // SAFETY: the strip is a part of the pair, which has at least four columns.
+            // SAFETY: the strip lies in the pair, which has at least four columns.
             unsafe { sum = strip(&pair, column, width, sum) };
             column += STRIP;
         }
@@ -102,14 +103,14 @@ impl Scores for Dsp<'_> {
             return plain::spread(rows, low, high);
         }
         let addresses = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: so many blocks of pixels are there, and so much room: at least four.
+        // SAFETY: rows have the pixels of so many blocks, and `low` and `high` the room. It is at least four.
         unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
     }
 }
 
 impl Dsp<'_> {
-    /// True only if the score is less than `floor`. The bound takes half the time of a score, so where it excludes nothing
-    /// it is asked ever less: at last before one score out of 16.
+    /// True only if the score is less than `floor`. The bound takes half the time of a score. So it is asked less and less often while it
+    /// excludes nothing: in the end for one score in 16.
     #[inline(always)]
     fn excludes(&self, pair: &Rows, floor: u32) -> bool {
         if let Some(without) = self.without.load(Relaxed).checked_sub(1) {
@@ -124,20 +125,20 @@ impl Dsp<'_> {
     }
 }
 
-/// What a round of the loop over rows of `reachable` needs, apart from what is always in registers.
+/// What the loop over rows of `reachable` reads from memory. The assembly knows the offsets.
 #[repr(C)]
 struct Row {
     f_stride: usize,
     g_stride: usize,
-    /// Where the last columns are that are not a whole word, as the upper part of a word; 0 if there are none.
+    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// The lower bits of that word, which are columns before.
+    /// How many lower bits of that word belong to columns before.
     none: usize,
-    /// Where the template's rows end.
+    /// The address where the rows of the template end.
     end: *const u8,
 }
 
-/// The score; or, once the pixels that are left cannot lift it to the floor any more, less than the floor.
+/// The score if it is at least `floor`, else any number below `floor`.
 ///
 /// # Safety
 /// The pictures have at least four columns; there are 256 entries, the first of which is [`ONE`].
@@ -153,8 +154,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
         none: 8 * (LANES - left),
         end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
     };
-    // SAFETY: of each row whole words are read, and the word that ends with it; of the table entries up to 255. Nothing is
-    // written.
+    // SAFETY: only words within a row and entries up to 255 are read. Nothing is written.
     unsafe {
         asm!(
             "2:",
@@ -164,7 +164,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             "ldr {w}, [{f}, r2]",
             "ldr r2, [{g}, r2]",
             "lsr {w}, {w}, r3",
-            "lsr r2, r2, r3", // what is no pixel of its own is equal
+            "lsr r2, r2, r3", // shifted in on both sides: equal
             "uqsub8 r3, {w}, r2",
             "uqsub8 {w}, r2, {w}",
             "b 4f",
@@ -208,7 +208,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             words = in(reg) words,
             row = in(reg) &raw const row,
             entries = in(reg) entries,
-            // With what is added for what is no pixel.
+            // Includes what the shifted-in zeroes add.
             full = in(reg) plain::full(pair.width.next_multiple_of(LANES)),
             floor = in(reg) floor,
             reachable = inout(reg) reachable,
@@ -218,14 +218,14 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// Apart, so that what it needs does not burden the usual case.
+/// A function of its own, so that the usual case saves no registers for it.
 #[cold]
 #[inline(never)]
 fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
-/// Unrolled in text, not by `.irp`: a compiler that counts lines to tell how far its jumps across them reach must see them.
+/// Unrolled in the text, not by `.irp`: the compiler counts lines to know how far its jumps reach.
 macro_rules! distance_of_words {
     ($($offset:literal)*) => {
         concat!($(
@@ -236,16 +236,16 @@ macro_rules! distance_of_words {
     };
 }
 
-/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, until that is not negative any more.
+/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, row by row until it is no longer negative.
 ///
 /// # Safety
 /// The pair has these columns, and at least four.
 #[inline(always)]
 unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     let left = width % LANES;
-    // The last columns are the upper part of the last word, which begins in the columns before. 0 if there are none.
+    // The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     let last = if left == 0 { 0 } else { width.wrapping_sub(LANES) };
-    // SAFETY: of each row, whole words and the last word of `width` are read; nothing is written.
+    // SAFETY: only words within the `width` columns of a row are read. Nothing is written.
     unsafe {
         asm!(
             "adr.w {words}, 4f",
@@ -259,14 +259,14 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
             "usada8 {sum}, r2, r3, {sum}",
             "3:",
             "mov pc, {words}",
-            ".p2align 2", // so that 4 is where adr can point to
+            ".p2align 2", // adr can point to 4 only if it is aligned
             distance_of_words!(124 120 116 112 108 104 100 96 92 88 84 80 76 72 68 64),
             distance_of_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
             "4:",
             "add r0, r0, {f_stride}",
             "add r1, r1, {g_stride}",
             "adds {rows}, {rows}, #1",
-            "tst {rows}, {sum}", // negative if both are
+            "tst {rows}, {sum}", // negative while both are
             "bmi.w 2b",
             words = out(reg) _,
             inout("r0") pair.patch.wrapping_add(column) => _,
@@ -285,7 +285,7 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
-/// Of each two pixels of two registers the smaller (`least`) or the larger (`most`); `free` is lost.
+/// The smaller (`least`) or the larger (`most`) of each two pixels of two registers. Overwrites `free`.
 macro_rules! of_two {
     (least, $to:literal, $x:literal, $y:literal, $free:literal) => {
         concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
@@ -295,7 +295,7 @@ macro_rules! of_two {
     };
 }
 
-/// The same of each four rows of pixels at `at`.
+/// The smallest and the largest pixel of four rows in each of four columns from `at` on.
 macro_rules! of_four_rows {
     ($low:literal, $high:literal) => {
         concat!(
@@ -314,7 +314,7 @@ macro_rules! of_four_rows {
     };
 }
 
-/// Of each four neighbours in columns 0 to 3 and 4 to 7.
+/// The smallest or the largest of four neighbours, for four columns; `next` holds the four columns after them.
 macro_rules! of_four_columns {
     ($what:ident, $first:literal, $next:literal) => {
         concat!(
@@ -332,11 +332,11 @@ macro_rules! of_four_columns {
 }
 
 /// # Safety
-/// At all `rows` there are `blocks` bytes and three more, at `low` and at `high` there are `blocks`: at least four.
+/// `blocks + 3` bytes can be read at each of `rows`, and `blocks` bytes written at `low` and `high`. `blocks` is at least four.
 #[inline(always)]
 unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usize) {
-    // SAFETY: four blocks at a time, of words that begin where they do and four bytes to the right. The last four blocks may
-    // be some of those before again: three bytes to the right of them is the last word of a row.
+    // SAFETY: a round takes four blocks: words at `at` and at `at + 4`. The last round takes the last four blocks, perhaps some of them again,
+    // and reads its second word at `last + 3`, the last word of a row.
     unsafe {
         asm!(
             of_four_rows!("{a}", "{b}"),
@@ -372,7 +372,7 @@ unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usi
             f = out(reg) _,
             g = out(reg) _,
             rows = in(reg) rows,
-            // `at` is a word ahead where these are written to.
+            // `at` is a word ahead when these are written.
             low = in(reg) low.wrapping_sub(LANES),
             high = in(reg) high.wrapping_sub(LANES),
             at = inout(reg) 0 => _,
@@ -382,47 +382,49 @@ unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usi
     }
 }
 
-/// What the pictures, which have at least four columns, lose at least; once that is more than is allowed, any part of it
-/// that is.
+/// The least loss of the pictures, which have at least four columns. Stops once it is more than allowed.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
     let mut clipped = Clipped::default();
     let mut column = 0;
     while column < pair.width && clipped.loss(limit) <= limit.allowed {
-        let width = FILTER_STRIP.min(pair.width - column);
+        let width = LOSS_STRIP.min(pair.width - column);
         // SAFETY: the strip is a part of the pair, which has at least four columns.
         unsafe { clipped.add(pair, column, width, limit) };
-        column += FILTER_STRIP;
+        column += LOSS_STRIP;
     }
     clipped.loss(limit)
 }
 
-/// Sums of min(difference, threshold), and of min(difference, threshold - 1): these differ by 1 for every pixel that does
-/// not count.
+/// The sums of min(d, threshold) and of min(d, threshold - 1) over all differences d. They differ by the number of pixels that do not count.
 #[derive(Default)]
 struct Clipped {
     by_threshold: u32,
     by_one_less: u32,
 }
 
-/// What a round of the loop over rows needs, apart from what is always in registers.
+/// What the loop over rows of [`Clipped::add`] reads from memory. The assembly knows the offsets.
 #[repr(C)]
 struct Round {
     f_stride: usize,
     g_stride: usize,
-    /// What is lost for each unit of the two sums.
+    /// The loss for each unit of the first and of the second sum.
     of_threshold: u32,
     of_one_less: u32,
     allowed: u32,
-    /// Where the template's rows end.
+    /// The address where the rows of the template end.
     end: *const u8,
     none: usize,
     words: usize,
 }
 
 impl Limit {
-    /// With M and M' the two sums, M - M' pixels do not count, and M less (M - M') * threshold is the sum of the
-    /// differences of the others. So this is lost for each unit of M; and less by what is lost for each level, for M'.
+    /// The loss for each unit of the first sum.
+    ///
+    /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences of the others sum to
+    /// M - (M - M') t. So
+    ///
+    ///     loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'
     fn of_threshold(&self) -> u32 {
         u32::from(ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
     }
@@ -451,10 +453,9 @@ impl Clipped {
         by_threshold.wrapping_add(limit.chord.wrapping_sub(limit.of_threshold()).wrapping_mul(self.by_one_less))
     }
 
-    /// Adds `width` (1..=`FILTER_STRIP`) columns from `column` on, until more is lost than is allowed.
+    /// Adds `width` (1..=`LOSS_STRIP`) columns from `column` on, until more is lost than is allowed.
     ///
-    /// What `uqsub8` leaves of the threshold after a difference is as far from the threshold as the difference, and no
-    /// farther than 0: that is what `usada8` adds.
+    /// `uqsub8` gives max(threshold - d, 0), and the distance of that to the threshold, which `usada8` adds, is min(d, threshold).
     ///
     /// # Safety
     /// The pair has these columns, and at least four.
@@ -471,10 +472,10 @@ impl Clipped {
             allowed: limit.allowed,
             end: template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
             none: 8 * (LANES - left),
-            words: width / LANES * FILTER_WORD,
+            words: width / LANES * LOSS_WORD,
         };
-        // SAFETY: of each row, whole words and the last word of `width` are read; what the patch is at most has rows as far
-        // apart as the patch. Nothing but `round` is written.
+        // SAFETY: only words within the `width` columns of a row are read. The upper bound has the same stride as the patch. Nothing but
+        // `round` is written.
         unsafe {
             asm!(
                 "adr.w r2, 4f",
@@ -498,7 +499,7 @@ impl Clipped {
                 "usada8 {less}, {one_less}, r2, {less}",
                 "3:",
                 "ldr.w pc, [{round}, #28]",
-                ".p2align 2", // so that 4 is where adr can point to
+                ".p2align 2", // adr can point to 4 only if it is aligned
                 clipped_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
                 "4:",
                 "ldrd r2, r3, [{round}]",
@@ -519,7 +520,7 @@ impl Clipped {
                 inout("r4") pair.high.wrapping_add(column) => _,
                 out("r2") _,
                 out("r3") _,
-                // The last columns are the upper part of the last word, which begins in the columns before.
+                // The offset of the word whose upper part holds the columns after the last whole word.
                 in("r5") if left == 0 { 0 } else { width.wrapping_sub(LANES) },
                 d = out(reg) _,
                 threshold = in(reg) in_lanes(limit.threshold),

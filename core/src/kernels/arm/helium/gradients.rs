@@ -1,5 +1,4 @@
-//! Cells of the robust tracker by Helium: gradients of eight cells side by side, and their sums as bytes. A lane is a cell. The plain
-//! loops are in `plain/gradients.rs`.
+//! Cells of gradient orientations by Helium: eight cells at a time, each in a lane. The plain loops are in `plain/gradients.rs`.
 
 #[cfg(feature = "verify")]
 use crate::kernels::cells::CELL;
@@ -9,31 +8,33 @@ use crate::kernels::plain::gradients as plain;
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
-/// Cells side by side.
+/// Cells at a time.
 const LANES: usize = 8;
-/// Of four cells, pixel by pixel: the first direction's sum of the sector 0 in [`Sectors`]; and where a pixel's bytes are in [`Pixels`].
+/// For each pixel in a row of four cells: the index in [`Sectors`] of the votes of its cell for the first direction of sector 0, and the
+/// offset of its bytes in [`Pixels`].
 static PLACES: [[u8; 16]; 2] = [
     [32, 32, 32, 32, 33, 33, 33, 33, 34, 34, 34, 34, 35, 35, 35, 35],
     [0, 24, 48, 72, 1, 25, 49, 73, 2, 26, 50, 74, 3, 27, 51, 75],
 ];
-/// What gradients are multiplied by, and other numbers of the search for a sector: the registers r3 to r12.
+/// Factors of gradients and other constants of the search for a sector, for the registers r3 to r12.
 static NUMBERS: [i32; 10] = [-4, 31, -12, 1, -8, -10, 9, 6, 11, -3];
-/// Bytes to a cell's features.
+/// Offsets of the features of eight cells.
 static FEATURES: [u16; LANES] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// Sums of eight cells by the sector between two directions: of the sectors 4 to 0, then of those that mirror them, what the first
-/// direction gets; then of all of these what the second one does.
+/// The votes of eight cells: for the first direction of the sectors 4 to 0, then of the mirrored sectors; then the same for the second
+/// direction.
 #[repr(align(4))]
-#[allow(dead_code)] // the assembler reads it
+#[allow(dead_code)] // the assembly reads it
 struct Sectors(MaybeUninit<[[u16; LANES]; 20]>);
 
-/// Gradients of eight cells: of one pixel of each how far up and how far to the right, without sign, and where their sums are; then of
-/// their next pixels in that row.
+/// Gradients of eight cells. For the first pixel of each cell in a row |y|, then |x|, then the index of its votes; then the same for the
+/// next pixels in that row.
 #[repr(align(4))]
-#[allow(dead_code)] // the assembler reads it
+#[allow(dead_code)] // the assembly reads it
 struct Pixels(MaybeUninit<[[[u8; LANES]; 3]; 4]>);
 
-/// Gradients of 16 pixels in a row, of which r0 points to the left of the first one, r4 above and r5 below. q1 is where their sums are.
+/// Gradients of 16 pixels in a row. r0 points to the left neighbour of the first pixel, r4 to the one above, r5 to the one below. q1
+/// becomes the index of the votes.
 macro_rules! pixels {
     ($from:literal, $place:literal, $places:literal) => {
         concat!(
@@ -49,11 +50,11 @@ macro_rules! pixels {
             "vldrb.u8 q3, [r5, #",
             $from,
             "]\n",
-            "vhsub.u8 q4, q1, q0\n", // the highest bit is the sign
+            "vhsub.u8 q4, q1, q0\n", // the top bit is the sign
             "vabd.u8 q0, q0, q1\n",
             "vhsub.u8 q1, q3, q2\n",
             "vabd.u8 q2, q2, q3\n",
-            // Mirrored where the signs differ. Where one of the two is 0 the outcome is the same.
+            // Mirrored if the signs differ. If x or y is 0, both ways give the same votes.
             "veor q4, q4, q1\n",
             $place,
             "\n",
@@ -72,8 +73,8 @@ macro_rules! pixels {
     };
 }
 
-/// Goes on to a farther direction where the last one, q6, is not beyond the gradient: that was the sector's first one, perhaps. Then t
-/// in q5 and F in q6.
+/// Steps to the next direction in the lanes where F of the last one (q6) is not negative, and notes that one as the first direction of the
+/// sector. Computes t of the next direction in q5 and F in q6.
 macro_rules! next {
     ($first:literal, $second:literal; $third:literal, $fourth:literal) => {
         concat!(
@@ -94,14 +95,14 @@ macro_rules! next {
     };
 }
 
-/// Zeroes, from q0.
+/// Stores q0, which is zero.
 macro_rules! zero {
     ($($number:literal)*) => {
         concat!($("vstrw.32 q0, [r1, #16 * ", $number, "]\n",)*)
     };
 }
 
-/// A sum of the sectors' numbers: where it goes, and its square added to the energies, those of even cells in q2, of odd ones in q3.
+/// Adds up the votes for a direction, stores the sum, and adds its square to the energies: q2 for even cells, q3 for odd ones.
 macro_rules! sum {
     ($first:literal $($other:literal)*) => {
         concat!(
@@ -117,7 +118,7 @@ macro_rules! sum {
     };
 }
 
-/// The sums of a row of cells, and their energies: eight cells at a time. There is room for as many, also on the lines.
+/// The sums of a row of cells and their energies, as in the plain loop. Rows and lines have room for a multiple of eight cells.
 #[inline(never)] // one copy in flash
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -140,13 +141,17 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The sums of eight cells, of which `block` says which eight: nine by direction, that of gray levels, and the energy. Nothing if they are
-/// not on the lines or in the rows.
+/// The nine gradient sums, the sum of gray levels and the energy of each of the eight cells of block `block`. Does nothing if they are not
+/// on the lines or have no room in the rows.
 ///
-/// How far a gradient is beyond a direction, v = cos * up - sin * right, has 19 bits and a sign; all that is asked for is v / 64 and
-/// -v / 64, rounded down. With v = 64 * f + t these are f + (t >> 6), here called F, and -F, less 1 unless v is a multiple of 64: all of
-/// it fits in 16 bits. F never grows from a direction to the next one, so that of the sector's first direction is the last one that is
-/// not negative, and the next one, of which t is needed, too, is the second direction's.
+/// How far a gradient is beyond a direction, v = cos * |y| - sin * |x|, has 19 bits and a sign. The votes need only v / 64 and -v / 64,
+/// both rounded down. Let v = 64 f + t. Then
+///
+///     floor(v / 64)  = F = f + (t >> 6)
+///     floor(-v / 64) = -F, less 1 unless v is a multiple of 64
+///
+/// and all of it fits in 16 bits. F never grows from one direction to the next. So the last direction with F >= 0 is the first of the
+/// sector, and the next one, whose t is needed too, is the second. In the table, up = |y| and right = |x|.
 ///
 /// | direction | cos | sin | t | f |
 /// |---|---|---|---|---|
@@ -156,7 +161,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
 /// | 3 | 374 | 648 | -10 up - 8 right | 6 up - 10 right |
 /// | 4 | 130 | 737 | 2 up + 31 right | 2 up - 12 right |
 /// | 5 | -130 | 737 | -2 up + 31 right | -2 up - 12 right |
-#[inline(never)] // a compiler would write it out for each block of a row
+#[inline(never)] // the compiler would unroll the loop over blocks
 fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; 6],
     block: usize,
@@ -170,7 +175,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     let mut sectors = Sectors(MaybeUninit::uninit());
     let mut gradients = Pixels(MaybeUninit::uninit());
     let to = (&raw mut gradients).cast::<u8>();
-    // The pixel above and to the left of the first one.
+    // The upper left neighbour of the first pixel.
     let pixels = lines.as_ptr().cast::<u8>().wrapping_add(at);
     // SAFETY: all of `sectors` is written.
     unsafe {
@@ -184,7 +189,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
     let (mut line, end) = (pixels.wrapping_add(COLUMNS), pixels.wrapping_add(5 * COLUMNS));
     while line != end {
-        // SAFETY: of six lines, COLUMNS bytes apart, 34 pixels are read, which are there. Of `gradients` all is written, 16 bytes at a time.
+        // SAFETY: 34 pixels of each of six lines are read, and the check above leaves room for them. All of `gradients` is written, 16 bytes at
+        // a time.
         unsafe {
             asm!(
                 "vldrb.u8 q6, [r4]",
@@ -194,7 +200,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 "add r5, r0, #{line} + 1",
                 pixels!(0, "vorr q1, q6, q6", "q7"),
                 pixels!(16, "vadd.i8 q1, q6, r9", "q5"),
-                "add r0, r0, #{line}", // here, or the loop would be written out
+                "add r0, r0, #{line}", // in the assembly, or the compiler would unroll the loop
                 inout("r0") line,
                 in("r1") to,
                 in("r2") to.wrapping_add(LANES),
@@ -215,8 +221,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 options(nostack),
             );
         }
-        // SAFETY: `gradients` and `sectors` were written. The sums 0 to 79 are read and written by way of r1, those from 80 on by way of
-        // r2. r6 and r7, which may not be named, are kept in q3.
+        // SAFETY: `gradients` and `sectors` were written. r1 leads to the votes 0 to 79 and r2 to those from 80 on. r6 and r7, which `asm!`
+        // may not name, are saved in q3.
         unsafe {
             asm!(
                 "vmov d6, r6, r7",
@@ -224,25 +230,25 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 "mov lr, #4",
                 "dls lr, lr",
                 "2:",
-                // q0 is up, q1 right.
+                // q0 is |y|, q1 is |x|.
                 "vldrb.u16 q1, [r0, #8]",
                 "vldrb.u16 q7, [r0, #16]",
                 "vldrb.u16 q0, [r0], #24",
-                // 0
+                // Direction 0.
                 "vmul.i16 q6, q0, r11",
                 "vshr.u16 q4, q6, #4",
                 "vadd.i16 q4, q4, q6",
-                // 1
+                // Direction 1.
                 "vneg.s16 q5, q0",
                 "vshr.s16 q2, q5, #6",
                 "vadd.i16 q6, q6, q2",
                 "vmla.i16 q6, q1, r3",
-                // 2 to 4
+                // Directions 2 to 4.
                 "vadd.i16 q2, q0, q0",
                 next!("vmult.i16 q5, q1, r4", "vmlat.i16 q5, q0, r12"; "vmlat.i16 q6, q0, r9", "vmlat.i16 q6, q1, r7"),
                 next!("vmult.i16 q5, q0, r8", "vmlat.i16 q5, q1, r7"; "vmlat.i16 q6, q0, r10", "vmlat.i16 q6, q1, r8"),
                 next!("vmult.i16 q5, q1, r4", "vaddt.i16 q5, q5, q2"; "vaddt.i16 q6, q6, q2", "vmlat.i16 q6, q1, r5"),
-                // 5, of which t is 4 up less.
+                // Direction 5: its t is lower by 4 |y|.
                 "vptttt.s16 ge, q6, zr",
                 "vorrt q4, q6, q6",
                 "vaddt.i16 q7, q7, r7",
@@ -251,7 +257,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 "vpstt",
                 "vsubt.i16 q6, q6, q2",
                 "vmlat.i16 q6, q1, r5",
-                // q4 is what the second direction gets; the first one -F of it, less 1 where the lowest six bits are not 0.
+                // The second direction gets q4, the first -F, less 1 if the lowest six bits of t are not 0.
                 "vshl.i16 q5, q5, #10",
                 "vpt.i16 ne, q5, zr",
                 "vaddt.i16 q6, q6, r6",
@@ -287,8 +293,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
             );
         }
     }
-    // SAFETY: `sectors` was written. Of each row of sums, 2 * ROW bytes apart, and of the energies eight are written from `first` on, which
-    // are there. Of the four inner lines 32 pixels are read.
+    // SAFETY: `sectors` was written. Eight sums of each row and eight energies are written from `first` on: `first + LANES <= ROW`. 32 pixels
+    // of the four inner lines are read.
     unsafe {
         asm!(
             "vmov.i32 q2, #0",
@@ -304,7 +310,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
             sum!(19 8),
             "vst20.32 {{q2, q3}}, [r2]",
             "vst21.32 {{q2, q3}}, [r2]",
-            // Gray levels: those of four cells are a register; two of them are added, and then two such sums.
+            // Gray levels: a vector holds a row of four cells. Neighbouring pixels are added, then neighbouring sums.
             "vmov.i32 q2, #0",
             "vmov.i32 q3, #0",
             "mov lr, #4",
@@ -345,18 +351,16 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The bytes of cells side by side, ten each: nine sums times the cell's number of `inverses`, less 16 places, at most 127; and the
-/// tenth less 4 places, less 128. As many as `out` has room for.
-///
-/// No product reaches 2^32.
+/// The features of a row of cells, as many as `out` has room for: for each cell nine times `min(sum * inverse >> 16, 127)`, and
+/// `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };
     const { assert!(ROW.is_multiple_of(LANES)) };
     if out.is_empty() || out.len() > ROW {
         return;
     }
-    // SAFETY: of eight cells at a time sums and inverses are read, which are there: there are a multiple of eight. Of the bytes only those
-    // of cells that are left are written.
+    // SAFETY: sums and inverses are read for eight cells at a time, and ROW is a multiple of eight. Features are written only for the cells
+    // in `out`.
     unsafe {
         asm!(
             "vldrh.u16 q7, [r3]",
@@ -371,7 +375,7 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW]
             "dls lr, lr",
             "2:",
             "vldrh.u16 q2, [r5], #{row}",
-            // The inverse's upper half counts whole, of its lower half the upper half of the product.
+            // sum * upper half of the inverse + (sum * lower half >> 16).
             "vmulh.u16 q3, q2, q0",
             "vmul.i16 q2, q2, q1",
             "vadd.i16 q2, q2, q3",

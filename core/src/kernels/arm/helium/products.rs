@@ -1,21 +1,21 @@
 //! Sums of products by Helium: eight products an instruction.
 //!
-//! - Responses: `vmladava` adds the products of two registers to a number. Up to seven offsets side by side share the weights that were loaded.
-//!   In a loop from `dlstp` to `letp` the last round has as many lanes as there are weights left: nothing else is read.
-//! - Gathering: the bytes of a channel are put side by side; then what errors say of its weights are responses, too, to a filter of
-//!   errors at the offset of each weight.
+//! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the loaded weights. In a loop
+//!   from `dlstp` to `letp` the last round has as many lanes as weights are left: nothing else is read.
+//! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a filter of errors, at
+//!   the offset of each weight.
 
 use crate::kernels::layout::{Layout, Room};
 use crate::kernels::plain::products as plain;
 use core::arch::asm;
 use core::ops::Range;
 
-/// Bytes from an offset to the next one: those of a cell.
+/// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = 10;
-/// The most sums side by side.
+/// The most neighbouring sums at a time.
 const MOST: usize = 7;
 
-/// Whether a filter of so many weights lies on the cells at all offsets, cell by cell; and its rows.
+/// The rows of a filter of `weights` weights, if it has whole cells and the cells suffice at all offsets.
 fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
     let Layout { row, stride, step, span } = layout;
     let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
@@ -24,7 +24,7 @@ fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
     (cells.len() >= needed).then_some(down)
 }
 
-/// See [`products::responses`].
+/// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
     cells: &[i8],
@@ -45,7 +45,7 @@ pub(crate) fn responses<const N: usize>(
         let from = cells.as_ptr().wrapping_add(y * stride);
         let mut x = 0;
         while x < span {
-            // As few blocks as there can be, and alike; the last one may begin before the one before it has ended.
+            // As few blocks as possible, of similar size. The last one may overlap the one before it.
             let width = match span - x {
                 0..=3 => 3,
                 4 | 5 | 8..=10 | 15 => 5,
@@ -53,7 +53,7 @@ pub(crate) fn responses<const N: usize>(
             };
             x = x.min(span - width);
             let (cells, weights) = (from.wrapping_add(x * step), weights.as_ptr());
-            // SAFETY: `fits` has seen that the filter lies on the cells at these offsets, the last of which is below `span`.
+            // SAFETY: `fits` has checked that the cells suffice at these offsets, all of which are below `span`.
             let sums = unsafe {
                 match width {
                     3 => rows.three::<STEP>(cells, weights, down),
@@ -67,17 +67,17 @@ pub(crate) fn responses<const N: usize>(
     }
 }
 
-/// How the rows of a filter lie. The assembler reads it.
+/// The rows of a filter. The assembly reads this.
 #[repr(C)]
 struct Rows {
     width: usize,
-    /// Bytes from where a row's loop has come to the next row.
+    /// Bytes from the end of the loop over a row to the next row of cells.
     cells: usize,
     weights: usize,
 }
 
-/// The sums at offsets side by side, `APART` bytes apart: the first one in r0, the others in the registers named. r6 may not be named: what
-/// is done with it stands apart.
+/// A function for the sums at neighbouring offsets, `APART` bytes apart: the first in r0, the others in the registers given. `asm!` may not
+/// name r6, so the lines that use it are arguments of their own.
 macro_rules! sums {
     (
         $name:ident: $sums:expr;
@@ -85,12 +85,12 @@ macro_rules! sums {
         $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
     ) => {
         /// # Safety
-        /// `down` rows of `width` weights, at least one of each, can be read, and the cells under them at all offsets.
+        /// `down` rows of `width` weights, at least one each, can be read, and the cells under them at all these offsets.
         #[inline(never)]
         unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
             let ($first, $nine): (_, i32);
             $(let $sum;)*
-            // SAFETY: the caller has seen to what is read; nothing is written but the stack.
+            // SAFETY: what is read is as the caller guarantees. Nothing but the stack is written.
             unsafe {
                 asm!(
                     $($begin,)*
@@ -177,9 +177,8 @@ macro_rules! eight {
 }
 
 impl Rows {
-    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for as many rows of errors as there are errors in each, `N` apart, on bytes
-    /// `apart` from row to row. Where there are one or two times eight errors and one more in each, the last ones are a column of their
-    /// own: so lanes are not left empty.
+    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for a square of errors. Its rows are `N` numbers apart, those of the bytes
+    /// `apart`. A row of 9 or 17 errors is one or two vectors and one error; those last errors are taken as a column, which fills lanes better.
     ///
     /// # Safety
     /// All these errors can be read, and the bytes under them at seven offsets.
@@ -192,14 +191,14 @@ impl Rows {
     ) -> [i32; MOST] {
         let span = self.width;
         if span != 17 && span != 9 {
-            // SAFETY: the caller has seen to it.
+            // SAFETY: as the caller guarantees.
             return unsafe {
                 if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) }
             };
         }
         let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
-        // SAFETY: the caller has seen to what is read: of each row all errors but the last one; nothing is written but the stack, which
-        // keeps r6, as it may not be named.
+        // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is written; it saves r6, which
+        // `asm!` may not name.
         unsafe {
             asm!(
                 "push {{r6}}",
@@ -232,7 +231,7 @@ impl Rows {
                 seven = const SEVEN,
             );
         }
-        // SAFETY: the same of the last errors and of r6; the last round has as many lanes as there are rows left.
+        // SAFETY: as above, for the last error of each row. The last round has as many lanes as rows are left.
         unsafe {
             asm!(
                 "push {{r6}}",
@@ -296,12 +295,12 @@ impl Rows {
     }
 }
 
-/// Parts that sums are gathered in: channels.
+/// Parts of [`gather`]: channels.
 pub(crate) const GATHER_PARTS: usize = STEP;
-/// Bytes to a channel of cells side by side.
+/// Offsets of a channel in eight neighbouring cells.
 static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// See [`products::gather`]. A part is a channel.
+/// See [`plain::gather`]. A part is a channel.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Room,
@@ -317,24 +316,24 @@ pub(crate) fn gather<const N: usize>(
         span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
     let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
-        // There a part is a row of errors.
+        // In the plain loop a part is a row of errors: the first part stands for all.
         let parts = if parts.start == 0 { 0..span } else { 0..0 };
         return plain::gather(parts, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
-    // What takes fewer products: a block of seven sums is nine eighths of one of six.
+    // Whatever takes fewer instructions: a block of seven sums costs 9/8 of a block of six.
     let cells_across = row / STEP;
     let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {
         let plane = room.as_mut_ptr().cast::<i8>();
-        // SAFETY: of each cell that the filter lies on, all of which are there, a byte is read; as many are written, for which there is room.
+        // SAFETY: one byte of each cell under the filter is read: `fits` has checked that they are there, `room_for` that the room suffices.
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             let (of_cells, _) = sums.as_chunks_mut::<STEP>();
             let mut from = plane.cast_const().wrapping_add(y * width);
             for of_cells in of_cells.chunks_mut(block) {
-                // SAFETY: the errors lie on bytes that were put there, or, at offsets that nobody asks for, on the room after them.
+                // SAFETY: the errors lie on the bytes that were copied, or, at offsets beyond the last weight, on the room after them.
                 let at_block = unsafe {
                     if block == MOST {
                         rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width)
@@ -353,12 +352,12 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Puts a byte of each of so many cells side by side.
+/// Copies one byte of each of `count` cells, side by side.
 ///
 /// # Safety
-/// The first byte of each cell can be read, and `to` can be written to. The count is not 0.
+/// The byte can be read in each cell, and `count` bytes written at `to`. `count` is not 0.
 unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
-    // SAFETY: the caller has seen to it; the last round has as many lanes as are left.
+    // SAFETY: as the caller guarantees. The last round has as many lanes as cells are left.
     unsafe {
         asm!(
             "vldrh.u16 q0, [{places}]",

@@ -1,12 +1,12 @@
-//! The kernels by Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels in a register.
+//! Scores by Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels in a vector.
 //!
-//! - `vldrh` with a register of offsets loads as many entries of the table.
-//! - `vabav` adds the absolute differences of two registers to a third.
-//! - `vpt` compares, and lets the instructions after it work where it holds, or where it does not.
-//! - In a loop from `dlstp` to `letp`, which counts pixels down in `lr`, the last round works in as many lanes as there are
-//!   pixels left: nothing else is read or written.
+//! - `vldrh` with a vector of offsets loads an entry of the table for each lane.
+//! - `vabav` adds the absolute differences of two vectors to a register.
+//! - `vpt` compares. The instructions after it work only in lanes where the comparison holds, or only where it does not.
+//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round has as many lanes as pixels are left: nothing else is read or
+//!   written.
 //!
-//! `asm!`, as there are no intrinsics.
+//! There are no intrinsics, so these are `asm!`.
 
 use super::super::loss::{Limit, Lookup, blocks};
 use crate::image::Image;
@@ -16,7 +16,7 @@ use crate::kernels::rows::Rows;
 use crate::kernels::scores::Scores;
 use core::arch::asm;
 
-/// Pixels in a register.
+/// Pixels in a vector.
 const LANES: usize = 16;
 
 pub(crate) struct Helium<'a>(Lookup<'a>);
@@ -28,7 +28,7 @@ impl<'a> Helium<'a> {
     }
 }
 
-/// Unrolled in text, not by `.irp`: a compiler that counts lines to tell how far its jumps across them reach must see them.
+/// Unrolled in the text, not by `.irp`: the compiler counts lines to know how far its jumps reach.
 macro_rules! of_row {
     ($row:literal) => {
         concat!(
@@ -47,10 +47,9 @@ impl Scores for Helium<'_> {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);
         let mut reachable = pair.full_after(0);
-        // How far a row's loop goes: whole registers, of half as many pixels.
+        // How far the loop over a row advances: whole vectors of eight pixels.
         let advance = pair.width.next_multiple_of(LANES / 2);
-        // SAFETY: of every row, the pixels up to `width` are read, of which there is at least one; and of the table entries
-        // up to 255. Nothing is written.
+        // SAFETY: only the `width` pixels of a row, at least one, and entries up to 255 are read. Nothing is written.
         unsafe {
             asm!(
                 "2:",
@@ -98,9 +97,9 @@ impl Scores for Helium<'_> {
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let pair = Rows::of(patch, template);
         let mut sum = 0;
-        // How far a row's loop goes: whole registers.
+        // How far the loop over a row advances: whole vectors.
         let advance = pair.width.next_multiple_of(LANES);
-        // SAFETY: of every row, the pixels up to `width` are read, of which there is at least one; nothing is written.
+        // SAFETY: only the `width` pixels of a row, at least one, are read. Nothing is written.
         unsafe {
             asm!(
                 "2:",
@@ -140,8 +139,7 @@ impl Scores for Helium<'_> {
             return;
         }
         let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: of each row `columns` pixels are read, and those one, two and three to the right of them, which it has;
-        // `low` and `high` have room for as many.
+        // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `high`: `blocks` has checked that they are there.
         unsafe {
             asm!(
                 "dlstp.8 lr, {columns}",
@@ -172,12 +170,12 @@ impl Scores for Helium<'_> {
     }
 }
 
-/// What the pictures lose at least; once that is more than is allowed, any part of it that is.
+/// The least loss of the pictures. Stops once it is more than allowed.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
     let advance = pair.width.next_multiple_of(LANES);
     let lost: u32;
-    // SAFETY: as in `distance`; what the patch is at most has rows as far apart as the patch.
+    // SAFETY: as in `distance`. The upper bound has the same stride as the patch.
     unsafe {
         asm!(
             "vdup.8 q2, lr",
@@ -192,8 +190,8 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             "vqsub.u8 q1, q1, q4",
             "vorr q0, q0, q1",
             "vpte.u8 cs, q0, q2",
-            "vaddvat.u8 r2, q3", // where the threshold is reached, pixels
-            "vaddvae.u8 r4, q0", // elsewhere differences
+            "vaddvat.u8 r2, q3", // counts pixels that reach the threshold
+            "vaddvae.u8 r4, q0", // adds the differences of the others
             "letp lr, 3b",
             "rsb lr, r2, r2, lsl #16", // * 65535
             "mla lr, r4, {chord}, lr",

@@ -1,4 +1,4 @@
-//! Sums of products by AVX2: the plain loops, of which the compiler makes eight products an instruction where it may.
+//! Sums of products by AVX2: the plain loops, compiled with eight products an instruction.
 
 use crate::kernels::layout::Layout;
 use crate::kernels::plain::products as plain;

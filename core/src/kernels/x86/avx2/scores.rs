@@ -1,12 +1,12 @@
 //! Scores by AVX2: 32 pixels at a time, for any threshold.
 //!
-//! 1. The table's two bytes are two planes of 256 entries; a shuffle looks up 16 of them, so the live entries are gone
-//!    through in segments of 16: one for a threshold of up to 16, which is the usual case.
-//! 2. A shuffle gives zero where the top bit of the index is set. The differences are moved up, with saturation, so that
-//!    those of other segments have it: the lookup is the test d < threshold, too.
+//! 1. The low and the high bytes of the table are two planes of 256 bytes. A shuffle looks up 16 bytes, so the loop goes through the entries
+//!    below the threshold in segments of 16. The usual threshold is at most 16: one segment.
+//! 2. A shuffle gives zero if the top bit of the index is set. A saturating addition sets that bit for differences that belong to other
+//!    segments. So the lookup is also the test d < threshold.
 //! 3. `psadbw` against zero adds eight bytes exactly.
-//! 4. The end of a row that fills no register is loaded together with pixels before it, which are then masked away. So no
-//!    byte outside a row is read, whatever its width.
+//! 4. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked. So no byte outside of a
+//!    row is read, whatever its width.
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
@@ -20,8 +20,6 @@ use core::slice;
 impl Vector for __m256i {
     const LANES: usize = 32;
     type Total = Self;
-    /// All bits of the lanes that hold a pixel of the end, each pixel once.
-    type End = Self;
 
     intrinsics! {
         fn splat(byte: u8) -> Self { _mm256_set1_epi8(byte.cast_signed()) }
@@ -53,17 +51,17 @@ impl Neighbours for __m256i {
         fn store(bytes: Self, to: *mut u8) { _mm256_storeu_si256(to.cast(), bytes) }
         fn min(a: Self, b: Self) -> Self { _mm256_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
-        // 0x81: the upper half, and zeroes above it.
+        // 0x81: the upper half moves down, and zeroes follow.
         fn further<const BY: i32>(bytes: Self) -> Self {
             _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<0x81>(bytes, bytes), bytes)
         }
     }
 }
 
-/// Which lanes hold the pixels of a row of up to 31, each once, as [`narrow`] loads them.
+/// A mask of the lanes that hold the pixels of a row of up to 31, each once, as [`narrow`] loads them.
 ///
-/// Two loads of the same size, one from the first and one to the last pixel, hold a row of up to twice that size; of the
-/// second only what the first has not is valid.
+/// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they overlap, only the
+/// first is valid.
 ///
 /// # Safety
 /// AVX2 is there.
@@ -76,12 +74,12 @@ unsafe fn narrow_lanes(width: usize) -> __m256i {
         _ => (&const { lanes(16, 16) }, width % 16),
     };
     let new = i8::try_from(new).unwrap_or(0);
-    // SAFETY: as the caller has seen to; `lanes` is 32 bytes.
+    // SAFETY: as the caller guarantees; `lanes` is 32 bytes.
     unsafe { _mm256_cmpgt_epi8(__m256i::load(lanes.as_ptr()), _mm256_set1_epi8(31 - new)) }
 }
 
-/// The numbers of lanes: of `first` lanes so large that they are always valid, of `second` lanes those up to 31, and of the
-/// rest such that they never are.
+/// Numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31, and lanes that never are
+/// valid.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];
@@ -99,7 +97,7 @@ const fn lanes(first: usize, second: usize) -> [u8; 32] {
 /// AVX2 is there.
 #[inline(always)]
 unsafe fn narrow(row: &[u8]) -> __m256i {
-    // SAFETY: as the caller has seen to; where 16 bytes are loaded they are there.
+    // SAFETY: as the caller guarantees; where 16 bytes are loaded they are there.
     unsafe {
         if let (Some(first), Some(last)) = (row.first_chunk::<16>(), row.last_chunk::<16>()) {
             return _mm256_set_m128i(__m128i::load(last.as_ptr()), __m128i::load(first.as_ptr()));
@@ -111,7 +109,7 @@ unsafe fn narrow(row: &[u8]) -> __m256i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Moved in from the top of four bytes, so that they end there.
+            // Shifts pixels in from the top of four bytes, so that the last one is there.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm256_set_epi64x(0, 0, 0, both)
@@ -121,13 +119,13 @@ unsafe fn narrow(row: &[u8]) -> __m256i {
 /// Entries that one shuffle looks up.
 const SEGMENT: usize = 16;
 
-/// Segments among which the top bit of an index can tell.
+/// Segments that the top bit of an index can tell apart.
 const SEGMENTS_A_HALF: usize = 8;
 
-/// The live part of a table in segments, low bytes and high bytes apart.
+/// The entries below the threshold in segments, low bytes and high bytes apart.
 ///
-/// Each segment but the first of a half is stored as what differs (xor) from the one before it: the shuffles of a pixel
-/// in segment k give something for all segments up to k, and what they give adds up (xor) to the entry.
+/// The first segment of a half is stored as it is, each other one as its xor with the one before it. A pixel in segment k gets a
+/// value from each shuffle up to k, and their xor is the entry.
 pub(crate) struct Lookup {
     low: [[u8; SEGMENT]; 16],
     high: [[u8; SEGMENT]; 16],
@@ -146,7 +144,7 @@ pub(crate) fn is_available() -> bool {
 scores!(Lookup, Planes, __m256i, "avx2", segments: 1 2 3 4 8 or 16);
 
 impl Lookup {
-    /// `None` where the machine has no AVX2: that there is a `Lookup` is the proof that it has.
+    /// `None` if the machine has no AVX2: a `Lookup` proves that it has.
     pub(crate) fn new(table: &CutTable) -> Option<Self> {
         if !is_available() {
             return None;
@@ -157,7 +155,7 @@ impl Lookup {
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
-        // Of more than four either a half or all are gone through, those beyond the threshold too.
+        // Beyond four, the loop goes through eight or all, also those beyond the threshold.
         let segments = match usize::from(threshold).div_ceil(SEGMENT) {
             live @ 0..=4 => live.max(1),
             5..=8 => 8,
@@ -170,10 +168,10 @@ impl Lookup {
     }
 }
 
-/// Makes each segment of a half what differs from the one before it.
+/// Replaces each segment of a half but the first by its xor with the one before it.
 fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     for half in plane.chunks_mut(SEGMENTS_A_HALF) {
-        // From the last on, so that each meets the one before it unchanged.
+        // Starts at the last one: each segment then meets the one before it unchanged.
         let mut rest = half;
         while let Some((last, before)) = rest.split_last_mut() {
             last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
@@ -192,7 +190,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The first `SEGMENTS` of both byte planes, each segment in both halves of a register; the rest is not looked up.
+/// The first `SEGMENTS` segments of both byte planes, each in both halves of a vector. The others are not looked up.
 struct Planes<const SEGMENTS: usize> {
     low: [__m256i; 16],
     high: [__m256i; 16],
@@ -205,30 +203,30 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
         let mut planes = Self { low: [_mm256_setzero_si256(); 16], high: [_mm256_setzero_si256(); 16] };
         for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
             for (register, segment) in registers.iter_mut().zip(segments).take(SEGMENTS) {
-                // SAFETY: `segment` is 16 readable bytes.
+                // SAFETY: 16 bytes can be read at `segment`.
                 *register = _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(segment.as_ptr().cast()) });
             }
         }
         planes
     }
 
-    /// The entries by the `COUNT` segments, 8 at most, from `first` on.
+    /// The entries that `COUNT` segments (at most 8) from `first` on hold.
     ///
     /// # Safety
     /// AVX2 is there.
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // all below 16 * 8
     unsafe fn look_up_half<const COUNT: usize>(&self, first: usize, difference: __m256i) -> (__m256i, __m256i) {
-        // Of what is moved up by this, the last segment ends at 127, and whatever lies beyond it has the top bit.
+        // With this added, the last segment ends at 127, and what lies beyond has the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
-        // SAFETY: as the caller has seen to.
+        // SAFETY: as the caller guarantees.
         unsafe {
             let moved = _mm256_adds_epu8(difference, _mm256_set1_epi8(up as i8));
             let mut planes =
                 (_mm256_shuffle_epi8(self.low[first], moved), _mm256_shuffle_epi8(self.high[first], moved));
             let mut segment = 1;
             while segment < COUNT {
-                // Signed and saturating: what has the top bit keeps it, and what lies before this segment gets it.
+                // Signed and saturating: the top bit stays where it is set, and is set for what lies before this segment.
                 let index = _mm256_subs_epi8(moved, _mm256_set1_epi8((up + SEGMENT * segment) as i8));
                 planes.0 = _mm256_xor_si256(planes.0, _mm256_shuffle_epi8(self.low[first + segment], index));
                 planes.1 = _mm256_xor_si256(planes.1, _mm256_shuffle_epi8(self.high[first + segment], index));
@@ -244,12 +242,12 @@ impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
 
     #[inline(always)]
     unsafe fn look_up(&self, difference: __m256i) -> (__m256i, __m256i) {
-        // SAFETY: as the caller has seen to.
+        // SAFETY: as the caller guarantees.
         unsafe {
             if SEGMENTS <= SEGMENTS_A_HALF {
                 return self.look_up_half::<SEGMENTS>(0, difference);
             }
-            // The top bit says that a difference is one of the other half.
+            // The top bit tells the halves apart.
             let first = self.look_up_half::<SEGMENTS_A_HALF>(0, difference);
             let other = _mm256_xor_si256(difference, _mm256_set1_epi8(i8::MIN));
             let second = self.look_up_half::<SEGMENTS_A_HALF>(SEGMENTS_A_HALF, other);

@@ -1,0 +1,56 @@
+//! Columns of a resampled row by the DSP extension: `smlad` mixes two numbers in one instruction. It takes signed numbers, so those of a
+//! row are lower by 2^15. The plain loop is in `plain/bilinear.rs`.
+
+use crate::kernels::plain::bilinear::Mixed;
+use core::arch::asm;
+
+/// One column.
+macro_rules! column {
+    () => {
+        concat!(
+            "ldrh {pair}, [{from}], #2\n",
+            "ldr {part}, [{parts}], #4\n",
+            "ldr {pair}, [{row}, {pair}]\n",
+            "smlad {pair}, {pair}, {part}, {half}\n",
+            "lsrs {pair}, {pair}, #16\n",
+            "strb {pair}, [{out}], #1\n",
+        )
+    };
+}
+
+/// The levels of columns, as `plain::levels` gives them.
+///
+/// # Safety
+/// Each of `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
+#[inline(always)] // into its one caller
+pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &Mixed, out: &mut [u8]) {
+    let count = out.len().min(from.len()).min(parts.len());
+    if count == 0 {
+        return;
+    }
+    // SAFETY: `count` numbers of each are there. Each of `from` leads to a pair in the row, which need not be aligned.
+    unsafe {
+        asm!(
+            "tst {count}, #1",
+            "beq 2f",
+            column!(),
+            "subs {count}, #1",
+            "beq 3f",
+            "2:",
+            column!(),
+            column!(),
+            "subs {count}, #2",
+            "bne 2b",
+            "3:",
+            from = inout(reg) from.as_ptr() => _,
+            parts = inout(reg) parts.as_ptr() => _,
+            out = inout(reg) out.as_mut_ptr() => _,
+            count = inout(reg) count => _,
+            row = in(reg) row.as_ptr(),
+            half = in(reg) (1 << 23) + (1 << 15),
+            pair = out(reg) _,
+            part = out(reg) _,
+            options(nostack),
+        );
+    }
+}

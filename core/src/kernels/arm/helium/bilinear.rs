@@ -1,0 +1,44 @@
+//! Columns of a resampled row by Helium: four at a time. The plain loop is in `plain/bilinear.rs`.
+
+use crate::kernels::plain::bilinear::Mixed;
+use core::arch::asm;
+
+/// The levels of columns, as `plain::levels` gives them.
+///
+/// # Safety
+/// Each of `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
+#[inline(always)] // into its one caller
+pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &Mixed, out: &mut [u8]) {
+    let count = out.len().min(from.len()).min(parts.len());
+    if count == 0 {
+        return;
+    }
+    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left. Each of
+    // `from` leads to a pair in the row, which need not be aligned.
+    unsafe {
+        asm!(
+            "dlstp.32 lr, {count}",
+            "2:",
+            "vldrh.u32 q0, [r0], #8",
+            "vldrb.u8 q1, [{parts}], #16",
+            "vldrw.u32 q2, [{row}, q0]",
+            "vmullb.u16 q0, q2, q1",
+            "vmullt.u16 q2, q2, q1",
+            "vadd.i32 q0, q0, q2",
+            "vrshr.u32 q0, q0, #16",
+            "vstrb.32 q0, [r1], #4",
+            "letp lr, 2b",
+            parts = inout(reg) parts.as_ptr() => _,
+            count = in(reg) count,
+            row = in(reg) row.as_ptr(),
+            // A load that widens, and a store that narrows, take only r0 to r7.
+            inout("r0") from.as_ptr() => _,
+            inout("r1") out.as_mut_ptr() => _,
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            options(nostack),
+        );
+    }
+}

@@ -1,0 +1,231 @@
+//! Weights of a filter by Helium: four at a time, or eight. The plain loops are in `plain/weights.rs`.
+//!
+//! In a loop from `dlstp` to `letp` the last round has as many lanes as there are numbers left.
+
+use core::arch::asm;
+
+/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`.
+pub(crate) fn largest(weights: &[i32], factor: i32, sums: &[i32], left: u32) -> u32 {
+    let count = weights.len().min(sums.len());
+    let mut largest = 0;
+    if count == 0 {
+        return largest;
+    }
+    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left.
+    unsafe {
+        asm!(
+            "vdup.32 q4, {factor}",
+            "vneg.s32 q5, q4",
+            "dlstp.32 lr, {count}",
+            "2:",
+            "vldrw.u32 q0, [{weights}], #16",
+            "vldrw.u32 q1, [{sums}], #16",
+            "vshl.s32 q1, {left}",
+            "vmulh.s32 q2, q0, q4",
+            "vadd.i32 q2, q2, q1",
+            "vmulh.s32 q3, q0, q5",
+            "vsub.i32 q3, q3, q1",
+            "vpt.s32 lt, q2, zr",
+            "vorrt q2, q3, q3",
+            "vmaxv.u32 {largest}, q2",
+            "letp lr, 2b",
+            weights = inout(reg) weights.as_ptr() => _,
+            sums = inout(reg) sums.as_ptr() => _,
+            factor = in(reg) factor,
+            left = in(reg) left,
+            largest = inout(reg) largest,
+            count = in(reg) count,
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            out("q3") _,
+            out("q4") _,
+            out("q5") _,
+            options(readonly, nostack),
+        );
+    }
+    largest
+}
+
+/// `weight * factor / 2^32 + (sum << left)`, divided by `2^shift` and rounded.
+pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
+    let count = weights.len().min(sums.len()).min(out.len());
+    if count == 0 {
+        return;
+    }
+    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left.
+    unsafe {
+        asm!(
+            "vdup.32 q2, {factor}",
+            "dlstp.32 lr, {count}",
+            "2:",
+            "vldrw.u32 q0, [{weights}], #16",
+            "vldrw.u32 q1, [{sums}], #16",
+            "vmulh.s32 q0, q0, q2",
+            "vshl.s32 q1, {left}",
+            "vadd.i32 q0, q0, q1",
+            "vrshl.s32 q0, {right}",
+            "vstrh.32 q0, [r0], #8",
+            "letp lr, 2b",
+            weights = inout(reg) weights.as_ptr() => _,
+            sums = inout(reg) sums.as_ptr() => _,
+            factor = in(reg) factor,
+            left = in(reg) left,
+            right = in(reg) shift.wrapping_neg(),
+            count = in(reg) count,
+            inout("r0") out.as_mut_ptr() => _,
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            options(nostack),
+        );
+    }
+}
+
+/// Subtracts `slope * length / 2^back`, rounded, from each weight; a weight that would leave an `i32` stays. Returns false, and
+/// moves nothing, if this loop cannot take these numbers.
+///
+/// The product of a slope and the length is the sum of three products, one for each 16 bits of the length. What is above the lowest
+/// 16 bits of a product is added to the next one.
+///
+/// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
+/// - The changes fit in an `i32` if the length is below 2^(15 + back).
+/// - If `back` is more than 16, rounding adds nothing to the lowest 16 bits.
+pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) -> bool {
+    let count = weights.len().min(slopes.len());
+    if count == 0 || !(17..=47).contains(&back) || length.unsigned_abs() >> (15 + back).min(47) != 0 {
+        return false;
+    }
+    let half = 1_i64 << (back - 1);
+    let piece = |number: i64| u32::try_from(number & 0xFFFF).unwrap_or(0);
+    let upper = |number: i64| i32::try_from(number >> 32).unwrap_or(0);
+    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left.
+    unsafe {
+        asm!(
+            "dlstp.32 lr, lr",
+            "2:",
+            "vldrh.s32 q0, [r0], #8",
+            "vmul.i32 q1, q0, {first}",
+            "vshr.s32 q1, q1, #16",
+            "vadd.i32 q1, q1, {half}",
+            "vmla.i32 q1, q0, {second}",
+            "vshr.s32 q2, q1, #16",
+            "vadd.i32 q2, q2, {upper_half}",
+            "vmla.i32 q2, q0, {third}",
+            "vmovlb.u16 q1, q1",
+            "vshl.u32 q1, {right}",
+            "vshl.s32 q2, {left}",
+            "vadd.i32 q1, q1, q2",
+            "vldrw.u32 q0, [{weights}]",
+            "vsub.i32 q2, q0, q1",
+            "vqsub.s32 q0, q0, q1",
+            "vpt.i32 eq, q0, q2",
+            "vstrwt.32 q0, [{weights}]",
+            "adds {weights}, #16",
+            "letp lr, 2b",
+            weights = inout(reg) weights.as_mut_ptr() => _,
+            first = in(reg) piece(length),
+            second = in(reg) piece(length >> 16),
+            third = in(reg) upper(length),
+            half = in(reg) piece(half >> 16),
+            upper_half = in(reg) upper(half),
+            // A shift to the left by less than 0 is one to the right.
+            left = in(reg) 32_u32.wrapping_sub(back),
+            right = in(reg) 16_u32.wrapping_sub(back),
+            inout("r0") slopes.as_ptr() => _,
+            inout("lr") count => _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            options(nostack),
+        );
+    }
+    true
+}
+
+/// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
+#[inline(always)]
+pub(crate) fn lessen_by(numbers: &mut [i16], part: i32) -> i32 {
+    let mut sum = 0;
+    if numbers.is_empty() {
+        return sum;
+    }
+    // The number is doubled here, and the instruction doubles the product: it then rounds and drops 16 bits.
+    // SAFETY: as many numbers are there; the last round has as many lanes as are left.
+    unsafe {
+        asm!(
+            "dlstp.16 lr, {count}",
+            "2:",
+            "vldrh.u16 q0, [{numbers}]",
+            "vadd.i16 q1, q0, q0",
+            "vqrdmulh.s16 q1, q1, {part}",
+            "vstrh.16 q1, [{numbers}], #16",
+            "vmladava.s16 r0, q0, q1",
+            "letp lr, 2b",
+            numbers = inout(reg) numbers.as_mut_ptr() => _,
+            count = in(reg) numbers.len(),
+            part = in(reg) part,
+            inout("r0") sum,
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            options(nostack),
+        );
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded() {
+        for number in [i32::MIN, i32::MIN + 1, -70_000, -3, -2, -1, 0, 1, 2, 3, 70_000, i32::MAX - 1, i32::MAX] {
+            let numbers = Numbers::of(core::slice::from_ref(&number));
+            assert_eq!(numbers.largest(), number.unsigned_abs());
+            for shift in 0..32 {
+                let rounded = (i64::from(number) + (1 << shift >> 1)) >> shift;
+                let Ok(rounded) = i16::try_from(rounded) else { continue };
+                let mut out = [7];
+                numbers.code(shift, &mut out);
+                assert_eq!(out, [rounded], "{number} >> {shift}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_is_rounded_down_without_its_sign() {
+        let largest = |weight, factor: i64, sum, left| {
+            Numbers { weights: &[weight], factor: factor << 16, sums: &[sum], left }.largest()
+        };
+        assert_eq!([largest(1, 1 << 15, 3, 1), largest(-1, 1 << 15, -3, 1), largest(-1, 1 << 16, -3, 1)], [6, 6, 7]);
+        assert_eq!(largest(-1, 1 << 15, 0, 0), 0);
+    }
+
+    #[test]
+    fn numbers_are_lessened() {
+        for part in [0, 1, 8191, 8192, 16_383, 16_384] {
+            let before = [-8191, -4097, -2, -1, 0, 1, 2, 3, 4097, 8191];
+            let mut numbers = before;
+            let sum = lessen_by(&mut numbers, part);
+            let wanted = before.map(|number| (f64::from(number) * f64::from(part) / 16_384.0 + 0.5).floor());
+            assert_eq!(numbers.map(f64::from), wanted, "{part}");
+            assert_eq!(f64::from(sum), wanted.iter().zip(before).map(|(a, b)| a * f64::from(b)).sum::<f64>());
+        }
+    }
+
+    #[test]
+    fn weights_stay_where_there_is_no_room() {
+        let moved = |weight, slope, length, back| {
+            let mut weights = [weight];
+            Move { length, back }.apply(&mut weights, &[slope]);
+            weights[0]
+        };
+        assert_eq!([moved(100, 3, 1 << 20, 20), moved(100, -3, 3 << 19, 20), moved(5, 1, -1, 1)], [97, 104, 5]);
+        assert_eq!([moved(i32::MIN, 1, 1 << 20, 20), moved(i32::MIN + 1, 1, 1 << 20, 20)], [i32::MIN; 2]);
+        assert_eq!([moved(7, 8191, (1 << 47) - 1, 7), moved(i32::MAX, -8191, 1 << 47, 44)], [7, i32::MAX]);
+    }
+}

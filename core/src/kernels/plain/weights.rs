@@ -1,0 +1,53 @@
+//! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down.
+
+use super::super::unrolling::rolled_if_spare;
+
+/// The largest absolute value of [`number`]. A negative number is rounded down after its sign is taken away.
+#[inline(always)] // into its one caller
+pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
+    let size = |(&weight, &sum): (&i32, &i32)| match number(weight, factor, sum << left) {
+        number @ 0.. => number.unsigned_abs(),
+        _ => number(weight, -factor, (sum << left).wrapping_neg()).cast_unsigned(),
+    };
+    rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
+}
+
+/// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` such that 16 bits hold the result.
+#[inline(always)] // into its one caller
+pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
+    // Rounds by the last bit that is dropped: a sum plus half of the divisor could overflow.
+    let (first, last) = (shift.saturating_sub(1), shift.min(1));
+    let shifted = move |number: i32| ((number >> first) + last.cast_signed()) >> last;
+    rolled_if_spare(weights.iter().zip(sums))
+        .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
+}
+
+/// `weight * factor / 2^32 + sum`, of which the product is rounded down.
+#[inline(always)]
+#[allow(clippy::cast_possible_truncation)] // the caller sees to it that the result fits
+fn number(weight: i32, factor: i64, sum: i32) -> i32 {
+    ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
+}
+
+/// `weight - slope * length / 2^back`, rounded; `weight` if that would leave an `i32`.
+#[inline(always)]
+pub(crate) fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
+    let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
+    i32::try_from(i64::from(weight) - change).unwrap_or(weight)
+}
+
+/// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
+#[cfg(any(not(smr_helium), feature = "verify"))]
+#[inline(always)]
+pub(crate) fn lessen_by(numbers: &mut [i16], part: i32) -> i32 {
+    let less = |number: i16| low((i32::from(number) * part + (1 << 13)) >> 14);
+    rolled_if_spare(numbers.iter_mut())
+        .map(|number| i32::from(core::mem::replace(number, less(*number))) * i32::from(*number))
+        .sum()
+}
+
+/// The lower 16 bits.
+#[allow(clippy::cast_possible_truncation)]
+fn low(number: i32) -> i16 {
+    number as i16
+}
