@@ -88,7 +88,7 @@ pub enum UpdateError {
 impl fmt::Display for UpdateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::NotLocked => "there is no target yet: call lock first",
+            Self::NotLocked => "there is no target yet: lock first",
             Self::FrameSizeChanged => "the frame has another size than the one that was locked on",
             Self::WindowNotInMemory => "the search window is not wholly in memory",
             Self::NotBegun => "no update of this target is under way in this workspace",
