@@ -1,20 +1,22 @@
-//! Follows one target through 8-bit grayscale frames by the *Similarity Matching Ratio* (SMR).
+//! Visual tracking of one target in 8-bit grayscale frames by the *Similarity Matching Ratio* (SMR).
 //!
-//! The target's last appearance, the **template**, is compared with every **offset** of a **search window** around its
-//! last position. A pixel counts only if it differs by less than the **threshold** (alpha) and then adds its
-//! **similarity** exp(-difference / 255): *how well* the target is matched is asked, *how badly* is not, so a hand passing in
-//! front of it costs only the pixels it hides. The offset with the largest **score** is the **peak**; its patch becomes
-//! the next template. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching
-//! Ratio" (VISAPP 2013).
+//! The **template** G is the last appearance of the target. It is compared with the frame F at every **offset** of a **search
+//! window** around the last position:
 //!
-//! The crate is `no_std`, allocates nothing, uses integers only (except in `pursuit`), and reads only the window it asks for.
-//! Its scores are exact: the same frames give the same answers, bit for bit, on every platform.
+//! score = sum of exp(-|F - G| / 255) over the pixels with |F - G| < alpha
+//!
+//! The offset with the largest **score** is the **peak**. Its patch becomes the next template. alpha is the **threshold**: a
+//! pixel that differs more adds 0, however much it differs. So a hand in front of the target costs only the pixels it hides.
+//! The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching Ratio" (VISAPP 2013).
+//!
+//! The crate is `no_std`, allocates nothing, and uses integers only (except in `pursuit`). The same frames give the same
+//! answers, bit for bit, on every platform.
 //!
 //! ```
 //! use smr_core::paper::{Config, Radius};
 //! use smr_core::{Frame, Image, Paper, Rect, State, Tracker};
 //!
-//! // A bright 8x8 target with a dark corner, on a 64x48 frame; it stands at (left, top).
+//! // A 64x48 frame with a bright 8x8 target with a dark corner at (left, top).
 //! fn picture(left: usize, top: usize) -> Vec<u8> {
 //!     let mut pixels = vec![20; 64 * 48];
 //!     for (y, x) in (0..8).flat_map(|y| (0..8).map(move |x| (y, x))) {
@@ -24,7 +26,7 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
-//! // Room for a template of 256 pixels and for a search window of 33 offsets on each axis: +-16 pixels.
+//! // Room for a template of 256 pixels and a search window of 33 offsets (+-16 pixels) on each axis.
 //! let mut config = Config::camera();
 //! config.window = Radius { x: 12, y: 12 };
 //! config.window_limit = Radius { x: 16, y: 16 };
@@ -42,32 +44,33 @@
 //! # }
 //! ```
 //!
-//! # Two trackers, one way to use them
+//! # Two trackers with the same calls
 //!
-//! [`Paper`] is the paper's tracker: fast, exact, for a target that keeps its size. [`Robust`] goes beyond the paper: it follows changing
-//! size, light and view, finds a lost target again anywhere in the frame, and takes more time and memory. Everything else is the same: a
-//! [`Tracker`] locks, updates (in steps, if there is a deadline), says which window it needs, is saved and restored. Code for both takes a
-//! [`Target`].
+//! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] goes beyond the paper: it follows changes
+//! of size, light and view, finds a lost target again anywhere in the frame, and takes more time and memory. A [`Tracker`] of
+//! either kind locks, updates (in steps, if there is a deadline), reports the window it needs, and is saved and restored.
+//! Generic code takes a [`Target`].
 //!
-//! # The way through the crate
+//! # Data flow
 //!
-//! Data flows one way: a [`Frame`] is borrowed, [`search`] decides which offsets are scored, [`similarity`] scores
-//! them, and the tracker turns what was found into an [`Answer`] and, where it may, into the next template.
+//! A [`Frame`] is borrowed; [`search`] chooses the offsets; [`similarity`] scores them; the tracker decides on the [`Answer`]
+//! and updates the template.
 //!
 //! # Memory and time
 //!
-//! A target is what must be remembered; the scratch memory beside it, a workspace, serves any number of targets. A [`Tracker`]
-//! holds one of each. There is no heap. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace as many and five words for each of
-//! `SPAN` offsets. [`Target::most_work`] says how much work an update can be at most: for boxes of 8x8 pixels and windows of +-4 or
-//! more at most 1.25 times (offsets in the window) x (pixels of the template) comparisons, and twice that in the frame in which a tracked target
-//! begins to leave the picture. Where the target is seen clearly, it is about a tenth of that.
+//! A target holds what is remembered from frame to frame. A workspace is scratch memory for any number of targets. A [`Tracker`]
+//! holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 * SPAN` bytes.
+//!
+//! [`Target::most_work`] computes the most work of an update. For [`Paper`], boxes of at least 8x8 pixels and windows of at
+//! least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, and twice that in a frame in
+//! which a tracked target begins to leave the frame. If the target is clearly visible, it is about a tenth of that.
 //!
 //! # Features
 //!
-//! - `std`: asks the machine at run time which instruction sets it has; see [`similarity::Backend`].
-//! - `verify`: runs the plain loops beside every call of a faster backend, and panics where they differ.
-//! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to its log.
-//! - `pursuit`: module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
+//! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
+//! - `verify`: runs the plain loops beside every call of a faster backend, and panics if they differ. For tests.
+//! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
+//! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]
 #![deny(missing_docs)]
@@ -86,7 +89,7 @@ pub mod search;
 pub mod similarity;
 mod track;
 
-/// The example of the README is a test, too.
+/// Runs the examples of the README as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
@@ -96,6 +99,6 @@ pub use track::paper::{self, Paper};
 pub use track::record;
 pub use track::robust::{self, Robust};
 pub use track::{
-    Answer, ConfigError, Lock, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, Update,
-    UpdateError,
+    Answer, ConfigError, Lock, LockError, MostWork, Quality, RestoreError, SaveError, State, Steps, Target, Tracker,
+    Update, UpdateError,
 };

@@ -1,11 +1,11 @@
-//! What [`Config::camera`] is for: a still scene and a slight change of light must not move the box.
+//! [`Config::camera`]: a slight change of light after a still scene must not move the box.
 
 use smr_core::paper::Config;
 use smr_core::{Frame, Image, Paper, Rect, State, Tracker};
 
 const TARGET: Rect = Rect::new(60, 40, 24, 24);
 
-/// Noise of middle gray levels, `light` levels brighter; every seventh pixel by one more in the second frame.
+/// Noise of middle gray levels, `light` levels brighter; if `uneven`, every seventh pixel one level more.
 fn picture(light: u8, uneven: bool) -> Vec<u8> {
     let mut state = 3_u32;
     let noise = std::iter::repeat_with(move || {
@@ -30,13 +30,13 @@ fn states(config: Config) -> Vec<(Rect, State)> {
 #[test]
 fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
     assert_eq!(states(Config::camera()), [(TARGET, State::Tracking); 2]);
-    // By the paper's rule alpha follows the change of one or two levels, and then nothing of the target counts.
+    // With the paper's rule alpha falls to one gray level, and no pixel of the target counts.
     let paper = states(Config::paper());
     assert_eq!(paper[0], (TARGET, State::Tracking));
     assert_ne!(paper[1], (TARGET, State::Tracking));
 }
 
-/// Without the floor for alpha next to nothing matches, and what wins by chance is not believed.
+/// Without a least alpha hardly any pixel matches. A peak by chance is not accepted.
 #[test]
 fn a_peak_of_a_few_pixels_is_not_believed() {
     let mut config = Config::camera();

@@ -1,4 +1,4 @@
-//! The rules of the paper's tracker that recordings seldom meet: the zone of updates, the gate, the window without an end.
+//! Rules of the paper's tracker that recordings rarely exercise: the update zone, the gate, the unbounded window.
 
 use smr_core::paper::{Config, Margins};
 use smr_core::{Answer, Frame, Image, Paper, Rect, State, Tracker};
@@ -7,7 +7,7 @@ const WIDTH: u16 = 90;
 const HEIGHT: u16 = 70;
 const SIDE: u16 = 12;
 
-/// Holds every window of a box on this frame, with 20 pixels of padding on both sides.
+/// Has room for every window in this frame, with 20 pixels of padding on each side.
 type Follower = Tracker<Paper<144, { WIDTH as usize + 40 }>>;
 
 fn noise(x: i32, y: i32, seed: u32) -> u8 {
@@ -18,7 +18,7 @@ fn noise(x: i32, y: i32, seed: u32) -> u8 {
     bits.to_be_bytes()[0]
 }
 
-/// Noise of its own for each `seed`, and the target at each of `places`; its upper left pixel tells the frame.
+/// Noise unique for each `seed`, with the target at each of `places`. The top left pixel of the target depends on `seed`.
 fn picture(seed: u32, places: &[(i32, i32)]) -> Vec<u8> {
     let side = i32::from(SIDE);
     let pixel = |x: i32, y: i32| {
@@ -53,7 +53,7 @@ fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
 
 #[test]
 fn the_template_is_updated_only_inside_the_zone() {
-    // x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1, at both sides of each end.
+    // Both sides of each limit: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1.
     let places = [(20, 20), (19, 20), (20, 19), (76, 56), (77, 56), (76, 57), (30, 30), (19, 56), (76, 19)];
     let mut tracker = locked(Config::paper(), (40, 30));
     for (seed, place) in (2..).zip(places) {
@@ -79,7 +79,7 @@ fn a_camera_updates_up_to_the_edge() {
     }
 }
 
-/// The runner-up is looked for where more than the largest score is asked of the peak, so it tells which ratio holds.
+/// The runner-up is searched if the ratio is above 1. So it shows which ratio applied.
 #[test]
 fn returning_takes_more_until_a_lost_target_is_found_again() {
     let mut tracker = locked(Config::paper(), (10, 30));
@@ -100,7 +100,7 @@ fn returning_takes_more_until_a_lost_target_is_found_again() {
     assert!(!step(11, (22, 30), State::Tracking), "as if it had never been outside");
 }
 
-/// Step 3 of the gate comes before step 4: the peak outside counts even if it is not accepted.
+/// `edge` is set before the peak is accepted or not.
 #[test]
 fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() {
     let mut config = Config::paper();
@@ -118,7 +118,7 @@ fn a_peak_that_is_no_larger_than_the_runner_up_is_not_believed() {
     let twins = [(30, 30), (42, 30)];
     let answer = update(&mut locked(Config::paper(), (30, 30)), 1, &twins);
     assert_eq!((answer.state, answer.runner_up_ratio), (State::Lost, Some(answer.ratio)));
-    // In its neighbourhood there is no runner-up.
+    // Offsets in the neighbourhood are not the runner-up.
     for (neighbourhood, state) in [(11, State::Lost), (12, State::Tracking)] {
         let config = {
             let mut config = Config::paper();
@@ -167,7 +167,7 @@ fn the_window_grows_until_it_is_the_padded_picture() {
     assert_eq!(tracker.target().offsets().unwrap().size(), (119, 99));
 }
 
-/// 320x240 with 20 pixels of padding has 360 positions of a single pixel, and 359 of a box of two.
+/// 320 pixels and 2 * 20 of padding have 360 positions for a box of 1 pixel, 359 for a box of 2.
 #[test]
 fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
     let pixels = vec![7; 320 * 240];

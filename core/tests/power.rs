@@ -1,5 +1,5 @@
-//! Loss of power: a target that was saved at any instant of an update, by a write that stopped anywhere, goes on with identical answers or is
-//! refused. Nothing between: bytes of two saved targets are never taken for one.
+//! Loss of power at any time during an update or a write. `restore` either continues with identical answers or refuses the bytes;
+//! a mixture of two saved targets is always refused.
 
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, Tracker, paper, robust};
 
@@ -15,7 +15,7 @@ fn small_paper() -> paper::Config {
     config
 }
 
-/// Tiles of their own on a ground of weaker ones, the target a little further in each frame; from the eighth on it is hidden.
+/// A target of tiles on a background of weaker tiles. It moves in each frame and is hidden from frame 8 on.
 fn picture(number: usize) -> Vec<u8> {
     let number = i32::try_from(number).unwrap();
     let hash =
@@ -46,7 +46,7 @@ fn locked<T: Target>(config: T::Config) -> Box<Tracker<T>> {
     tracker
 }
 
-/// The saved target after each of so many frames, and the answers.
+/// The saved target before the first and after each of `frames` frames, and the answers.
 fn history<T: Target>(config: T::Config, frames: usize) -> (Vec<Vec<u8>>, Vec<Answer>) {
     let mut tracker = locked::<T>(config);
     let mut all = vec![saved(&tracker)];
@@ -66,7 +66,7 @@ fn random(state: &mut u64) -> u64 {
     mixed ^ (mixed >> 31)
 }
 
-/// The update in which the power fails is made once more after the restart: from what was saved between any two of its steps.
+/// The power fails between two steps of an update. After the restart the update is repeated from the saved target.
 fn saved_between_steps<T: Target>(config: T::Config, work: u32) {
     let (all, answers) = history::<T>(config, 12);
     for number in [1, 2, 7, 8, 9, 12] {
@@ -76,8 +76,8 @@ fn saved_between_steps<T: Target>(config: T::Config, work: u32) {
         let mut done = tracker.begin(&frame(&pixels)).unwrap().step(work);
         let mut instants = 0;
         loop {
-            // Here the power fails.
-            assert_eq!(saved(&tracker), all[number - 1], "an update that is not finished has changed nothing");
+            // The power fails here.
+            assert_eq!(saved(&tracker), all[number - 1], "an unfinished update changes nothing");
             if instants % 50 == 0 || done {
                 let mut again = Box::new(Tracker::<T>::new(config).unwrap());
                 again.restore(&saved(&tracker)).unwrap();
@@ -93,7 +93,7 @@ fn saved_between_steps<T: Target>(config: T::Config, work: u32) {
         }
         assert!(instants > 5, "{instants} instants");
         assert_eq!(tracker.resume(&frame(&pixels)).unwrap().finish(), answers[number - 1]);
-        assert_eq!(saved(&tracker), all[number], "finished it is as after an update at once");
+        assert_eq!(saved(&tracker), all[number], "same as after a whole update");
     }
 }
 
@@ -107,7 +107,7 @@ fn the_robust_target_saved_between_steps() {
     saved_between_steps::<Robust>(robust::Config::robust(), 20_000);
 }
 
-/// What lies in memory when the write of `new` over `old` stopped: what a restart makes of it.
+/// Restores from the bytes in memory after a write was interrupted.
 struct Restart<T: Target> {
     tracker: Box<Tracker<T>>,
     untouched: Vec<u8>,
@@ -120,7 +120,7 @@ impl<T: Target> Restart<T> {
         Self { untouched: saved(&tracker), tracker, refused: 0 }
     }
 
-    /// Takes `bytes` if they are one of the two, whole; refuses everything else, and then goes on with what it had.
+    /// Checks that `restore` takes `bytes` if they are all of `old` or `new`, and otherwise refuses them and changes nothing.
     fn meets(&mut self, bytes: &[u8], (old, new): (&[u8], &[u8]), what: &str) {
         let whole = [old, new].into_iter().find(|saved| bytes.starts_with(saved));
         match (self.tracker.restore(bytes), whole) {
@@ -129,7 +129,7 @@ impl<T: Target> Restart<T> {
                 let untouched = self.untouched.clone();
                 self.tracker.restore(&untouched).unwrap();
             }
-            (Ok(()), None) => panic!("a mixture was taken for a target: {what}"),
+            (Ok(()), None) => panic!("a mixture was restored: {what}"),
             (Err(_), None) => self.refused += 1,
             (Err(error), Some(_)) => panic!("a whole target is refused: {error:?}, {what}"),
         }
@@ -145,7 +145,7 @@ fn mixed<T: Target>(config: T::Config, every: usize) {
         let both = (old.as_slice(), new.as_slice());
         let length = new.len();
         assert_eq!(old.len(), length);
-        // Near the beginning, the end and every so many bytes.
+        // All cuts near both ends, and every `every` bytes.
         let cuts = (0..64).chain((64..length).step_by(every)).chain(length - 8..=length);
         for cut in cuts {
             let in_place = [&new[..cut], &old[cut..]].concat();
@@ -158,7 +158,7 @@ fn mixed<T: Target>(config: T::Config, every: usize) {
             let zeroed = [&new[..cut], &vec![0; length - cut][..]].concat();
             restart.meets(&zeroed, both, &format!("{cut} bytes on zeroes"));
         }
-        // Memory that is written in any order: by bytes, words of 4 and 8, lines of 32, pages of 256.
+        // Units written in any order: bytes, words of 4 and 8, lines of 32, pages of 256.
         for unit in [1, 4, 8, 32, 256] {
             for _ in 0..24 {
                 let mut bytes = old.clone();
@@ -170,7 +170,7 @@ fn mixed<T: Target>(config: T::Config, every: usize) {
                 restart.meets(&bytes, both, &format!("units of {unit} bytes, some old, some new"));
             }
         }
-        // One byte that has not come, which is the least that can go wrong.
+        // A single byte that was not written.
         for at in (0..length).step_by(every) {
             let mut bytes = new.clone();
             bytes[at] = old[at];

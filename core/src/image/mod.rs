@@ -1,6 +1,6 @@
-//! What the tracker looks at: a borrowed 8-bit [`Image`], the [`Frame`] it shows (wholly or in parts), and rectangles.
+//! The input: a borrowed 8-bit [`Image`], the [`Frame`] that one or two images show, and rectangles.
 //!
-//! Sizes are checked once, when a view is made; everything after that reads without being able to fail.
+//! Sizes are checked when an image or frame is made. Reads after that cannot fail.
 
 mod frame;
 mod rect;

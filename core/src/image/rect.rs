@@ -1,6 +1,6 @@
-//! Rectangles: [`Rect`] in whole pixels, [`FineRect`] in 256ths.
+//! Rectangles: [`Rect`] in pixels, [`FineRect`] in units of 1/256 pixel.
 
-/// A rectangle in whole pixels of the frame: left, top, width, height. It may reach outside the frame.
+/// A rectangle in whole pixels of the frame. It may reach outside the frame.
 ///
 /// ```
 /// use smr_core::Rect;
@@ -46,13 +46,13 @@ impl Rect {
         self.width as u32 * self.height as u32
     }
 
-    /// True if it holds no pixel.
+    /// True if width or height is 0.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.width == 0 || self.height == 0
     }
 
-    /// True if every pixel of `inner` is also one of `self`. An empty `inner` is contained nowhere.
+    /// True if all pixels of `inner` are in `self`. False if `inner` is empty.
     #[must_use]
     pub const fn contains(self, inner: Self) -> bool {
         !inner.is_empty()
@@ -62,7 +62,7 @@ impl Rect {
             && inner.bottom() <= self.bottom()
     }
 
-    /// The pixels common to both; the empty rectangle at the origin if there are none.
+    /// The pixels in both rectangles; the empty rectangle at (0, 0) if there are none.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
@@ -74,12 +74,12 @@ impl Rect {
     }
 }
 
-/// The size of `from..to` where it is one: more than zero, and a `u16`.
+/// to - from, if it is positive and fits a `u16`.
 fn extent(from: i32, to: i32) -> Option<u16> {
     u16::try_from(to.checked_sub(from)?).ok().filter(|&size| size > 0)
 }
 
-/// A box in units of 1/256 pixel. It may reach outside the frame.
+/// A rectangle in units of 1/256 pixel. It may reach outside the frame.
 ///
 /// ```
 /// use smr_core::{FineRect, Rect};
@@ -101,7 +101,7 @@ pub struct FineRect {
 }
 
 impl FineRect {
-    /// The same in whole pixels, each edge rounded.
+    /// The rectangle with each edge rounded to whole pixels; at least 1x1.
     #[must_use]
     pub fn whole(self) -> Rect {
         let round = |edge: i64| (edge + 128) >> 8;
@@ -115,7 +115,7 @@ impl FineRect {
 }
 
 impl From<Rect> for FineRect {
-    /// Saturates where a corner is more than 2^23 pixels away.
+    /// Saturates if a coordinate exceeds +-2^23 pixels.
     fn from(rect: Rect) -> Self {
         Self {
             x: rect.x.saturating_mul(256),

@@ -1,4 +1,4 @@
-//! Rectangles as sets of pixels, views at their limits.
+//! Rectangles against sets of pixels; images at the limits of their sizes.
 
 use super::{Frame, FrameError, Image, ImageError, Rect};
 use proptest::prelude::*;

@@ -1,13 +1,14 @@
-//! A view of borrowed gray pixels, checked once.
+//! A view of borrowed gray pixels.
 
 use super::Rect;
 use core::fmt;
 
-/// Why bytes are not an [`Image`].
+/// Why an [`Image`] was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ImageError {
-    /// Width or height is zero.
+    /// Width or height is 0.
     Empty,
     /// The stride is smaller than the width.
     StrideTooSmall,
@@ -27,12 +28,12 @@ impl fmt::Display for ImageError {
 
 impl core::error::Error for ImageError {}
 
-/// A borrowed view of 8-bit gray pixels: 1..=65535 wide and high, rows `stride` bytes apart.
+/// A borrowed view of 8-bit gray pixels: width and height 1 to 65535, rows `stride` bytes apart.
 ///
 /// ```
 /// use smr_core::{Image, ImageError};
 /// let sensor = [0u8; 8 * 4];
-/// let image = Image::with_stride(&sensor, 6, 4, 8)?; // two bytes of every row are not part of the picture
+/// let image = Image::with_stride(&sensor, 6, 4, 8)?; // the last two bytes of each row are padding
 /// assert_eq!(image.row(3).len(), 6);
 /// assert_eq!(Image::new(&sensor, 8, 5).err(), Some(ImageError::SliceTooShort));
 /// # Ok::<(), ImageError>(())
@@ -46,7 +47,7 @@ pub struct Image<'a> {
 }
 
 impl<'a> Image<'a> {
-    /// `height` rows of `width` pixels, one after the other without a gap.
+    /// `height` rows of `width` pixels without gaps.
     ///
     /// # Errors
     /// [`ImageError::Empty`], [`ImageError::SliceTooShort`].
@@ -54,11 +55,10 @@ impl<'a> Image<'a> {
         Self::with_stride(pixels, width, height, width as usize)
     }
 
-    /// `height` rows of `width` pixels, each `stride` bytes after the one before. The last row may end with its last
-    /// pixel.
+    /// `height` rows of `width` pixels, `stride` bytes apart. The slice may end after the last pixel of the last row.
     ///
     /// # Errors
-    /// All of [`ImageError`]. A size that a `usize` cannot hold is a slice too short.
+    /// All of [`ImageError`]; [`ImageError::SliceTooShort`] also if the size overflows a `usize`.
     pub const fn with_stride(pixels: &'a [u8], width: u16, height: u16, stride: usize) -> Result<Self, ImageError> {
         if width == 0 || height == 0 {
             return Err(ImageError::Empty);
@@ -70,7 +70,7 @@ impl<'a> Image<'a> {
             return Err(ImageError::SliceTooShort);
         };
         match last_row.checked_add(width as usize) {
-            // Of a single row the stride says nothing: without it, later arithmetic cannot overflow.
+            // The stride of a single row is never used. Replaced, so that later arithmetic cannot overflow.
             Some(needed) if needed <= pixels.len() && height == 1 => {
                 Ok(Self { pixels, width, height, stride: width as usize })
             }
@@ -91,7 +91,7 @@ impl<'a> Image<'a> {
         self.height
     }
 
-    /// Row `y`, `width` pixels; empty if there is no such row.
+    /// The `width` pixels of row `y`; empty if `y` >= height.
     #[must_use]
     pub fn row(&self, y: u16) -> &'a [u8] {
         if y >= self.height {
@@ -103,20 +103,20 @@ impl<'a> Image<'a> {
     /// All rows from the top, `width` pixels each.
     pub fn rows(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let width = usize::from(self.width);
-        // The stride is never 0; saying so here removes the check (and its panic) from `chunks`.
+        // The stride is never 0. `max` lets the compiler drop the panic of `chunks`.
         self.pixels
             .chunks(self.stride.max(1))
             .take(usize::from(self.height))
             .map(move |row| row.get(..width).unwrap_or_default())
     }
 
-    /// The slice and the stride: row y of `width` pixels starts at byte y * stride, and all rows lie within the slice.
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that go by addresses
+    /// The slice and the stride. Row y starts at byte y * stride; all rows lie within the slice.
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that use addresses
     pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
         (self.pixels, self.stride)
     }
 
-    /// The part of the picture that `rect` covers, in the image's own coordinates; `None` if it reaches outside.
+    /// The part inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
     #[must_use]
     pub fn crop(&self, rect: Rect) -> Option<Self> {
         if !Rect::new(0, 0, self.width, self.height).contains(rect) {
@@ -126,7 +126,7 @@ impl<'a> Image<'a> {
         Some(Self { pixels: self.pixels.get(start..)?, width: rect.width, height: rect.height, stride: self.stride })
     }
 
-    /// Every `step`-th row from row `first` on; `None` if there is none.
+    /// Rows `first`, `first + step`, and so on; `None` if there are none.
     pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
         let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
         let height = u16::try_from(rows).ok().filter(|&rows| rows > 0)?;
@@ -138,7 +138,7 @@ impl<'a> Image<'a> {
         })
     }
 
-    /// A picture of this shape in other bytes; `None` if they are fewer.
+    /// An image of the same shape with other bytes; `None` if there are fewer of them.
     pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
         let Self { width, height, stride, .. } = *self;
         (pixels.len() >= self.pixels.len()).then_some(Image { pixels, width, height, stride })

@@ -1,22 +1,22 @@
-//! The camera model: turns a place in the picture into an angle to the optical axis.
+//! The camera model: from a place in the picture to an angle from the optical axis, and back.
 
-use super::PursuitConfigError;
+use super::error::PursuitConfigError;
 use crate::FineRect;
 use micromath::F32;
 
 /// A pinhole camera with square pixels.
 ///
-/// A point at `x` pixels from the left edge is seen atan((`x` - principal x) / focal length) to the right of the
-/// optical axis. micromath's atan is off by at most 0.003 radians and, close to the axis, 6 % too small; both only
-/// change how fast the centre is approached, not where it is.
+/// angle = atan((x - principal_x) / focal_length), positive to the right. The error of micromath's atan is at most 0.003
+/// radians; near the axis its result is 6 % too small. Both change only how fast the head approaches the target.
 ///
-/// There are three ways to get the focal length in pixels. Divide the one in millimetres by the width of a pixel in
-/// millimetres. Or measure it: if an object of width w at distance d covers n pixels, it is n * d / w. Or compute it from the
-/// horizontal angle of view in the data sheet: (width / 2) / tan(angle / 2).
+/// Three ways to get the focal length in pixels:
+/// - focal length in mm / width of a pixel in mm;
+/// - measured: n * d / w, if an object of width w at distance d covers n pixels;
+/// - from the horizontal angle of view in the data sheet: (width / 2) / tan(angle / 2).
 ///
 /// ```
 /// use smr_core::pursuit::Camera;
-/// // 160x120 pixels, and 53 degrees from the left to the right edge.
+/// // 160x120 pixels, horizontal angle of view 53 degrees.
 /// let camera = Camera::centred(160.0, 160, 120);
 /// assert_eq!((camera.principal_x_pixels, camera.principal_y_pixels), (80.0, 60.0));
 /// ```
@@ -25,14 +25,14 @@ use micromath::F32;
 pub struct Camera {
     /// Focal length in pixels; at least 1.
     pub focal_length_pixels: f32,
-    /// Where the optical axis meets the picture, in pixels from its left edge.
+    /// The principal point (where the optical axis meets the picture), in pixels from the left edge.
     pub principal_x_pixels: f32,
     /// The same from its top edge.
     pub principal_y_pixels: f32,
 }
 
 impl Camera {
-    /// A camera whose optical axis meets the middle of its frames of `width` x `height` pixels.
+    /// A camera with the principal point in the centre of its frames of `width` x `height` pixels.
     #[must_use]
     pub fn centred(focal_length_pixels: f32, width: u16, height: u16) -> Self {
         Self {
@@ -42,29 +42,29 @@ impl Camera {
         }
     }
 
-    /// How far the head has to turn right and up, in radians, until the optical axis meets the middle of `target`.
+    /// The angles right and up from the optical axis to the centre of `target`, in radians.
     ///
-    /// The two axes are treated separately. With the camera tilted by t, a turn of the pan servo moves the picture by only
-    /// cos(t) of it, so the pan axis approaches the target more slowly there.
+    /// The axes are independent. If the camera is tilted by t, a turn of the pan servo moves the picture by only cos(t) times
+    /// as much, so the pan axis approaches the target more slowly.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;
         (self.angle_radians(x), self.angle_radians(-y))
     }
 
-    /// How far the picture moves to the right and down, in units of 1/256 pixel, when the camera turns so far right and up. Exact
-    /// near the optical axis; farther out a little more.
-    #[allow(clippy::cast_possible_truncation)] // a conversion saturates, and 0 is what is not a number
+    /// The motion of the picture right and down, in units of 1/256 pixel, for a turn of the camera right and up. Exact near the
+    /// optical axis; farther out the true motion is a little larger.
+    #[allow(clippy::cast_possible_truncation)] // the cast saturates; NaN becomes 0
     pub(super) fn picture_motion(&self, right_radians: f32, up_radians: f32) -> (i32, i32) {
         let units = |radians: f32| (256.0 * self.focal_length_pixels * radians) as i32;
         (units(-right_radians), units(up_radians))
     }
 
     fn angle_radians(&self, offset_pixels: f32) -> f32 {
-        // Beyond this it is a right angle to the last digit, and micromath's atan squares it.
+        // Beyond this slope the angle is pi / 2 in f32. micromath's atan squares the slope, which must not overflow.
         const RIGHT_ANGLE: f32 = 1e9;
         let slope = (offset_pixels / self.focal_length_pixels).clamp(-RIGHT_ANGLE, RIGHT_ANGLE);
-        // By its type: with `F32Ext` a build for a test would take the standard library's atan instead.
+        // Not `F32Ext`: in test builds the standard library's `f32::atan` would win over it.
         F32(slope).atan().0
     }
 
@@ -73,7 +73,6 @@ impl Camera {
         if !numbers.iter().all(|number| number.is_finite()) {
             return Err(PursuitConfigError::NotFinite);
         }
-        // Shorter than a pixel, the whole picture would be at right angles.
         if self.focal_length_pixels < 1.0 {
             return Err(PursuitConfigError::FocalLengthTooShort);
         }
@@ -81,7 +80,7 @@ impl Camera {
     }
 }
 
-/// The middle of `size` units of 1/256 pixel from `first` on, in pixels.
+/// The centre of `first..first + size` (units of 1/256 pixel), in pixels.
 fn middle(first: i32, size: u32) -> f32 {
     (first as f32 + size as f32 / 2.0) / 256.0
 }

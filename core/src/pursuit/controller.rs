@@ -1,15 +1,14 @@
-//! The controller of one axis: the angle it has commanded, the error that is seen, and the angle to command next.
+//! The controller of one axis: from the commanded angle and the error to the next angle.
 
-use super::PursuitConfigError;
+use super::error::PursuitConfigError;
 use core::f32::consts::TAU;
 
-/// How one axis of the head moves. Angles grow to the right (pan) and upwards (tilt), as the camera sees it.
+/// How one axis of the head moves: a proportional controller. Right (pan) and up (tilt) are positive, as the camera sees it.
 ///
-/// Each frame adds gain * error * elapsed time to the angle, but never more than the slew rate allows and never beyond
-/// the limits. A target that moves at a constant speed is therefore followed at a constant distance: speed over gain.
+/// angle += clamp(gain * error, -slew, slew) * elapsed, at most |error|, within the limits. A target at constant speed is
+/// followed at a constant distance of speed / gain.
 ///
-/// The gain is limited by the delay from the exposure of a frame to the movement of the servo. With one frame of delay,
-/// gain * frame time must stay well below 1 (a third is a good start), or the head swings.
+/// With one frame of delay, gain * frame time must stay well below 1, or the head oscillates. Start with 1/3.
 ///
 /// ```
 /// use smr_core::pursuit::Axis;
@@ -17,8 +16,8 @@ use core::f32::consts::TAU;
 ///     min_radians: -1.2,
 ///     max_radians: 1.2,
 ///     home_radians: 0.0,
-///     gain_per_second: 10.0, // at 30 frames a second, a third of the error in each
-///     deadband_radians: 0.006, // one pixel, if the focal length is 160
+///     gain_per_second: 10.0, // 1/3 of the error per frame at 30 frames per second
+///     deadband_radians: 0.006, // one pixel at a focal length of 160 pixels
 ///     slew_radians_per_second: 3.0,
 ///     return_radians_per_second: 0.5,
 /// };
@@ -27,35 +26,35 @@ use core::f32::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Axis {
-    /// The leftmost, or lowest, angle that is commanded; within one turn.
+    /// The smallest angle (leftmost or lowest), at least -2 pi.
     pub min_radians: f32,
-    /// The rightmost, or highest, angle that is commanded; within one turn.
+    /// The largest angle (rightmost or highest), at most 2 pi.
     pub max_radians: f32,
-    /// Where the axis starts, and where it returns to when the target stays lost.
+    /// The angle at the start, and the one to return to when the target stays lost.
     pub home_radians: f32,
-    /// Radians a second for each radian of error; more than 0.
+    /// Speed per error, in radians per second per radian; more than 0.
     pub gain_per_second: f32,
-    /// Up to this error the axis holds still.
+    /// The axis holds still up to this error; at least 0.
     pub deadband_radians: f32,
-    /// The largest speed that is commanded; more than 0. Choose one that the servo can follow under its load.
+    /// The largest speed; more than 0. Choose one that the servo can follow under its load.
     pub slew_radians_per_second: f32,
-    /// The speed of the way home; more than 0. It is never faster than the slew rate.
+    /// The speed of the return home; more than 0, limited by the slew rate.
     pub return_radians_per_second: f32,
 }
 
 impl Axis {
-    /// The angle that follows `from_radians` when the target is seen `error_radians` away.
+    /// The next angle after `from_radians`, with the target at `error_radians` from the optical axis.
     pub(super) fn toward(&self, from_radians: f32, error_radians: f32, elapsed_seconds: f32) -> f32 {
         if error_radians.abs() <= self.deadband_radians {
             return from_radians;
         }
         let speed = within(self.gain_per_second * error_radians, self.slew_radians_per_second);
-        // However late the frame: to the target, not past it.
+        // A late frame must not overshoot.
         let step = within(speed * elapsed_seconds, error_radians.abs());
         self.limited(from_radians + step)
     }
 
-    /// The angle that follows `from_radians` on the way home.
+    /// The next angle after `from_radians` on the way home.
     pub(super) fn homeward(&self, from_radians: f32, elapsed_seconds: f32) -> f32 {
         let speed = self.return_radians_per_second.min(self.slew_radians_per_second);
         self.limited(from_radians + within(self.home_radians - from_radians, speed * elapsed_seconds))
@@ -92,7 +91,7 @@ impl Axis {
     }
 }
 
-/// `value`, but no further from 0 than `bound`.
+/// `value`, clamped to -bound..=bound.
 fn within(value: f32, bound: f32) -> f32 {
     value.max(-bound).min(bound)
 }
@@ -156,7 +155,7 @@ pub(super) mod tests {
         assert_eq!(refused(|axis| axis.home_radians = -1.5), Some(PursuitConfigError::HomeOutsideLimits));
     }
 
-    /// Axes of all sizes, among them numbers that overflow when they are multiplied.
+    /// Axes with ordinary and extreme numbers; some products overflow.
     pub(in crate::pursuit) fn any_axis() -> impl Strategy<Value = Axis> {
         let rate = || prop_oneof![0.01..50.0f32, Just(f32::MIN_POSITIVE), Just(f32::MAX)];
         let deadband = prop_oneof![Just(0.0), 0.0..0.2f32, Just(f32::MAX)];

@@ -1,36 +1,36 @@
-//! The pan/tilt head: two servos on PWM pins and a lock indicator. Turns angles into duties.
+//! The servos of the pan/tilt head: from angles to PWM duties.
 
-use super::{Axis, PursuitConfigError};
+use super::controller::Axis;
+use super::error::PursuitConfigError;
 use embedded_hal::pwm::SetDutyCycle;
 
 /// The pulses of a hobby servo in microseconds. Measure them once for your servo and its linkage.
 ///
-/// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The pin says what resolution its
-/// timer has. With a period of 20000 microseconds, a 16-bit duty resolves 0.3 microseconds; an 8-bit one resolves 78, which
-/// is 7 degrees.
+/// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The resolution is that of the
+/// pin's timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7 degrees).
 ///
 /// ```
 /// use smr_core::pursuit::Servo;
 /// let pan = Servo {
 ///     pulse_at_min_microseconds: 1000,
 ///     pulse_at_max_microseconds: 2000,
-///     period_microseconds: 20_000, // 50 Hz: what the PWM pin is set to
+///     period_microseconds: 20_000, // 50 Hz
 /// };
 /// # let _ = pan;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Servo {
-    /// The pulse at which the axis stands at its `min_radians`.
+    /// The pulse for `min_radians` of the axis.
     pub pulse_at_min_microseconds: u16,
-    /// The pulse at which the axis stands at its `max_radians`.
+    /// The pulse for `max_radians` of the axis.
     pub pulse_at_max_microseconds: u16,
-    /// The period of the PWM that the pin was set up with.
+    /// The period that the PWM pin is set to; longer than both pulses.
     pub period_microseconds: u16,
 }
 
 impl Servo {
-    /// The duty of `max_duty` at which the servo of `axis` stands at `radians`.
+    /// The duty (0 to `max_duty`) for the angle `radians` of `axis`.
     fn duty(&self, axis: &Axis, radians: f32, max_duty: u16) -> u16 {
         let along = (radians - axis.min_radians) / (axis.max_radians - axis.min_radians);
         let [at_min, at_max, period, max_duty] =
@@ -41,7 +41,6 @@ impl Servo {
 
     pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
         let longest = self.pulse_at_min_microseconds.max(self.pulse_at_max_microseconds);
-        // Also where the period is 0.
         if longest >= self.period_microseconds {
             return Err(PursuitConfigError::PulseNotInPeriod);
         }
@@ -52,12 +51,12 @@ impl Servo {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float that is cast saturates")]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
 fn nearest(value: f32) -> u16 {
     (value + 0.5) as u16
 }
 
-/// One axis of the head with its servo: where it was last told to be.
+/// One axis of the head: its controller, its servo and the commanded angle.
 pub(super) struct Joint<P> {
     pub(super) axis: Axis,
     servo: Servo,
@@ -70,7 +69,7 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Tells the servo where to be. If the pin fails, the axis keeps its last angle, so that the next step is not a leap.
+    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its last angle, so that the next step is not larger.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
         self.pin.set_duty_cycle(duty)?;
@@ -81,8 +80,8 @@ impl<P: SetDutyCycle> Joint<P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::controller::tests::{PAN, any_axis};
     use super::*;
+    use crate::pursuit::controller::tests::{PAN, any_axis};
     use proptest::prelude::*;
 
     const SERVO: Servo =

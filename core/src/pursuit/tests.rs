@@ -1,8 +1,10 @@
-//! The pursuit against pins that know what is to be written to them.
+//! The pursuit against mock pins that expect exact duties.
 
 use super::controller::tests::{PAN, any_axis};
 use super::*;
-use crate::{FineRect, Image, Paper, Rect, Robust, paper, robust};
+use crate::{Answer, FineRect, Frame, Image, Paper, Rect, Robust, State, Target, Tracker, UpdateError, paper, robust};
+use embedded_hal::digital::OutputPin;
+use embedded_hal::pwm::SetDutyCycle;
 use embedded_hal::{digital, pwm};
 use embedded_hal_mock::eh1::{MockError, digital as pin_mock, pwm as pwm_mock};
 use proptest::prelude::*;
@@ -13,7 +15,7 @@ use std::vec::Vec;
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
 
-/// Two equal axes from -1 to 1 with their home at 0, 160x120 pixels, 160 pixels of focal length, a hold of one second.
+/// Two axes from -1 to 1 radians with home at 0; 160x120 pixels; focal length 160 pixels; hold of 1 second.
 fn config() -> PursuitConfig {
     let axis = Axis { home_radians: 0.0, ..PAN };
     PursuitConfig {
@@ -53,7 +55,7 @@ fn lamp(states: &[bool]) -> pin_mock::Mock {
     pin_mock::Mock::new(&states.iter().map(set).collect::<Vec<_>>())
 }
 
-/// Runs `steps` on a new pursuit and demands that exactly these duties and lamp states were written.
+/// Runs `steps` on a new pursuit and checks that exactly these duties and lamp states are written.
 fn writes(
     pan: &[u16],
     tilt: &[u16],
@@ -70,11 +72,11 @@ fn writes(
 
 #[test]
 fn duties_are_exact() {
-    // 32 of 160 pixels are 0.2: micromath's atan of it is 0.1957 radians. A tenth of a second at ten times that.
+    // micromath's atan(32 / 160) is 0.1957 radians. Gain 10, 0.1 seconds: all of it.
     writes(&[1598, 1598], &[1500, 1598], &[true, true], |pursuit| {
         let command = pursuit.steer(&answer(State::Tracking, 112, 60), 0.1).unwrap();
         assert!((command.pan_radians - 0.1957).abs() < 0.0001 && command.tilt_radians == 0.0, "{command:?}");
-        // Below the middle: down, which on the reversed tilt servo is the longer pulse.
+        // Below the centre: down, the longer pulse of the reversed tilt servo.
         let command = pursuit.steer(&answer(State::Leaving, 80, 92), 0.1).unwrap();
         assert_eq!(command.tilt_radians, -command.pan_radians);
         assert_eq!(command, pursuit.command());
@@ -83,7 +85,7 @@ fn duties_are_exact() {
 
 #[test]
 fn the_slew_rate_and_the_limits_hold() {
-    // 2 radians a second, a quarter of a second: half a radian of two, 250 of 1000 microseconds.
+    // 2 radians/s * 0.25 s = 0.5 of 2 radians, 250 of 1000 microseconds.
     writes(&[1750, 2000, 2000], &[1250, 1000, 1000], &[true; 3], |pursuit| {
         for _ in 0..3 {
             pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25).unwrap();
@@ -99,7 +101,7 @@ fn a_lost_target_is_waited_for_then_the_head_goes_home_and_resumes() {
     writes(&pan, &[1500; 8], &indicator, |pursuit| {
         let far_right = answer(State::Tracking, 10_000, 60);
         pursuit.steer(&far_right, 0.25).unwrap();
-        // Two half seconds of hold, of the next half one the half beyond a hold of 1 second: 0.25 s at 0.5 radians a second.
+        // The hold of 1 second, then 0.25 s at 0.5 radians/s.
         pursuit.steer(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
         pursuit.steer(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
         pursuit.steer(&answer(State::Lost, 10_000, 60), 0.25).unwrap();
@@ -115,7 +117,7 @@ fn a_lost_target_is_waited_for_then_the_head_goes_home_and_resumes() {
 fn the_hold_ends_within_a_frame_and_starts_anew() {
     writes(&[1750, 1625, 1875, 1875], &[1500; 4], &[true, false, true, false], |pursuit| {
         pursuit.steer(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
-        pursuit.wait(1.5).unwrap(); // half a second of it beyond the hold
+        pursuit.wait(1.5).unwrap(); // 0.5 seconds after the end of the hold
         pursuit.steer(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
         pursuit.wait(1.0).unwrap();
     });
@@ -203,7 +205,7 @@ fn a_configuration_is_checked_when_the_pursuit_is_built() {
     assert_eq!(refused(|config| config.delay_frames = 4), Some(PursuitConfigError::DelayTooLong));
 }
 
-/// A pin that takes everything and remembers the last duty.
+/// A pin that accepts everything and remembers the last duty.
 #[derive(Default)]
 struct Pin {
     duty: u16,
@@ -238,7 +240,7 @@ impl OutputPin for Pin {
     }
 }
 
-/// 160x120 pixels that show a target of 24x24 at (`x`, `y`).
+/// A frame of 160x120 pixels with a target of 24x24 at (`x`, `y`).
 fn seen(x: usize, y: usize) -> Vec<u8> {
     let hash = |x: usize, y: usize, seed: usize| ((x * 31 + y * 57 + seed).wrapping_mul(2_654_435_761) >> 16) as u8;
     let level = |px: usize, py: usize| match (px.checked_sub(x), py.checked_sub(y)) {
@@ -248,7 +250,7 @@ fn seen(x: usize, y: usize) -> Vec<u8> {
     (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
 }
 
-/// The head turns to the target; the tracker looks for it where the picture has moved by then.
+/// The head turns to the target, and the search window moves with the picture.
 fn follows<T: Target>(target: T::Config, delay_frames: u8) {
     let mut tracker = std::boxed::Box::new(Tracker::<T>::new(target).unwrap());
     let mut pursuit =
@@ -287,7 +289,7 @@ fn the_tracker_is_told_how_far_the_picture_moves() {
     }
 }
 
-/// If a pin fails, the others have turned the head: the tracker is told, and the answer is there.
+/// If a pin fails, the other axis still turns: the tracker is told, and the answer is returned.
 #[test]
 fn a_pin_that_fails_hides_neither_the_turn_nor_the_answer() {
     let config = PursuitConfig { delay_frames: 0, ..config() };
@@ -307,7 +309,7 @@ fn a_pin_that_fails_hides_neither_the_turn_nor_the_answer() {
     let (good, command, window) = follow(Some(Pin::default()), Some(Pin::default()));
     assert!(good);
     assert_eq!(follow(Some(Pin::default()), None), (false, command, window), "the LED");
-    // Without pan the picture moves down alone.
+    // Without pan the picture only moves down.
     let (good, tilted, moved) = follow(None, Some(Pin::default()));
     assert_eq!((good, tilted), (false, Command { pan_radians: 0.0, ..command }));
     assert_eq!(moved, Rect { x: 92, ..window });
@@ -363,7 +365,7 @@ impl OutputPin for Fallible {
 }
 
 proptest! {
-    /// Whatever passes the check, whatever the tracker answers, whenever: the pulses stay between the two of the servo.
+    /// For every valid configuration, answer and time the pulses stay within the two of the servo.
     #[test]
     fn no_pulse_leaves_its_limits(
         (pan, tilt) in (any_axis(), any_axis()),

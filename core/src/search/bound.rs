@@ -1,9 +1,9 @@
-//! The most comparisons that a search can take: as if nothing could be excluded, counted as `scan.rs` counts.
+//! The most comparisons of a search: no offset is excluded. The counting is that of `scan.rs`.
 
 use super::ranges::{Ranges, SIDE};
 use super::scan::{MOST_STEPS, first_step_of};
 
-/// What a search goes over.
+/// The size of a search.
 pub(crate) struct Extent {
     /// Offsets on each axis.
     pub(crate) window: (usize, usize),
@@ -26,7 +26,7 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// From the last position to the first offset of the window: the descent goes over every other row.
+    /// Score and SAD of the last position, then the descent. A SAD reads every other row.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -39,32 +39,32 @@ impl Extent {
         2 * self.pixels() + half * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
     }
 
-    /// All of the window once, for the peak.
+    /// The whole window once, for the peak.
     fn peak<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let groups = if self.pruning { Ranges::<PIXELS, SPAN>::most(self.window, self.template) } else { 0 };
         self.offsets() * self.pixels() + groups
     }
 
-    /// The same for the runner-up: nine offsets far apart are scored first. Pairs are looked for at the beginning, at most for each 32nd of
-    /// the work, and at the end.
+    /// The whole window once, for the runner-up: nine scouts first. The floor is raised at the start, then each time for at most
+    /// 1/32 of the work since; the maxima are read once more at the end.
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
     }
 
-    /// A search for the runner-up or without it, and perhaps one more for it.
+    /// A search with or without the runner-up, and a second one for the runner-up if `again`.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
-            // All offsets one after the other; the runner-up is looked up at the end.
+            // Every offset is scored; the maxima are read at the end.
             (true, false) => self.peak::<PIXELS, SPAN>() + self.axes(),
             (false, _) => self.peak::<PIXELS, SPAN>(),
         };
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
     }
 
-    /// By how much a step may go beyond what was asked for: an offset, a group or a row of ranges, and seven words for each of `SPAN`.
+    /// The most comparisons of a step beyond those it was granted: an offset, a group or a row of ranges, and 7 * `SPAN` words.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

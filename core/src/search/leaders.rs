@@ -1,13 +1,15 @@
-//! Who leads: the peak so far, and the score below which an offset changes nothing.
+//! The peak so far, and the least score that an offset needs to change the result. An offset below it can be skipped.
 //!
-//! Where the runner-up is wanted too, an offset may be left out only if another peak could not make it the runner-up:
+//! If the runner-up is wanted, the least score is bounded by a floor:
 //!
-//! 1. Of two offsets more than twice the neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
-//! 2. So wherever the peak ends, the runner-up is at least the smaller score of any such pair: the floor.
-//! 3. A score at or below the floor is neither above the peak nor above the runner-up, which the pair's scores or larger
-//!    ones decide; and those have been noted.
+//! 1. If two offsets are more than 2 * neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
+//! 2. So wherever the final peak is, the runner-up is at least the smaller score of such a pair. The largest of these is the
+//!    floor.
+//! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
-use super::{Found, Maxima, Peak, Wanted, Window};
+use super::maxima::Maxima;
+use super::peak::{Found, Peak, Wanted};
+use super::window::Window;
 use core::cmp::Ordering;
 
 pub(super) struct Leaders<const SPAN: usize> {
@@ -16,7 +18,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// What is looked for beside the peak, and what is known of it.
+/// What is looked for in addition to the peak, and what is known about it.
 #[derive(Clone, Copy)]
 enum Beside {
     Nothing,
@@ -24,8 +26,8 @@ enum Beside {
     RunnerUp { neighbourhood: u16, floor: u32 },
 }
 
-/// The box around the offsets that score as much as the peak. Its sides pass through some of them, so it tells whether one
-/// is outside the peak's neighbourhood.
+/// The bounding box of the offsets that have the peak's score. Each of its sides touches one of them, so the box suffices to
+/// decide whether one lies outside the peak's neighbourhood.
 #[derive(Clone, Copy)]
 struct Equals {
     neighbourhood: u16,
@@ -45,7 +47,7 @@ impl Equals {
         (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
     }
 
-    /// Whichever of them is the peak, another is outside its neighbourhood.
+    /// True if some offset is outside the neighbourhood, whichever of them becomes the peak.
     fn are_apart(&self) -> bool {
         self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
     }
@@ -63,7 +65,6 @@ impl<const SPAN: usize> Leaders<SPAN> {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }
 
-    /// Forgets everything.
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         self.best = None;
         self.beside = match wanted {
@@ -78,7 +79,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         self.best
     }
 
-    /// The least score with which some offset could still change the result.
+    /// The least score with which an offset can still change the result.
     pub(super) fn needed(&self) -> u32 {
         let best = self.best.map_or(0, |best| best.score);
         match self.beside {
@@ -87,22 +88,21 @@ impl<const SPAN: usize> Leaders<SPAN> {
         }
     }
 
-    /// The least score with which the offset at (`x`, `y`) could.
+    /// The least score with which the offset at (`x`, `y`) can still change the result: one more than [`Self::needed`] if the
+    /// offset loses a tie with the peak and cannot become the runner-up.
     pub(super) fn needed_at(&self, window: &Window, x: i32, y: i32) -> u32 {
         let needed = self.needed();
-        // As good as the peak is not enough for who loses the tie, unless it would be the runner-up.
-        let ties = self.best.is_some_and(|best| {
-            let is_known = match &self.beside {
+        let loses_tie = self.best.is_some_and(|best| {
+            let is_decided = match &self.beside {
                 Beside::Nothing => true,
                 Beside::Equals(equals) => equals.are_apart(),
                 Beside::RunnerUp { floor, .. } => *floor >= best.score,
             };
-            is_known && best.score == needed && window.rank(&Peak { x, y, score: needed }) < window.rank(&best)
+            is_decided && best.score == needed && Peak { x, y, score: needed }.rank(window) < best.rank(window)
         });
-        needed.saturating_add(u32::from(ties))
+        needed.saturating_add(u32::from(loses_tie))
     }
 
-    /// Takes note of a score.
     pub(super) fn note(&mut self, window: &Window, candidate: Peak) {
         match (&mut self.beside, &self.best) {
             (Beside::Nothing, _) => {}
@@ -122,13 +122,13 @@ impl<const SPAN: usize> Leaders<SPAN> {
                 self.maxima.note(window, &candidate);
             }
         }
-        if self.best.is_none_or(|best| window.rank(&candidate) > window.rank(&best)) {
+        if self.best.is_none_or(|best| candidate.rank(window) > best.rank(window)) {
             self.best = Some(candidate);
         }
     }
 
-    /// Looks for pairs among all that has been noted; `note` sees only those with the peak.
-    pub(super) fn look_for_pairs(&mut self) {
+    /// Raises the floor by pairs among all offsets noted so far. `note` only sees pairs with the peak.
+    pub(super) fn raise_floor(&mut self) {
         if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
         }
@@ -149,20 +149,13 @@ impl<const SPAN: usize> Leaders<SPAN> {
     }
 }
 
-impl Peak {
-    /// More than `distance` pixels away in x or in y.
-    fn is_further_than(&self, distance: u32, other: &Self) -> bool {
-        self.x.abs_diff(other.x).max(self.y.abs_diff(other.y)) > distance
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Rect;
     use crate::search::Radius;
 
-    /// With a floor just below the peak, an offset that loses the tie with the peak is the runner-up.
+    /// The floor is just below the peak. An offset with the peak's score that loses the tie is the runner-up.
     #[test]
     fn a_runner_up_may_score_as_much_as_the_peak() {
         let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);
@@ -173,7 +166,7 @@ mod tests {
         assert_eq!(leaders.needed_at(&window, 10, 20), 4);
         leaders.note(&window, Peak { x: 10, y: 20, score: 4 });
         assert_eq!(leaders.found(&window).and_then(|found| found.runner_up), Some(4));
-        // Now the runner-up cannot be more than it is.
+        // The runner-up equals the peak: only a larger score changes something.
         assert_eq!(leaders.needed_at(&window, 10, 25), 5);
     }
 }

@@ -1,11 +1,12 @@
-//! The runner-up in little memory: one maximum for each row and for each column of the window.
+//! The runner-up from one maximum per row and one per column of the window.
 //!
-//! 1. The neighbourhood of the peak is a square, so what lies outside it is the union of whole rows (above and below
-//!    it) and whole columns (left and right of it).
-//! 2. So the largest score outside is the largest of those rows' and columns' maxima, exactly.
-//! 3. Those maxima can be noted while the peak is still unknown: width + height words instead of width * height.
+//! 1. The neighbourhood of the peak is a square. The offsets outside it are whole rows (above and below) and whole columns
+//!    (left and right).
+//! 2. So the largest score outside is exactly the largest of the maxima of those rows and columns.
+//! 3. The maxima can be collected before the peak is known. They take width + height words instead of width * height.
 
-use super::{Peak, Window};
+use super::peak::Peak;
+use super::window::Window;
 use heapless::Vec;
 
 /// The largest score of each row and each column of a window of up to `SPAN` x `SPAN` offsets.
@@ -20,12 +21,12 @@ impl<const SPAN: usize> Maxima<SPAN> {
         Self { columns: Vec::new(), rows: Vec::new() }
     }
 
-    /// Forgets everything and makes room for `window`.
+    /// Sets all maxima of `window` to 0.
     pub(super) fn reset(&mut self, window: &Window) {
         let (columns, rows) = window.size();
         self.columns.clear();
         self.rows.clear();
-        // Cannot fail: the tracker locks on nothing whose window could need more.
+        // Cannot fail: `lock` refuses a window of more than `SPAN` offsets on an axis.
         let _ = self.columns.resize(columns, 0);
         let _ = self.rows.resize(rows, 0);
     }
@@ -35,8 +36,8 @@ impl<const SPAN: usize> Maxima<SPAN> {
         raise(&mut self.rows, *window.ys().start(), candidate.y, candidate.score);
     }
 
-    /// The largest score that two offsets more than `distance` apart (in x or in y) both have noted, as far as rows and
-    /// columns tell; 0 if there are none.
+    /// The largest score that two offsets more than `distance` apart (in x or in y) both reach, by the maxima of rows and of
+    /// columns; 0 if there is no such pair.
     pub(super) fn both_reach(&self, distance: usize) -> u32 {
         pair(&self.columns, distance).max(pair(&self.rows, distance))
     }
@@ -56,10 +57,10 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     }
 }
 
-/// The largest number that an entry and another, more than `distance` behind it, both reach. Looks at each entry once.
+/// max over i, j with j - i > distance of min(maxima[i], maxima[j]), in one pass.
 ///
-/// From both ends inwards: of the entries passed so far on each side the largest is known, and they are far enough apart.
-/// No pair that takes the smaller of the two does better than they do, so its side goes on.
+/// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair that
+/// uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
 fn pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));
@@ -78,7 +79,7 @@ fn pair(maxima: &[u32], distance: usize) -> u32 {
     both
 }
 
-/// The largest entry more than `neighbourhood` away from the peak, which is one of them.
+/// The largest entry more than `neighbourhood` away from the peak's.
 fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     let peak = usize::try_from(peak.saturating_sub(first)).unwrap_or(0);
     let before = maxima.get(..peak.saturating_sub(neighbourhood.into()));

@@ -1,31 +1,31 @@
-//! Groups of 4x4 offsets, excluded together by the ranges of the pixels that they meet.
+//! Excludes groups of 4x4 offsets at once, by the ranges (minimum and maximum) of blocks of 4x4 pixels.
 //!
-//! 1. Over the offsets of a group a pixel of the template meets a block of 4x4 pixels of the frame, and differs from each
-//!    of them by at least its distance from their range, from the lowest to the highest.
-//! 2. p does not rise with the difference. So the score that these distances give is at least that of every offset of the
-//!    group, and with any rows left out, if these are taken to be fully similar, it is so all the more.
+//! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of its
+//!    differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
+//! 2. The similarity p does not rise with the difference. So sum p(d(t)) is an upper bound of the score of every offset of
+//!    the group. It stays one if some rows of the template are left out and counted as p = 1.
 //!
-//! Only a part of the ranges is in memory at a time, in a buffer of the template's own capacity: the window is gone through
-//! in tiles, and a tile in up to four passes, each over every fourth (second, single) row of the frame and so of the
-//! template. A group that cannot reach what is needed any more takes no part in the passes that follow.
+//! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in 1, 2
+//! or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed score is
+//! skipped from then on.
 
-use super::Window;
+use super::window::Window;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Scorer, Table};
 use heapless::Vec;
 
-/// Offsets of a group in a row, and in a column.
+/// Offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
-    /// The lowest of each block, row by row, then the highest.
+    /// First half: the minima of the blocks, row by row. Second half: the maxima.
     bytes: Vec<u8, PIXELS>,
-    /// The most that the offsets of each group can still score; 0 if that is not enough.
-    reach: Vec<[u32; 3], SPAN>,
+    /// The upper bound of each group of the tile; 0 if the group is excluded.
+    bounds: Vec<[u32; 3], SPAN>,
     shape: Shape,
 }
 
-/// How templates and windows of some size are divided.
+/// How a window is divided into tiles and passes, for one size of template and window.
 #[derive(Clone, Copy)]
 struct Shape {
     /// Pixels of the template.
@@ -34,11 +34,11 @@ struct Shape {
     /// Offsets of the largest tile.
     columns: usize,
     rows: usize,
-    /// There are 2 to the power of this many passes: 1, 2 or 4.
+    /// log2 of the number of passes: 0, 1 or 2.
     halvings: u32,
 }
 
-/// Offsets that are gone through together, counted from the window's first.
+/// A rectangle of offsets. `column` and `row` count from the first offset of the window.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Tile {
     pub(super) column: usize,
@@ -52,14 +52,14 @@ impl Tile {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
-    /// The first offset of a group that is in no group before it, counted from the tile's.
+    /// The first offset of a group that no group before it contains, counted from the first of the tile.
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
     }
 
-    /// The first offset of a group. The last groups of a row or column begin earlier than they would, so as to end with the
-    /// tile.
+    /// The first offset of a group, counted from the first of the tile. The last group of a row or column overlaps the one
+    /// before it, so that it ends with the tile.
     pub(super) fn group(&self, group: usize) -> (usize, usize) {
         let (column, row) = self.new_in_group(group);
         (column.min(self.columns.saturating_sub(SIDE)), row.min(self.rows.saturating_sub(SIDE)))
@@ -70,16 +70,16 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[inline(always)] // made where it stays
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
-        Self { bytes: Vec::new(), reach: Vec::new(), shape }
+        Self { bytes: Vec::new(), bounds: Vec::new(), shape }
     }
 
-    /// Clears the memory. Not in `new`, which would move so many zeroes about; after the first time there is nothing to do.
+    /// Gives both buffers their full length. `new` does not, because the zeroes would be copied.
     pub(super) fn reserve(&mut self) {
         // Neither can fail.
-        let _ = (self.bytes.resize(PIXELS, 0), self.reach.resize(SPAN, [0; 3]));
+        let _ = (self.bytes.resize(PIXELS, 0), self.bounds.resize(SPAN, [0; 3]));
     }
 
-    /// Divides a window for a template. False if it cannot be: a window of less than four rows or columns has no groups.
+    /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
         let shape = Shape::of((template.width(), template.height()), window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
@@ -90,7 +90,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         1 << self.shape.halvings
     }
 
-    /// The tile that holds the offset at (`column`, `row`) and all that follow it, as far as it reaches.
+    /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows are left.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let part = |from: usize, most: usize, all: usize| {
@@ -102,8 +102,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// The most that the groups of a window cost, beside its offsets: of each tile two comparisons for each range, the template once for
-    /// each group, and a word for each group when the tile is begun, in each pass, and while its offsets are scored.
+    /// The most comparisons for the groups of a window, without the offsets. Per tile: 2 for each range, the pixels of the
+    /// template for each group, and one word per group when the tile is begun, in each pass, and while offsets are scored.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -118,10 +118,10 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         most.sum()
     }
 
-    /// Lets every group of `tile` reach the score of `pixels` fully similar pixels.
-    pub(super) fn start(&mut self, tile: &Tile, pixels: u32) {
-        let reach = self.reach.as_flattened_mut();
-        reach.iter_mut().take(tile.groups()).for_each(|reach| *reach = pixels * u32::from(Table::ONE));
+    /// Sets the bound of every group of `tile` to `pixels` fully similar pixels.
+    pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
+        let bounds = self.bounds.as_flattened_mut();
+        bounds.iter_mut().take(tile.groups()).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
     }
 
     /// Rows of ranges that a pass of `tile` needs.
@@ -129,8 +129,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         (self.shape.rows_of(tile.rows) + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings
     }
 
-    /// Computes a row of ranges; returns how many there are in it.
-    pub(super) fn spread(
+    /// Computes a row of ranges; returns their number.
+    pub(super) fn compute_row(
         &mut self,
         frame: &Frame<'_>,
         window: &Window,
@@ -144,13 +144,13 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let (low, high) = self.bytes.split_at_mut_checked(PIXELS / 2).unwrap_or_default();
         let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
-        spread(frame, x, y, scorer, low, high);
+        ranges_at(frame, x, y, scorer, low, high);
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Adds a pass to what is known of a group, which must then still be able to reach `needed`. Returns how many pixels were
+    /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`. Returns the number of pixels
     /// compared, at most.
-    pub(super) fn look(
+    pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
         tile: &Tile,
@@ -160,38 +160,37 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer<'_>,
     ) -> u32 {
         let (column, row) = tile.group(group);
-        // The rows of the template that meet the rows of this pass, and the first row of ranges that they meet.
+        // The first row of the template that belongs to this pass, and the row of ranges it is compared with.
         let passes = self.passes();
         let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.columns_of(tile.columns);
         let start = ((row + first) >> self.shape.halvings) * stride + column;
         let (low, high) = self.bytes.split_at_checked(PIXELS / 2).unwrap_or_default();
-        let look = |reach: &mut u32| {
+        let lower = |bound: &mut u32| {
             let template = template.every(first, passes)?;
             let size = (template.width(), template.height());
             let low = Image::with_stride(low.get(start..)?, size.0, size.1, stride).ok()?;
             let high = low.like(high.get(start..)?)?;
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // Of what the group can reach, the similarities of these rows are replaced by what their ranges allow.
-            let others = *reach - pixels * u32::from(Table::ONE);
+            // These rows counted as fully similar so far: replace that by their own bound.
+            let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.score_between_at_least(low, high, template, needed.max(1).saturating_sub(others));
-            *reach = score.map_or(0, |score| others + score);
+            *bound = score.map_or(0, |score| others + score);
             Some(pixels)
         };
-        self.reach.as_flattened_mut().get_mut(group).and_then(look).unwrap_or(0)
+        self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
     }
 
-    /// The first group from `group` on of which an offset could reach `needed`, and more than nothing, as far as has been
-    /// looked.
-    pub(super) fn next(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
-        let reach = self.reach.as_flattened().get(..tile.groups())?.get(group..)?;
-        Some(group + reach.iter().position(|&reach| reach >= needed.max(1))?)
+    /// The first group from `group` on whose bound is at least `needed` and not 0.
+    pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
+        let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
+        Some(group + bounds.iter().position(|&bound| bound >= needed.max(1))?)
     }
 }
 
 impl Shape {
-    /// The largest tiles whose ranges take no more than `capacity` bytes, and of no more than `groups` groups. `None` if
-    /// there are none, or if they could cost more than they save.
+    /// The largest tiles whose ranges fit into `capacity` bytes and that have at most `groups` groups. `None` if there are none
+    /// or if they do not pay.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, halvings: 0 };
@@ -210,7 +209,7 @@ impl Shape {
         None
     }
 
-    /// The sizes of the tiles on an axis of so many offsets, of which the largest has `most`: see [`Ranges::tile`].
+    /// The sizes of the tiles on an axis of `all` offsets, the largest being `most`: see [`Ranges::tile`].
     fn parts(&self, most: usize, all: usize) -> impl Iterator<Item = usize> + Clone {
         (0..all).step_by(most.max(1)).map(move |from| most.min(all - from).max(SIDE.min(all)))
     }
@@ -221,13 +220,13 @@ impl Shape {
         ranges <= capacity / 2 && tile.groups() <= groups
     }
 
-    /// Whether the ranges of a tile cost no more than a sixteenth of the offsets: where nothing can be excluded that is lost.
+    /// Whether the ranges of a tile cost at most 1/16 of scoring its offsets. That is the loss if nothing can be excluded.
     fn pays(&self) -> bool {
         let ranges = 2 * self.columns_of(self.columns) * self.rows_of(self.rows);
         16 * ranges <= self.columns * self.rows * self.width * self.height
     }
 
-    /// Ranges in a row of a tile of so many columns of offsets: one for each pixel that is the first of a block.
+    /// Ranges in a row of a tile with `columns` columns of offsets.
     const fn columns_of(&self, columns: usize) -> usize {
         (self.width + columns).saturating_sub(SIDE)
     }
@@ -237,24 +236,24 @@ impl Shape {
     }
 }
 
-/// The ranges of the blocks whose first pixels are at (`x`..., `y`) of the frame; what lies outside it is zeroes.
-fn spread(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+/// The ranges of the blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. Pixels outside the frame are 0.
+fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
     match frame.patch(Rect::new(x, y, columns, 4)) {
         Some(pixels) => scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
-        None => spread_at_border(frame, x, y, scorer, low, high),
+        None => ranges_at_border(frame, x, y, scorer, low, high),
     }
 }
 
-/// The same where some of the pixels lie outside the frame: of a copy of them, part by part.
+/// The same if some pixels lie outside the frame: from a padded copy, 16 blocks at a time.
 #[cold]
-#[inline(never)] // no part of the usual case, which is inlined
-fn spread_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+#[inline(never)] // keeps it out of the usual case, which is inlined
+fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     const PART: u16 = 16; // the copy is on the stack
     let mut x = x;
     for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
         let mut copy = [[0; PART as usize + SIDE - 1]; SIDE];
-        // No pixel more than needed: others may not be in memory.
+        // Reads only the pixels needed: others may not be in memory.
         let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {

@@ -1,16 +1,20 @@
-//! The search: every offset of the window scored or excluded, in steps of as little work as is asked for.
+//! The search: scores or excludes every offset of the window, in steps of bounded work.
 //!
-//! First the last position and a descent from it, to have a good score early, and for the runner-up a few far apart; then
-//! tile by tile, pass by pass (see `ranges.rs`). An offset is excluded together with its group, or scored until it cannot
-//! reach what is needed; the answer does not depend on the order.
+//! 1. The last position, then a descent of the SAD from there: a good score early excludes more.
+//! 2. For the runner-up nine offsets far apart, the scouts.
+//! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
+//! 4. The offsets of the remaining groups are scored. Scoring stops as soon as an offset cannot reach the needed score.
+//!
+//! The result does not depend on the order, nor on how the work is divided into steps.
 
 use super::leaders::Leaders;
+use super::peak::{Found, Peak, Wanted};
 use super::ranges::{Ranges, SIDE, Tile};
-use super::{Found, Peak, Wanted, Window};
+use super::window::Window;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{self, Scorer};
 
-/// What a search is about; the same in every step of it.
+/// The inputs of a search; the same in every step.
 pub(crate) struct Scene<'a> {
     pub(crate) frame: Frame<'a>,
     pub(crate) template: Image<'a>,
@@ -18,42 +22,44 @@ pub(crate) struct Scene<'a> {
     pub(crate) scorer: &'a Scorer<'a>,
 }
 
-/// How far a search is, and its working memory.
+/// The progress of a search, and its working memory.
 pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     leaders: Leaders<SPAN>,
     ranges: Ranges<PIXELS, SPAN>,
-    /// The tile that is gone through.
+    /// The present tile.
     tile: Tile,
     stage: Stage,
     pruning: bool,
     /// Comparisons in the present step.
     work: u32,
-    /// Comparisons since pairs were looked for.
-    since_pairs: u32,
+    /// Comparisons since the floor was raised last.
+    since_floor: u32,
 }
+
+/// What comes next.
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
     Done,
-    /// The last position itself.
-    Start,
+    /// The score of the last position.
+    LastPosition,
     /// Its SAD.
-    Measure,
+    FirstSad,
     Descent(Descent),
-    /// The next of nine offsets spread over the window.
+    /// One of nine offsets: the corners, the middles of the edges and the centre.
     Scout(i32),
-    /// The next row of ranges of a pass.
-    Spread(TilePass, usize),
-    /// The next group.
+    /// A row of ranges.
+    Ranges(TilePass, usize),
+    /// The bound of a group.
     Exclude(TilePass, usize),
-    /// The next offset of a group that is left.
+    /// An offset of a group that was not excluded.
     Refine(TilePass, usize, usize),
-    /// Without groups: the next offset.
+    /// An offset (column, row), where there are no groups.
     Offsets(usize, usize),
 }
 
-/// First offset of the tile, and the pass.
+/// The first offset of a tile, and the pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct TilePass {
     column: usize,
@@ -61,22 +67,22 @@ struct TilePass {
     pass: usize,
 }
 
-/// The way down the SAD, from the last position: the best of nine, then of nine half as far away.
+/// The descent: moves to the least SAD among the centre and its 8 neighbours at distance `step`, then halves `step`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Descent {
-    /// The middle of the nine.
+    /// The centre.
     x: i32,
     y: i32,
-    /// The best of them so far.
+    /// The position with the least SAD so far, and that SAD.
     best: (i32, i32),
     distance: u32,
     step: i32,
-    /// Which of those around the middle comes next.
+    /// The next neighbour, an index into `AROUND`.
     next: usize,
 }
 
-/// How far the first step of the descent goes. Each step costs half of eight offsets: no more of them than a 32nd of the
-/// window.
+/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 4 offsets (8 SADs of every other row). All
+/// steps together cost at most 1/32 of the window.
 fn first_step(window: &Window) -> i32 {
     first_step_of(window.size())
 }
@@ -88,7 +94,7 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> i32 {
     }
 }
 
-/// It sets out with 8 pixels at most: what lies farther away than that and twice as far is left to the ranges.
+/// The first step is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that the ranges are faster.
 pub(super) const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
@@ -102,19 +108,19 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             stage: Stage::Done,
             pruning: false,
             work: 0,
-            since_pairs: 0,
+            since_floor: 0,
         }
     }
 
-    /// Starts anew. Without pruning every offset is scored to its last pixel.
+    /// Starts a search. Without pruning every offset is scored to its last pixel.
     pub(crate) fn begin(&mut self, window: &Window, pruning: bool, wanted: Wanted) {
         self.leaders.reset(window, wanted);
         self.ranges.reserve();
         self.pruning = pruning;
-        self.stage = if pruning { Stage::Start } else { Stage::Offsets(0, 0) };
+        self.stage = if pruning { Stage::LastPosition } else { Stage::Offsets(0, 0) };
     }
 
-    /// Goes through the window once more, for the runner-up; the peak is known.
+    /// Searches the window again for the runner-up. The peak is known.
     pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
         let peak = self.leaders.best();
         self.leaders.reset(&scene.window, Wanted::RunnerUp(neighbourhood));
@@ -124,57 +130,58 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Scout(0);
     }
 
-    /// Goes on until `work` comparisons have been made, or a few more; with 0 as with 1. Their count is returned: a byte of
-    /// the template against a byte of the frame, also if it could be left out; two for each range; and one for each word of
-    /// the working memory that is looked at for anything but a single offset or group.
+    /// Continues for about `work` comparisons (at least 1) and returns how many were made. Counted are:
     ///
-    /// Between two looks at the count there is at most an offset, a group or a row of ranges, and beside it seven words for
-    /// each of `SPAN`: a pass over the groups (3), one for pairs (2), one for the runner-up (2).
+    /// - 1 for a byte of the template against a byte of the frame, even if scoring stopped before it;
+    /// - 2 for each range;
+    /// - 1 for each word of working memory read in a pass over groups or maxima.
+    ///
+    /// A step exceeds `work` by at most one offset, group or row of ranges, and 7 * `SPAN` words: a pass over the groups (3), one
+    /// over the maxima to raise the floor (2), one for the runner-up (2).
     #[inline(never)] // one copy in flash
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
         self.work = 0;
         let work = work.max(1);
         while self.stage != Stage::Done && self.work < work {
             self.stage = match self.stage {
-                Stage::Start => self.start(scene),
-                Stage::Measure => self.measure(scene),
+                Stage::LastPosition => self.last_position(scene),
+                Stage::FirstSad => self.first_sad(scene),
                 Stage::Descent(descent) => self.descend(scene, descent, work),
                 Stage::Scout(number) => self.scout(scene, number),
-                Stage::Spread(place, row) => self.spread(scene, place, row, work),
+                Stage::Ranges(place, row) => self.compute_ranges(scene, place, row, work),
                 Stage::Exclude(place, group) => self.exclude(scene, place, group, work),
                 Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset, work),
                 Stage::Offsets(column, row) => self.offsets(scene, column, row, work),
                 Stage::Done => Stage::Done,
             };
             if self.is_done() && self.leaders.looks_for_runner_up() {
-                self.spend(axes(scene)); // what `found` will look at
+                self.spend(axes(scene)); // `found` reads the maxima
             }
         }
         self.work
     }
 
-    /// True when the whole window has been gone through.
     pub(crate) fn is_done(&self) -> bool {
         self.stage == Stage::Done
     }
 
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
-        self.since_pairs = self.since_pairs.saturating_add(comparisons);
+        self.since_floor = self.since_floor.saturating_add(comparisons);
     }
 
-    /// What was found; `None` before the search is done.
+    /// The result; `None` until the search is done.
     pub(crate) fn found(&self, window: &Window) -> Option<Found> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
-    fn start(&mut self, scene: &Scene<'_>) -> Stage {
+    fn last_position(&mut self, scene: &Scene<'_>) -> Stage {
         let (x, y) = scene.window.centre();
         self.score(scene, x, y);
-        if first_step(&scene.window) > 0 { Stage::Measure } else { Stage::Scout(0) }
+        if first_step(&scene.window) > 0 { Stage::FirstSad } else { Stage::Scout(0) }
     }
 
-    fn measure(&mut self, scene: &Scene<'_>) -> Stage {
+    fn first_sad(&mut self, scene: &Scene<'_>) -> Stage {
         let (x, y) = scene.window.centre();
         let step = first_step(&scene.window);
         self.sad(scene, x, y, u32::MAX)
@@ -206,7 +213,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         Stage::Scout(0)
     }
 
-    /// The SAD of every other row of a box wholly inside the frame; any part of it that is more than `enough`, once it is more.
+    /// The SAD of every other row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
     #[inline(never)] // one copy in flash
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
@@ -214,13 +221,13 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough)
     }
 
-    /// Scores the window's corners, the middles of its edges and its middle: where the runner-up is looked for, two of them
-    /// tell how much it is at least. Nine scores are a 32nd of 288.
+    /// Scores the scouts: if two of them are far enough apart, they give the runner-up a floor. Only in windows of at least 288
+    /// offsets, of which nine are 1/32.
     fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
         let (columns, rows) = scene.window.size();
         if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 288 {
-            self.look_for_pairs(scene);
-            return self.first(scene);
+            self.raise_floor(scene);
+            return self.first_tile(scene);
         }
         let part = |of: usize, number: i32| (of - 1) * number.unsigned_abs() as usize / 2;
         let (x, y) = scene.window.position(part(columns, number % 3), part(rows, number / 3));
@@ -228,40 +235,39 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         Stage::Scout(number + 1)
     }
 
-    fn look_for_pairs(&mut self, scene: &Scene<'_>) {
+    fn raise_floor(&mut self, scene: &Scene<'_>) {
         if self.leaders.looks_for_runner_up() {
-            self.leaders.look_for_pairs();
+            self.leaders.raise_floor();
             self.spend(axes(scene));
-            self.since_pairs = 0;
+            self.since_floor = 0;
         }
     }
 
-    /// What the window begins with.
     #[inline(never)] // one copy in flash
-    fn first(&mut self, scene: &Scene<'_>) -> Stage {
+    fn first_tile(&mut self, scene: &Scene<'_>) -> Stage {
         if self.pruning && self.ranges.divide(&scene.window, scene.template) {
-            Stage::Spread(TilePass { column: 0, row: 0, pass: 0 }, 0)
+            Stage::Ranges(TilePass { column: 0, row: 0, pass: 0 }, 0)
         } else {
             Stage::Offsets(0, 0)
         }
     }
 
     #[inline(never)] // one copy in flash
-    fn spread(&mut self, scene: &Scene<'_>, place: TilePass, row: usize, work: u32) -> Stage {
+    fn compute_ranges(&mut self, scene: &Scene<'_>, place: TilePass, row: usize, work: u32) -> Stage {
         if row == 0 && place.pass == 0 {
             self.tile = self.ranges.tile(&scene.window, place.column, place.row);
-            self.ranges.start(&self.tile, area(scene));
+            self.ranges.begin_tile(&self.tile, area(scene));
         }
         let tile = self.tile;
         for row in row..self.ranges.rows(&tile, place.pass) {
             if self.work >= work {
-                return Stage::Spread(place, row);
+                return Stage::Ranges(place, row);
             }
-            let ranges = self.ranges.spread(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
+            let ranges = self.ranges.compute_row(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
             self.spend(2 * ranges);
         }
         if place.pass == 0 {
-            self.spend(words(tile.groups())); // set when the tile was begun
+            self.spend(words(tile.groups())); // by `begin_tile`
         }
         Stage::Exclude(place, 0)
     }
@@ -270,17 +276,17 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     fn exclude(&mut self, scene: &Scene<'_>, place: TilePass, group: usize, work: u32) -> Stage {
         let (tile, needed) = (self.tile, self.leaders.needed());
         let mut from = group;
-        while let Some(group) = self.ranges.next(&tile, from, needed) {
+        while let Some(group) = self.ranges.next_group(&tile, from, needed) {
             if self.work >= work {
                 return Stage::Exclude(place, group);
             }
-            let compared = self.ranges.look(scene.template, &tile, place.pass, group, needed, scene.scorer);
+            let compared = self.ranges.bound_group(scene.template, &tile, place.pass, group, needed, scene.scorer);
             self.spend(compared + words(group - from));
             from = group + 1;
         }
         self.spend(words(tile.groups().saturating_sub(from)));
         if place.pass + 1 < self.ranges.passes() {
-            Stage::Spread(TilePass { pass: place.pass + 1, ..place }, 0)
+            Stage::Ranges(TilePass { pass: place.pass + 1, ..place }, 0)
         } else {
             Stage::Refine(place, 0, 0)
         }
@@ -290,7 +296,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     fn refine(&mut self, scene: &Scene<'_>, place: TilePass, group: usize, offset: usize, work: u32) -> Stage {
         let tile = self.tile;
         let (mut from, mut offset) = (group, offset);
-        while let Some(group) = self.ranges.next(&tile, from, self.leaders.needed()) {
+        while let Some(group) = self.ranges.next_group(&tile, from, self.leaders.needed()) {
             if self.work >= work {
                 return Stage::Refine(place, group, if group == from { offset } else { 0 });
             }
@@ -298,11 +304,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 offset = 0;
             }
             let new = tile.new_in_group(group);
-            // At the first group that is left of each row: often enough to learn from what was scored since. But not where
-            // it would cost more than a 32nd of that.
+            // Raise the floor at the first remaining group of each row, unless that costs more than 1/32 of the work since.
             let new_row = offset == 0 && (from == 0 || new.1 != tile.new_in_group(from - 1).1);
-            if new_row && self.since_pairs / 32 >= axes(scene) {
-                self.look_for_pairs(scene);
+            if new_row && self.since_floor / 32 >= axes(scene) {
+                self.raise_floor(scene);
             }
             self.spend(words(group - from));
             self.score_in_group(scene, place, tile.group(group), new, offset);
@@ -311,10 +316,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             offset %= SIDE * SIDE;
         }
         self.spend(words(tile.groups().saturating_sub(from)));
-        self.next(scene, place)
+        self.next_tile(scene, place)
     }
 
-    /// Scores an offset of a group, unless it is also one of a group or of a tile before.
+    /// Scores an offset of a group, unless an earlier group or tile contains it.
     fn score_in_group(
         &mut self,
         scene: &Scene<'_>,
@@ -332,14 +337,13 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The next tile.
-    fn next(&self, scene: &Scene<'_>, place: TilePass) -> Stage {
+    fn next_tile(&self, scene: &Scene<'_>, place: TilePass) -> Stage {
         let (columns, rows) = scene.window.size();
         let tile = self.tile;
         if tile.column + tile.columns < columns {
-            Stage::Spread(TilePass { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
+            Stage::Ranges(TilePass { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
         } else if tile.row + tile.rows < rows {
-            Stage::Spread(TilePass { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
+            Stage::Ranges(TilePass { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
         } else {
             Stage::Done
         }
@@ -380,7 +384,7 @@ fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())
 }
 
-/// Columns and rows of the window.
+/// The number of maxima: one per column and one per row of the window.
 fn axes(scene: &Scene<'_>) -> u32 {
     let (columns, rows) = scene.window.size();
     words(columns + rows)

@@ -1,13 +1,14 @@
-//! The search against a map of all scores: it must find what is there, whatever it leaves out and wherever it is cut.
+//! The search against a map of all scores: the result must be the same with any pruning, backend and step size.
 
-use super::Radius;
+use super::leaders::Leaders;
 use super::*;
 use crate::similarity::{Backend, CutTable, Scorer, Table, score_at};
 use crate::{Frame, Image, Rect};
+use core::cmp::Reverse;
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 
-/// Pictures that are hard on bounds and ties.
+/// Pictures that are difficult for bounds and ties.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Noise,
@@ -52,7 +53,7 @@ struct Case {
     seed: u32,
     frame: (u16, u16),
     template: (u16, u16),
-    /// How many gray levels the template is away from what is there.
+    /// Noise added to the template, in gray levels.
     noise: u8,
     window: Window,
     threshold: u16,
@@ -110,12 +111,11 @@ impl Case {
         (frame, template)
     }
 
-    /// The best of all offsets, and the best outside its neighbourhood as far as it is wanted.
+    /// The result by the definitions, from the scores of all offsets.
     fn expected(&self, wanted: Wanted, score: impl Fn(i32, i32) -> u32) -> Found {
         let all = || self.window.ys().flat_map(|y| self.window.xs().map(move |x| (x, y)));
         let peaks = all().map(|(x, y)| Peak { x, y, score: score(x, y) });
         let (centre_x, centre_y) = self.window.centre();
-        // The tie rule, said once more.
         let order = |peak: &Peak| {
             let (dx, dy) = (i64::from(peak.x - centre_x), i64::from(peak.y - centre_y));
             (Reverse(peak.score), dx * dx + dy * dy, peak.y, peak.x)
@@ -133,11 +133,12 @@ impl Case {
     }
 }
 
-/// How a search is asked for.
+/// How a search is run.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     pruning: bool,
     wanted: Wanted,
+    /// Searches for the peak first, then again for the runner-up.
     afterwards: bool,
     work: u32,
 }
@@ -187,7 +188,7 @@ proptest! {
         }
     }
 
-    /// Work is counted, not measured: this bounds what a search does where no offset can be excluded.
+    /// Holds for every case, also if no offset can be excluded.
     #[test]
     fn a_search_costs_little_more_than_scoring_every_offset(case in case(), wanted in 0..3usize) {
         let (pixels, template) = case.pixels();
@@ -200,9 +201,9 @@ proptest! {
         let (columns, rows) = case.window.size();
         let offsets = (columns * rows) as u64;
         let pixels = u64::from(case.template.0) * u64::from(case.template.1);
-        // A sixteenth for ranges, a 32nd each for the descent and the scouts; the groups; the start.
+        // 1/16 for ranges, 1/32 each for the descent and the scouts; the groups; the start.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
-        // Words of the working memory: of both axes, and of each group in each pass.
+        // Words of working memory: the maxima twice, and each group in each pass.
         let words = 2 * (columns + rows) as u64 + 8 * groups;
         let most = offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4) + words;
         prop_assert!(work <= most, "{work} of {}", offsets * pixels);
@@ -213,7 +214,7 @@ proptest! {
 fn among_equals_the_closest_wins_then_the_upper_then_the_left_one() {
     let window = Window::new(Rect::new(10, 10, 4, 4), Radius { x: 5, y: 5 }, Rect::new(0, 0, 24, 24), 2);
     let best_of = |equals: &[(i32, i32)]| {
-        let mut leaders = leaders::Leaders::<11>::new();
+        let mut leaders = Leaders::<11>::new();
         leaders.reset(&window, Wanted::Peak);
         for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
             leaders.note(&window, Peak { x, y, score: u32::from(equals.contains(&(x, y))) });

@@ -1,9 +1,9 @@
-//! The search window: which positions the box may take in the next frame (step 1 of the method).
+//! The search window: the positions that the box may take in the next frame (step 1 of the method).
 
 use crate::image::Rect;
 use core::ops::RangeInclusive;
 
-/// How far the search window reaches to each side of the last position, in pixels: offsets -x..=x and -y..=y.
+/// The radius of the search window in pixels: offsets -x..=x and -y..=y around the last position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Radius {
@@ -13,10 +13,9 @@ pub struct Radius {
     pub y: u16,
 }
 
-/// All positions of the box within a radius of its last one, cut where it would leave the padded frame.
+/// All positions of the box within a radius of its last position, cut at the edges of the padded frame.
 ///
-/// Positions are those of the box's top left corner, one pixel apart. A window is never empty: the last position lies
-/// within the padded frame.
+/// A position is that of the box's top left corner. Positions are one pixel apart. A window is never empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Window {
@@ -32,7 +31,7 @@ impl Window {
     /// A single position.
     pub(crate) const NONE: Self = Self { centre_x: 0, centre_y: 0, left: 0, right: 0, top: 0, bottom: 0 };
 
-    /// The window of `radius` around `target`, on a frame with the size of `bounds` and `padding` pixels around it.
+    /// The window of `radius` around `target`, in a frame of the size of `bounds` with `padding` pixels around it.
     ///
     /// ```
     /// use smr_core::{Rect, search::{Radius, Window}};
@@ -78,12 +77,12 @@ impl Window {
 
     /// The position in this column and row of the window.
     pub(super) fn position(&self, column: usize, row: usize) -> (i32, i32) {
-        // A window is at most as wide as two padded frames: far from the end of an i32.
+        // A window has at most 2 * 65535 + 1 positions on an axis.
         #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
         (self.left.saturating_add(column as i32), self.top.saturating_add(row as i32))
     }
 
-    /// The most positions on each axis that a window of `radius` can have for a box of this size, wherever it is.
+    /// The most positions on each axis that a window of `radius` can have for a box of this size, at any place.
     pub(crate) fn largest_size(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> (usize, usize) {
         let most = |radius: u16, frame: u16, size: u16| {
             let all = (usize::from(frame) + 2 * usize::from(padding)).saturating_sub(usize::from(size)) + 1;
@@ -92,8 +91,8 @@ impl Window {
         (most(radius.x, bounds.width, target.width), most(radius.y, bounds.height, target.height))
     }
 
-    /// Every pixel of the frame that a box of `width` x `height` covers at one position or another. It is never empty, so that it can
-    /// always be read out: on an axis on which no box reaches the frame, it is the row or column at the frame's edge.
+    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: if no
+    /// position reaches the frame on an axis, it is the row or column at the frame's edge.
     pub(crate) fn pixels(&self, width: u16, height: u16, bounds: Rect) -> Rect {
         let (x, width) = pixels(self.left, self.right, width, bounds.width);
         let (y, height) = pixels(self.top, self.bottom, height, bounds.height);
@@ -101,16 +100,15 @@ impl Window {
     }
 }
 
-/// First pixel and number of pixels on one axis: at least one of a frame that has any.
+/// First pixel and number of pixels on one axis; at least one.
 fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     let frame = i32::from(frame);
     let from = first.min(frame - 1).max(0);
-    // The extent of a window need not fit a u16 before it is cut.
     let end = last.saturating_add(size.into()).min(frame).max(from + 1);
     (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
-/// First and last position on one axis. `at` may be anything; the result is never empty and never beyond the padding.
+/// First and last position on one axis, for any `at`: never empty, never beyond the padding.
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);
     let last = (i32::from(frame) + i32::from(padding) - i32::from(size)).max(first);
@@ -128,7 +126,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Frames, boxes that reach into the padding by any part of it, radii: all the way to their ends.
+        /// Frames, boxes and radii of all sizes; boxes may lie in the padding.
         #[test]
         fn a_window_stays_in_the_padded_frame_and_around_its_centre(
             (frame_width, frame_height) in (1u16.., 1u16..),

@@ -1,7 +1,7 @@
-//! The most work that a tracker can do, whatever the frames show: what a deadline is planned by.
+//! The most work of a tracker, for planning deadlines.
 
-/// The most work of a tracker, in the units of [`Update::step`](crate::Update::step): what [`Target::most_work`](crate::Target::most_work)
-/// computes from the numbers of the code itself.
+/// The most work of a tracker for any frame, in the units of [`Update::step`](crate::Update::step). Computed by
+/// [`Target::most_work`](crate::Target::most_work).
 ///
 /// ```
 /// use smr_core::{Paper, Robust, Target, paper, robust};
@@ -11,20 +11,20 @@
 /// config.window_limit = config.window;
 /// let most = Paper::<4096, 33>::most_work(&config, 64, 64);
 /// let every_offset = 33 * 33 * 64 * 64;
-/// // Where a tracked target begins to leave the picture, the window is gone through twice.
+/// // If the peak of a tracked target is partly outside the frame, the window is searched twice.
 /// assert!(most.update > 2 * every_offset && most.update < every_offset * 9 / 4);
-/// // Its size does not matter to the robust tracker.
+/// // For the robust tracker the size of the box does not matter.
 /// assert_eq!(robust::Config::robust().most_work(), Robust::most_work(&robust::Config::robust(), 640, 480));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct MostWork {
-    /// Of an update.
+    /// The most work of an update.
     pub update: u64,
-    /// Of a lock.
+    /// The most work of a lock.
     pub lock: u64,
-    /// By how much a step may go beyond the work that was asked for: a unit of work that cannot be divided. Nor does the beginning of an
-    /// update or a lock do more.
+    /// The most work of a step beyond the granted work, because the last piece of work cannot be divided. `begin` and
+    /// `begin_lock` do at most this much.
     pub beyond_a_step: u32,
 }

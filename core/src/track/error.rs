@@ -1,19 +1,19 @@
-//! Why a call was refused: one small enum for each operation, the same for both trackers.
+//! Errors: one small enum per operation, the same for both trackers.
 
 use core::fmt;
 
-/// Why a configuration cannot be used.
+/// Why a configuration was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ConfigError {
     /// A fraction has a denominator of 0.
     ZeroDenominator,
-    /// `k` or `first_threshold` is 0: no pixel would ever count.
+    /// `k` or `first_threshold` is 0, so no pixel would count.
     NothingCounts,
     /// `window_limit` is smaller than `window`.
     LimitBelowWindow,
-    /// A number lies outside the range that its documentation states.
+    /// A number is outside its documented range.
     OutOfRange,
 }
 
@@ -21,35 +21,35 @@ impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::ZeroDenominator => "a fraction of the configuration has a denominator of 0",
-            Self::NothingCounts => "k and the first threshold must be more than 0, or no pixel ever counts",
+            Self::NothingCounts => "k and the first threshold must be more than 0, or no pixel counts",
             Self::LimitBelowWindow => "the window's limit is smaller than the window",
-            Self::OutOfRange => "a number of the configuration lies outside its range",
+            Self::OutOfRange => "a number of the configuration is outside its range",
         })
     }
 }
 
 impl core::error::Error for ConfigError {}
 
-/// Why a tracker does not start on a box.
+/// Why a box was not locked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum LockError {
     /// The box has no pixels.
     BoxEmpty,
-    /// A part of the box lies outside the frame.
+    /// The box is partly outside the frame.
     BoxOutsideFrame,
-    /// The box has more pixels than there is room for. [`Robust`](crate::Robust) has room for every box.
+    /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
     BoxTooLarge,
-    /// The window could grow to more offsets on an axis than there is room for: make the window's limit smaller or `SPAN`
-    /// larger. [`Robust`](crate::Robust) always has room.
+    /// The window could grow to more than `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only from
+    /// [`Paper`](crate::Paper).
     WindowTooLarge,
-    /// The frame in memory does not cover [`Target::lock_window`](crate::Target::lock_window).
+    /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
     LockWindowNotInMemory,
-    /// The frame is not of the size of the one by which the lock was begun.
+    /// The frame has another size than the one the lock was begun with.
     FrameSizeChanged,
-    /// No lock of this target is under way in this workspace: none was begun, it was finished, the target has changed since, the
-    /// workspace has served another one, or one of them has been moved in memory.
+    /// No lock of this target is under way in this workspace: none was begun, it was finished, the target changed, the workspace
+    /// served another target, or one of the two was moved in memory.
     NotBegun,
 }
 
@@ -59,10 +59,10 @@ impl fmt::Display for LockError {
             Self::BoxEmpty => "the box has no pixels: width and height must be at least 1",
             Self::BoxOutsideFrame => "the box is not wholly inside the frame",
             Self::BoxTooLarge => "the box has more pixels than this tracker's template has room for",
-            Self::WindowTooLarge => "the window could grow to more offsets on an axis than this tracker has room for",
-            Self::LockWindowNotInMemory => "the frame in memory does not cover what lock reads (the lock window)",
-            Self::FrameSizeChanged => "the frame is not of the size of the one by which the lock was begun",
-            Self::NotBegun => "no lock was begun",
+            Self::WindowTooLarge => "the window can grow to more offsets on an axis than this tracker has room for",
+            Self::LockWindowNotInMemory => "the lock window is not wholly in memory",
+            Self::FrameSizeChanged => "the frame has another size than the one the lock was begun with",
+            Self::NotBegun => "no lock of this target is under way in this workspace",
         })
     }
 }
@@ -74,15 +74,14 @@ impl core::error::Error for LockError {}
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum UpdateError {
-    /// There is no target yet: lock first.
+    /// There is no target yet: call `lock` first.
     NotLocked,
-    /// The frame is not of the size of the frame that was locked on.
+    /// The frame has another size than the one that was locked on.
     FrameSizeChanged,
-    /// The frame in memory does not cover [`Target::window`](crate::Target::window), or
-    /// [`Target::sweep_window`](crate::Target::sweep_window) where there is one.
+    /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly in memory.
     WindowNotInMemory,
-    /// No update of this target is under way in this workspace: none was begun, it was finished, the target has changed since, the
-    /// workspace has served another one, or one of them has been moved in memory.
+    /// No update of this target is under way in this workspace: none was begun, it was finished, the target changed, the
+    /// workspace served another target, or one of the two was moved in memory.
     NotBegun,
 }
 
@@ -90,9 +89,9 @@ impl fmt::Display for UpdateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::NotLocked => "there is no target yet: lock first",
-            Self::FrameSizeChanged => "the frame is not of the size of the one that was locked on",
-            Self::WindowNotInMemory => "the frame in memory does not cover the search window",
-            Self::NotBegun => "no update was begun",
+            Self::FrameSizeChanged => "the frame has another size than the one that was locked on",
+            Self::WindowNotInMemory => "the search window is not wholly in memory",
+            Self::NotBegun => "no update of this target is under way in this workspace",
         })
     }
 }

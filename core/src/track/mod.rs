@@ -1,16 +1,14 @@
-//! Following a target, whichever tracker does it: the [`Target`] that is remembered, the scratch memory beside it, and the [`Tracker`]
-//! that holds both.
+//! What both trackers share.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `target.rs` | the trait that both trackers implement |
-//! | `tracker.rs` | a target with its workspace, in one |
-//! | `bound.rs` | the most work |
+//! | `answer.rs`, `error.rs`, `quality.rs`, `bound.rs` | the results of the calls |
 //! | `update.rs` | updates and locks in steps |
-//! | `answer.rs`, `error.rs`, `quality.rs` | what comes back |
+//! | `target.rs` | the trait [`Target`], which both trackers implement |
+//! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
-//! | `record.rs` | a flight record: all that a tracker saw and answered, as bytes |
-//! | `checksum.rs` | the checksum of both |
+//! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
+//! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
 
 mod answer;
@@ -36,4 +34,4 @@ pub use quality::Quality;
 pub use saved::{RestoreError, SaveError};
 pub use target::Target;
 pub use tracker::Tracker;
-pub use update::{Lock, Update};
+pub use update::{Lock, Steps, Update};

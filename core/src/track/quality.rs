@@ -1,15 +1,14 @@
-//! How well a target can be told from what lies beside it, as measured when it is locked.
+//! How distinct a target is from its surroundings: measured by `lock`.
 
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
 
-/// How well a target can be told from what lies beside it: what [`Target::lock`](crate::Target::lock) says.
-///
-/// The target is compared with itself, moved by a quarter of its width, and by a quarter of its height, as a search would do:
+/// How distinct a target is from itself at a shifted position. [`Target::lock`](crate::Target::lock) returns it.
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///
-/// A flat target, an edge and a single pixel look the same there. A tracker follows such a target, but may slip along it without noticing.
+/// ratio(dx, dy) is the similarity matching ratio of the target with itself, shifted by (dx, dy). A flat target, an edge and a
+/// single pixel have a quality of 0: a tracker follows them, but may slip along them without noticing.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
@@ -24,13 +23,13 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 pub struct Quality(u16);
 
 impl Quality {
-    /// Below it a target is poor. A flat target with noise of +-4 gray levels has about 700; of the first boxes of 90 recordings the
-    /// least has 1128, a face in the dark, and the next one 16,866.
+    /// A lower quality is poor. A flat target with noise of +-4 gray levels has about 700. The two lowest of the first boxes of
+    /// 90 recordings have 1128 (a face in the dark) and 16,866.
     pub const POOR_BELOW: u16 = Table::ONE / 64;
 
     pub(super) const NONE: Self = Self(0);
 
-    /// 0 to 65535: 0 if the target looks the same beside its place, 65535 if no pixel does.
+    /// 0 (the shifted target looks the same) to 65535 (no pixel matches).
     #[must_use]
     pub const fn value(self) -> u16 {
         self.0
@@ -40,14 +39,14 @@ impl Quality {
         Self(value)
     }
 
-    /// True if the target can hardly be told from what lies beside it: a better box should be chosen, if there is one.
+    /// True if the target is hardly distinct. Choose a better box if there is one.
     #[must_use]
     pub const fn is_poor(self) -> bool {
         self.0 < Self::POOR_BELOW
     }
 
-    /// Of a patch of at most [`Table::MAX_PIXELS`] pixels, by the plain loop: once a lock it need not be fast.
-    #[inline(never)] // its stack is not that of a step
+    /// The quality of a patch of at most [`Table::MAX_PIXELS`] pixels, by the plain loop.
+    #[inline(never)] // keeps its stack out of that of a step
     pub(super) fn of(patch: Image<'_>, table: &CutTable) -> Self {
         let scorer = &Scorer::new(Backend::Scalar, table);
         let quarter = |side: u16| side.div_ceil(4);
@@ -57,7 +56,7 @@ impl Quality {
     }
 }
 
-/// How similar a patch is to itself, moved; 1.0 if nothing of it is left.
+/// The ratio of a patch with itself, shifted; 65535 if no pixel is left.
 fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
     let (width, height) = (patch.width() - right, patch.height() - down);
     let part = |x: u16, y: u16| patch.crop(Rect::new(x.into(), y.into(), width, height));
@@ -85,7 +84,7 @@ mod tests {
         for size in [(16, 16), (1, 1), (1, 30), (30, 1), (2, 2), (200, 300)] {
             assert_eq!(quality(|_, _| 90, size), 0, "{size:?}");
         }
-        // An edge along an axis, and a pattern that repeats.
+        // An edge along an axis, and a periodic pattern.
         assert_eq!(quality(|x, _| if x < 8 { 20 } else { 200 }, (16, 16)), 0);
         assert_eq!(quality(|x, y| if (x / 2 + y / 2) % 2 == 0 { 20 } else { 200 }, (16, 16)), 0);
     }

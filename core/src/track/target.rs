@@ -1,4 +1,4 @@
-//! What both trackers can do: the trait that generic code takes.
+//! The trait of both trackers, for generic code.
 
 use super::update::Steps;
 use super::{
@@ -6,16 +6,16 @@ use super::{
 };
 use crate::image::{FineRect, Frame, Rect};
 
-/// A target, as a tracker remembers it: its configuration, its templates and its track. Plain data, and no more than that.
+/// A target as a tracker remembers it: configuration, templates and track. Plain data.
 ///
-/// What an update needs beside it is scratch, the *workspace*. One workspace serves any number of targets, one update at a time. If there
-/// is one target only, a [`Tracker`](crate::Tracker) holds both. [`Paper`](crate::Paper) and [`Robust`](crate::Robust) are the two
-/// trackers; the trait is not for others to implement.
+/// An update also needs scratch memory, the *workspace*. One workspace serves any number of targets, one update at a time. For a
+/// single target, a [`Tracker`](crate::Tracker) holds both. The trait is sealed: only [`Paper`](crate::Paper) and
+/// [`Robust`](crate::Robust) implement it.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect, Target, Tracker, UpdateError};
 ///
-/// /// The middle of the target after a frame, by any tracker.
+/// /// The centre of the target, with either tracker.
 /// fn middle<T: Target>(tracker: &mut Tracker<T>, frame: &Frame) -> Result<(i32, i32), UpdateError> {
 ///     let bbox = tracker.update(frame)?.bbox;
 ///     Ok((bbox.x + i32::from(bbox.width) / 2, bbox.y + i32::from(bbox.height) / 2))
@@ -47,43 +47,40 @@ use crate::image::{FineRect, Frame, Rect};
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 pub trait Target: Steps {
-    /// The numbers of the method.
+    /// The configuration: the numbers of the method.
     type Config: Copy;
 
     /// The most bytes that [`Target::save`] writes.
     const SAVED_SIZE: usize;
 
-    /// The most work of an update, a lock and a step for a box of this size: what a deadline is planned by. It holds for any frame.
+    /// The most work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
     fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 
-    /// No target yet.
+    /// A tracker state without a target.
     ///
     /// # Errors
-    /// [`ConfigError`], if a number of the configuration cannot be used.
+    /// [`ConfigError`] if the configuration is invalid.
     fn new(config: Self::Config) -> Result<Self, ConfigError>;
 
     /// The configuration.
     fn config(&self) -> &Self::Config;
 
-    /// The pixels of a frame with these bounds that [`Target::lock`] reads for a box; always inside the frame. For a box
-    /// that cannot be locked on it is empty.
+    /// The pixels that [`Target::lock`] reads for the box `target` in a frame of the size of `bounds`. Inside the frame; empty if
+    /// the box cannot be locked.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
 
-    /// Starts on the target in `target`, at any time; whatever was followed before is forgotten. Says how well the target can be told from
-    /// what lies beside it.
+    /// Starts to follow the target in the box `target`. Forgets any target before. Returns how distinct the new one is.
     ///
-    /// Of the frame only the pixels in [`Target::lock_window`] are read. Cost of [`Paper`](crate::Paper): a copy of the box, and two
-    /// comparisons for each of its pixels. Of [`Robust`](crate::Robust): as much as 25 updates.
+    /// Reads only the pixels in [`Target::lock_window`]. Cost: [`Paper`](crate::Paper) copies the box and makes two comparisons
+    /// per pixel; [`Robust`](crate::Robust) does the work of 25 updates.
     ///
     /// # Errors
-    /// [`LockError`]; the target is then as it was before, and so is an update that is under way.
+    /// [`LockError`]. The target and an update under way are then unchanged.
     fn lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
         super::update::lock(self, workspace, frame, target)
     }
 
-    /// The same lock in steps of a bounded amount of work. See [`Lock`].
-    ///
-    /// From now on there is no target, until the lock is finished.
+    /// Begins a lock in steps of bounded work: see [`Lock`]. There is no target until the lock is finished.
     ///
     /// # Errors
     /// As [`Target::lock`].
@@ -96,11 +93,10 @@ pub trait Target: Steps {
         Lock::begin(self, workspace, frame, target)
     }
 
-    /// Takes up a lock that was begun and dropped before it was finished.
+    /// Continues a lock that was begun and dropped before it was finished. The caller must pass the same pixels as before.
     ///
     /// # Errors
-    /// [`LockError::NotBegun`] if there is none, [`LockError::FrameSizeChanged`], [`LockError::LockWindowNotInMemory`]. That `frame` holds the
-    /// same pixels as before is up to the caller.
+    /// [`LockError::NotBegun`] if there is none, [`LockError::FrameSizeChanged`], [`LockError::LockWindowNotInMemory`].
     fn resume_lock<'a>(
         &'a mut self,
         workspace: &'a mut Self::Workspace,
@@ -109,71 +105,68 @@ pub trait Target: Steps {
         Lock::resume(self, workspace, frame)
     }
 
-    /// The pixels of the frame that the next update may read; `None` before the first lock. Firmware may deliver just these, as a
-    /// [`Frame::part`], and those of [`Target::sweep_window`] beside them.
+    /// The pixels of the frame that the next update may read; `None` before the first lock. Never empty, and inside the frame.
     ///
-    /// It is never empty: where the box of [`Paper`](crate::Paper) lies beyond the edge of the frame, it is the pixels at that edge.
+    /// Firmware may read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
 
-    /// The pixels of a second place that the next update may read, where it looks for a lost target; `None` in most frames, and
-    /// always from [`Paper`](crate::Paper).
+    /// A second window that the next update may read, to search for a lost target; `None` in most frames. Always `None` from
+    /// [`Paper`](crate::Paper).
     fn sweep_window(&self) -> Option<Rect>;
 
     /// The box of the last answer, in units of 1/256 pixel; `None` before the first lock.
     fn bbox(&self) -> Option<FineRect>;
 
-    /// The state of the last answer; `None` before the first lock, and tracking after it.
+    /// The state of the last answer; tracking after a lock, `None` before the first lock.
     fn state(&self) -> Option<State>;
 
-    /// How well the target could be told from what lies beside it when it was locked; `None` before the first lock.
+    /// The quality that the last lock returned; `None` before the first lock.
     fn quality(&self) -> Option<Quality>;
 
-    /// Says that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
-    /// (x + `right`, y + `down`). Both in units of 1/256 pixel. An update that is under way is given up.
+    /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y + `down`) in
+    /// the next. Units of 1/256 pixel. Cancels an update under way.
     ///
-    /// The search window moves along, so that a turn of the camera does not take the target out of it. The box is kept within reach of the
-    /// frame. [`Paper`](crate::Paper) rounds to whole pixels.
+    /// The search window moves along. The box stays within reach of the frame. [`Paper`](crate::Paper) rounds to whole pixels.
     fn moved(&mut self, right: i32, down: i32);
 
-    /// How many bytes [`Target::save`] writes: at most [`Target::SAVED_SIZE`].
+    /// The number of bytes that [`Target::save`] writes; at most [`Target::SAVED_SIZE`].
     ///
     /// # Errors
     /// [`SaveError::NotLocked`].
     fn saved_size(&self) -> Result<usize, SaveError>;
 
-    /// Writes the target into `bytes`, and says how many were written: [`Target::saved_size`].
+    /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`].
     ///
-    /// The bytes are the same on every platform. They hold template and track; of the configuration only a checksum, for
-    /// [`Target::restore`] to compare.
+    /// The bytes are the same on every platform. They hold the templates, the track and a checksum of the configuration, but not
+    /// the configuration itself.
     ///
     /// # Errors
-    /// [`SaveError`]; `bytes` are then as they were before.
+    /// [`SaveError`]. `bytes` are then unchanged.
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError>;
 
-    /// Goes on with a target that [`Target::save`] wrote: with identical answers, or not at all.
+    /// Continues with a target that [`Target::save`] wrote. The answers are identical to those of the saved target.
     ///
     /// # Errors
-    /// [`RestoreError`], if the bytes are damaged, foreign, or of a target with another configuration; the target is then as it
-    /// was before.
+    /// [`RestoreError`] if the bytes are damaged, of another kind, or saved with another configuration. The target is then
+    /// unchanged.
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError>;
 
-    /// Looks for the target in the next frame.
+    /// Finds the target in the next frame.
     ///
-    /// Of the frame only the pixels in [`Target::window`] and [`Target::sweep_window`] are read; the rest need not be in memory. Cost of
-    /// [`Paper`](crate::Paper): far less than [`Target::most_work`] where the target is seen clearly, and up to that where nothing matches.
-    /// Cost of [`Robust`](crate::Robust): about the same in every frame, at most 894 products for each of at most 2000 weights.
+    /// Reads only the pixels in [`Target::window`] and [`Target::sweep_window`]. Cost: [`Paper`](crate::Paper) takes up to
+    /// [`Target::most_work`] if nothing matches, and far less if the target is clearly visible. [`Robust`](crate::Robust) takes
+    /// about the same in every frame, at most 894 products for each of at most 2000 weights.
     ///
     /// # Errors
-    /// [`UpdateError`]; the target is then as it was before.
+    /// [`UpdateError`]. The target is then unchanged.
     fn update(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         Ok(self.begin(workspace, frame)?.finish())
     }
 
-    /// The same update in steps of a bounded amount of work, for those who have a deadline; the answer does not depend on
-    /// how it is cut. See [`Update`].
+    /// Begins an update in steps of bounded work: see [`Update`]. The answer does not depend on the steps.
     ///
     /// # Errors
-    /// [`UpdateError`]; the target is then as it was before.
+    /// [`UpdateError`]. The target is then unchanged.
     fn begin<'a>(
         &'a mut self,
         workspace: &'a mut Self::Workspace,
@@ -182,11 +175,11 @@ pub trait Target: Steps {
         Update::begin(self, workspace, frame)
     }
 
-    /// Takes up an update that was begun and dropped before it was finished: for code that cannot keep it, such as C.
+    /// Continues an update that was begun and dropped before it was finished. For code that cannot keep an [`Update`], such as C.
+    /// The caller must pass the same pixels as before.
     ///
     /// # Errors
-    /// [`UpdateError::NotBegun`] if there is none. The others as for [`Target::begin`]. That `frame` holds the same pixels as
-    /// before is up to the caller: of two frames the answer would be neither's.
+    /// [`UpdateError::NotBegun`] if there is none; otherwise as [`Target::begin`].
     fn resume<'a>(
         &'a mut self,
         workspace: &'a mut Self::Workspace,
@@ -196,7 +189,7 @@ pub trait Target: Steps {
     }
 }
 
-/// Refuses a box that no tracker can start on.
+/// Refuses a box that is empty or not wholly inside the frame.
 pub(super) fn lockable(bounds: Rect, target: Rect) -> Result<(), LockError> {
     if target.is_empty() {
         return Err(LockError::BoxEmpty);
@@ -204,7 +197,7 @@ pub(super) fn lockable(bounds: Rect, target: Rect) -> Result<(), LockError> {
     if bounds.contains(target) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
 }
 
-/// Refuses a frame by which a lock that was begun on another one cannot go on; `window` is what it reads.
+/// Refuses a frame with which a lock under way cannot continue. The lock was begun in `bounds` and reads `window`.
 pub(super) fn lock_goes_on(frame: &Frame<'_>, bounds: Rect, window: Rect) -> Result<(), LockError> {
     if frame.bounds() != bounds {
         return Err(LockError::FrameSizeChanged);

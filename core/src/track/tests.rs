@@ -1,4 +1,4 @@
-//! What both trackers promise, tested by the same code: parts of frames, steps, shared workspaces, motion of the camera, saved
+//! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the camera, saved
 //! targets, misuse.
 
 use super::{Answer, LockError, RestoreError, SaveError, State, Target, Tracker, UpdateError, paper, robust};
@@ -11,7 +11,7 @@ fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.window = paper::Radius { x: 12, y: 12 };
     config.growth = 8;
-    // Lost rather than wrong.
+    // Rather lost than wrong.
     config.gate.tracking = paper::Fraction::new(5, 4);
     config.gate.lead = u16::MAX;
     config
@@ -20,7 +20,7 @@ fn small_paper() -> paper::Config {
 const SIZE: (u16, u16) = (160, 120);
 const TARGET: Rect = Rect::new(60, 45, 24, 20);
 
-/// A target of tiles at (`x`, `y`), wherever that is, on a ground of weaker ones.
+/// A frame with a target of tiles at (`x`, `y`) on a background of weaker tiles.
 fn picture(x: i32, y: i32) -> Vec<u8> {
     let hash = |x: i32, y: i32, seed: u32| {
         ((x.cast_unsigned().wrapping_mul(31) ^ y.cast_unsigned().wrapping_mul(57) ^ seed).wrapping_mul(2_654_435_761)
@@ -42,7 +42,7 @@ fn whole(pixels: &[u8]) -> Frame<'_> {
     Frame::whole(Image::new(pixels, SIZE.0, SIZE.1).unwrap())
 }
 
-/// Only what is asked for, as firmware reads it out.
+/// The frame with only the windows of the next update in memory.
 fn asked_for<'a, T: Target>(frame: &Frame<'a>, target: &T) -> Frame<'a> {
     let cut = |rect: Rect| frame.patch(rect).unwrap();
     let at = |rect: Rect| (rect.x as u16, rect.y as u16);
@@ -55,7 +55,7 @@ fn asked_for<'a, T: Target>(frame: &Frame<'a>, target: &T) -> Frame<'a> {
     }
 }
 
-/// Followed, hidden, elsewhere, half outside, and back.
+/// The target is visible, hidden, elsewhere, half outside, and back.
 fn frames() -> Vec<Vec<u8>> {
     let mut places = vec![(61, 41), (64, 43), (67, 44)];
     places.extend([(400, 400); 9]);
@@ -82,7 +82,7 @@ fn saved<T: Target>(target: &T) -> Vec<u8> {
     bytes
 }
 
-/// Stamps every test for both.
+/// Runs every test for both trackers.
 macro_rules! for_both {
     ($($name:ident),* $(,)?) => {
         mod paper_tracker {
@@ -177,7 +177,7 @@ fn the_answer_does_not_depend_on_how_an_update_is_cut<T: Target>(config: T::Conf
             let mut update = cut.begin(&frame).unwrap();
             let mut before = 0;
             while !update.step(work) {
-                assert!(update.work() > before, "every step does something");
+                assert!(update.work() > before, "every step makes progress");
                 before = update.work();
             }
             assert_eq!(update.finish(), expected);
@@ -198,7 +198,7 @@ fn an_update_that_was_given_up_leaves_nothing_behind<T: Target>(config: T::Confi
         for work in [1, 5000, u32::MAX] {
             let before = saved(tracker.target());
             tracker.begin(&whole(&elsewhere)).unwrap().step(work);
-            assert_eq!(saved(tracker.target()), before, "nothing is remembered of an update that is not finished");
+            assert_eq!(saved(tracker.target()), before, "an unfinished update changes nothing");
         }
         assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
     }
@@ -236,7 +236,7 @@ fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Co
     assert_eq!(one.resume(&frame).err(), Some(UpdateError::NotBegun));
     other.resume(one.parts().1, &frame).unwrap().step(100);
     assert_eq!(one.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
-    // Two that know the same of their tracks, in one workspace and in two.
+    // Two targets with equal tracks, in one workspace and in two.
     let first = picture(TARGET.x, TARGET.y);
     let mut twin = T::new(config).unwrap();
     let mut own = T::Workspace::default();
@@ -248,7 +248,7 @@ fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Co
     assert_eq!(fresh.resume(&frame).err(), Some(UpdateError::NotBegun));
 }
 
-/// Two cameras that see the same, so that the two targets are equal to the last bit.
+/// Two cameras with the same frames, so that the two targets are bit for bit equal.
 fn an_update_goes_on_in_its_own_workspace_alone<T: Target>(config: T::Config) {
     let (mut left, mut right) = (locked::<T>(config), locked::<T>(config));
     let (a, b) = (picture(62, 42), picture(58, 47));
@@ -260,14 +260,14 @@ fn an_update_goes_on_in_its_own_workspace_alone<T: Target>(config: T::Config) {
     let own = [left.resume(&a).unwrap().finish(), right.resume(&b).unwrap().finish()];
     let expected = [&a, &b].map(|frame| locked::<T>(config).update(frame).unwrap());
     assert_eq!(own, expected);
-    // Each begun in the other's workspace, and then in its own again.
+    // Each is begun in the other's workspace, then again in its own.
     left.parts().0.begin(right.parts().1, &a).unwrap().step(3000);
     left.begin(&a).unwrap().step(3000);
     assert_eq!(left.parts().0.resume(right.parts().1, &a).err(), Some(UpdateError::NotBegun));
     assert!(left.resume(&a).is_ok());
 }
 
-/// Whatever takes its place, and if it has as many changes behind it.
+/// Whatever replaces the target, even a target with the same generation.
 fn an_update_does_not_outlive_the_target_that_began_it<T: Target>(config: T::Config) {
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
@@ -290,7 +290,7 @@ fn an_update_does_not_outlive_the_target_that_began_it<T: Target>(config: T::Con
         assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun), "{number}");
         assert!(tracker.update(&frame).is_ok());
     }
-    // Moved in memory, both are taken for others; an update can be begun again.
+    // After a move in memory an update cannot be resumed, but a new one can begin.
     let mut tracker = locked::<T>(config);
     tracker.begin(&frame).unwrap().step(100);
     let mut elsewhere = Box::new(*tracker);
@@ -325,7 +325,7 @@ fn a_lock_in_steps_is_that_at_once<T: Target>(config: T::Config) {
         let mut lock = tracker.begin_lock(&frame, TARGET).unwrap();
         let mut before = 0;
         while !lock.step(work) {
-            assert!(lock.work() > before, "every step does something");
+            assert!(lock.work() > before, "every step makes progress");
             before = lock.work();
         }
         assert_eq!(lock.finish(), quality);
@@ -349,7 +349,7 @@ fn what_is_under_way_is_either_a_lock_or_an_update<T: Target>(config: T::Config)
     assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
     tracker.begin_lock(&frame, TARGET).unwrap().step(100);
     assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun));
-    // Until the lock is finished there is no target.
+    // There is no target until the lock is finished.
     assert_eq!((tracker.bbox(), tracker.state(), tracker.window()), (None, None, None));
     assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
     assert_eq!(tracker.save(&mut []).err(), Some(SaveError::NotLocked));
@@ -359,7 +359,7 @@ fn what_is_under_way_is_either_a_lock_or_an_update<T: Target>(config: T::Config)
     assert_eq!(tracker.resume_lock(&part).err(), Some(LockError::LockWindowNotInMemory));
     tracker.resume_lock(&frame).unwrap().finish();
     assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
-    // Other targets take the workspace away, and a change the target.
+    // Another target uses the workspace; the target changes.
     let mut other = T::new(config).unwrap();
     tracker.begin_lock(&frame, TARGET).unwrap().step(100);
     other.lock(tracker.parts().1, &frame, TARGET).unwrap();
@@ -410,7 +410,7 @@ fn a_saved_target_goes_on_with_identical_answers<T: Target>(config: T::Config) {
     for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
         let bytes = saved(tracker.target());
         assert!(bytes.len() <= T::SAVED_SIZE);
-        // As after a loss of power: nothing but the bytes is left.
+        // As after a loss of power: only the bytes are left.
         *tracker = Tracker::new(config).unwrap();
         tracker.restore(&bytes).unwrap();
         assert_eq!(saved(tracker.target()), bytes);
@@ -482,7 +482,7 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     let mut other = small_paper();
     other.k = paper::Fraction::new(7, 20);
     assert_eq!(SmallPaper::new(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig));
-    // How it is computed does not matter.
+    // Backend and pruning do not matter.
     let mut slow = small_paper();
     (slow.backend, slow.pruning) = (Some(crate::similarity::Backend::Scalar), false);
     assert_eq!(SmallPaper::new(slow).unwrap().restore(&bytes), Ok(()));
@@ -492,7 +492,7 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(SmallPaper::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
 }
 
-/// A workspace is where an update is; a target is not.
+/// A target holds no scratch memory.
 #[test]
 fn a_second_target_takes_no_scratch() {
     let (paper, robust) = (size_of::<SmallPaper>(), size_of::<Robust>());

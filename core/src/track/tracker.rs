@@ -1,14 +1,15 @@
-//! A target with a workspace of its own: the usual way to follow one target.
+//! A target together with its workspace, for following a single target.
 
 use super::{
     Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Target, Update, UpdateError,
 };
 use crate::image::{FineRect, Frame, Rect};
+use core::fmt;
 
-/// Follows one target: a [`Target`] and its workspace in one. All memory is in here; there is no heap.
+/// Follows one target: a [`Target`] and its workspace. Holds all memory; there is no heap.
 ///
-/// `Tracker<Paper<PIXELS, SPAN>>` is the paper's tracker, `Tracker<Robust>` the robust one; all calls are the same. The [crate's
-/// example](crate) follows a target through whole frames; this one reads out only what is needed of them:
+/// `Tracker<Paper<PIXELS, SPAN>>` is the paper's tracker, `Tracker<Robust>` the robust one. All calls are the same. The [crate's
+/// example](crate) uses whole frames. This one reads out only the window that the tracker needs:
 ///
 /// ```
 /// use smr_core::paper::{Config, Radius};
@@ -29,7 +30,7 @@ use crate::image::{FineRect, Frame, Rect};
 /// let pixels = read_out(target);
 /// tracker.lock(&Frame::part(Image::new(&pixels, 8, 8)?, 100, 50, 320, 240)?, target)?;
 ///
-/// // The next update wants the box and 8 pixels around it.
+/// // The next update reads the box and 8 pixels around it.
 /// let window = tracker.window().unwrap();
 /// assert_eq!((window, tracker.sweep_window()), (Rect::new(92, 42, 24, 24), None));
 /// let pixels = read_out(window);
@@ -47,18 +48,18 @@ impl<T: Target> Tracker<T> {
     /// A tracker without a target.
     ///
     /// # Errors
-    /// [`ConfigError`], if a number of the configuration cannot be used.
-    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    /// [`ConfigError`] if the configuration is invalid.
+    #[inline(always)] // built in place: as a call it would be built on the stack and copied
     pub fn new(config: T::Config) -> Result<Self, ConfigError> {
         Ok(Self { target: T::new(config)?, workspace: T::Workspace::default() })
     }
 
-    /// A tracker of a target and a workspace. In a `static` the compiler makes it, and it takes no stack:
+    /// A tracker from a target and a workspace. A `static` is built at compile time and takes no stack:
     ///
     /// ```
     /// use smr_core::robust::{Config, Workspace};
     /// use smr_core::{Robust, Tracker};
-    /// use std::sync::Mutex; // in firmware that of critical-section or of Embassy
+    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
     ///
     /// static TRACKER: Mutex<Tracker<Robust>> =
     ///     Mutex::new(Tracker::from_parts(Robust::const_new(Config::robust()), Workspace::new()));
@@ -66,24 +67,24 @@ impl<T: Target> Tracker<T> {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     #[must_use]
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub const fn from_parts(target: T, workspace: T::Workspace) -> Self {
         Self { target, workspace }
     }
 
-    /// What is remembered.
+    /// The target.
     #[must_use]
     pub const fn target(&self) -> &T {
         &self.target
     }
 
-    /// The scratch memory.
+    /// The workspace.
     #[must_use]
     pub const fn workspace(&self) -> &T::Workspace {
         &self.workspace
     }
 
-    /// Both, to be borrowed apart.
+    /// Target and workspace, borrowed separately.
     pub const fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
         (&mut self.target, &mut self.workspace)
     }
@@ -101,7 +102,7 @@ impl<T: Target> Tracker<T> {
     /// As [`Target::lock`].
     ///
     /// # Errors
-    /// [`LockError`]; the tracker then goes on with what it had.
+    /// [`LockError`]. The target is then unchanged.
     pub fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
         self.target.lock(&mut self.workspace, frame, target)
     }
@@ -109,7 +110,7 @@ impl<T: Target> Tracker<T> {
     /// As [`Target::begin_lock`].
     ///
     /// # Errors
-    /// [`LockError`]; the tracker then goes on with what it had.
+    /// [`LockError`]. The target is then unchanged.
     pub fn begin_lock<'a>(&'a mut self, frame: &Frame<'a>, target: Rect) -> Result<Lock<'a, T>, LockError> {
         self.target.begin_lock(&mut self.workspace, frame, target)
     }
@@ -155,12 +156,12 @@ impl<T: Target> Tracker<T> {
     /// As [`Target::update`].
     ///
     /// # Errors
-    /// [`UpdateError`]; the tracker is then as it was before.
+    /// [`UpdateError`]. The target is then unchanged.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         self.target.update(&mut self.workspace, frame)
     }
 
-    /// The work of the last update or lock, in the units of [`Update::step`]; how it was cut may change it by a little.
+    /// The work of the last update or lock, in the units of [`Update::step`]. It depends slightly on the steps.
     pub fn work(&self) -> u32 {
         T::work(&self.workspace)
     }
@@ -168,7 +169,7 @@ impl<T: Target> Tracker<T> {
     /// As [`Target::begin`].
     ///
     /// # Errors
-    /// [`UpdateError`]; the tracker is then as it was before.
+    /// [`UpdateError`]. The target is then unchanged.
     pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
         self.target.begin(&mut self.workspace, frame)
     }
@@ -200,8 +201,14 @@ impl<T: Target> Tracker<T> {
     /// As [`Target::restore`].
     ///
     /// # Errors
-    /// [`RestoreError`]; the tracker then goes on with what it had.
+    /// [`RestoreError`]. The target is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         self.target.restore(bytes)
+    }
+}
+
+impl<T: Target> fmt::Debug for Tracker<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tracker").field("state", &self.state()).field("bbox", &self.bbox()).finish_non_exhaustive()
     }
 }

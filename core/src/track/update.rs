@@ -1,63 +1,63 @@
-//! Updates and locks in steps: the one protocol that both trackers and C go by.
+//! Updates and locks in steps: one protocol for both trackers and for C.
 //!
-//! What is under way is written down on both sides. The workspace knows its target by address and generation, the target knows
-//! its workspace by address. Every lock, restore, move and beginning gives the target another generation. So a workspace
-//! that served another target, a target that has changed, and one that has been moved in memory do not fit each other any more, and
-//! are refused.
+//! Target and workspace refer to each other. The workspace stores the address and the generation of its target; the target
+//! stores the address of its workspace. `lock`, `begin`, `restore` and `moved` change the generation. So `resume` detects a
+//! workspace that served another target, a target that changed, and either of them moved in memory.
 //!
-//! Each call is granted an amount of work, which is counted down. Nothing depends on the sum of all work.
+//! Each step is granted an amount of work, which is counted down. The total is counted only to be reported.
 
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
-use core::ptr;
+use core::{fmt, ptr};
 
-/// Only this crate has one, so only this crate can call [`Steps`].
+/// Only this crate can make one, so only this crate can call the sealed methods of [`Steps`].
+#[derive(Debug)]
 pub struct Seal(());
 
 pub(super) const SEAL: &Seal = &Seal(());
 
-/// What a target knows of what is under way.
-#[derive(Clone, Copy)]
+/// What a target stores about an update or lock under way.
+#[derive(Clone, Copy, Debug)]
 pub struct Ticket {
     generation: u32,
-    /// The address of the workspace; 0, where none can be, if nothing is under way.
+    /// The address of the workspace; 0 if nothing is under way.
     workspace: usize,
 }
 
 impl Ticket {
     pub(super) const NEW: Self = Self { generation: 0, workspace: 0 };
 
-    /// The target has changed: what was under way is given up.
+    /// The target changed: cancels what is under way.
     pub(super) const fn change(&mut self) {
         *self = Self { generation: self.generation.wrapping_add(1), workspace: 0 };
     }
 }
 
-/// What is made in steps.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// What is under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Nothing,
     Lock,
     Update,
 }
 
-/// What a workspace knows of what is under way in it.
-#[derive(Clone, Copy)]
+/// What a workspace stores about an update or lock under way.
+#[derive(Clone, Copy, Debug)]
 pub struct UnderWay {
     kind: Kind,
-    /// The target's address and its generation.
+    /// The address and the generation of the target.
     target: usize,
     generation: u32,
-    /// Units of work that the present call may still do.
+    /// The work that the present step may still do.
     granted: u32,
-    /// Units of work that were done in all calls. It is only shown, so it may stop at its largest number.
+    /// The work of all steps so far. Saturates.
     done: u32,
 }
 
 impl UnderWay {
     pub(super) const NOTHING: Self = Self { kind: Kind::Nothing, target: 0, generation: 0, granted: 0, done: 0 };
 
-    /// What was under way is given up, or done.
+    /// Nothing is under way any more.
     pub(super) const fn end(&mut self) {
         self.kind = Kind::Nothing;
     }
@@ -74,67 +74,77 @@ impl UnderWay {
         self.granted == 0
     }
 
-    /// So much work has been done: more than what is granted where a unit of work could not be divided.
+    /// Counts work done. It may exceed the grant if a piece of work cannot be divided.
     pub(super) const fn spend(&mut self, work: u32) {
         self.granted = self.granted.saturating_sub(work);
         self.done = self.done.saturating_add(work);
     }
 
-    /// 0 is taken for 1, so that every call goes on.
+    /// 0 counts as 1, so that every step makes progress.
     const fn grant(&mut self, work: u32) {
         self.granted = if work == 0 { 1 } else { work };
     }
 }
 
-/// What a tracker does in an update or a lock. What changes something is sealed: nobody outside of the crate can call it.
+/// The stages of an update or a lock, and the workspace they use. A supertrait of [`Target`](crate::Target), sealed like it.
 pub trait Steps: Sized {
-    /// Scratch memory for an update.
+    /// Scratch memory for an update or a lock.
     type Workspace: Default;
 
-    /// The target's side of what is under way.
+    /// What the target stores about an update or lock under way.
+    #[doc(hidden)]
     fn ticket(&mut self, _: &Seal) -> &mut Ticket;
 
-    /// The workspace's side of it.
+    /// What the workspace stores about it.
+    #[doc(hidden)]
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
 
-    /// The work of what is under way in this workspace, or was last: see [`Tracker::work`](super::Tracker::work).
+    /// The work of the update or lock that is under way in this workspace, or was last: see [`Tracker::work`](crate::Tracker::work).
     fn work(workspace: &Self::Workspace) -> u32;
 
-    /// Whether an update by `frame` can be made.
+    /// Whether an update with `frame` is possible.
     ///
     /// # Errors
     /// All but [`NotBegun`](UpdateError::NotBegun).
+    #[doc(hidden)]
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError>;
 
-    /// Whether `target` can be locked on in `frame`.
+    /// Whether the box `target` in `frame` can be locked.
     ///
     /// # Errors
     /// All but [`NotBegun`](LockError::NotBegun).
+    #[doc(hidden)]
     fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError>;
 
-    /// Whether the lock that was begun last in this workspace, which is one of this target, can go on with `frame`.
+    /// Whether the lock under way in this workspace, which is one of this target, can continue with `frame`.
     ///
     /// # Errors
     /// As [`Steps::check_lock`].
+    #[doc(hidden)]
     fn check_lock_under_way(&self, workspace: &Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError>;
 
-    /// Begins an update, by a frame that was checked.
+    /// Begins an update. The frame was checked.
+    #[doc(hidden)]
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal);
 
-    /// Begins a lock, by a frame that was checked. The former target is forgotten.
+    /// Begins a lock and forgets the target before. The frame was checked.
+    #[doc(hidden)]
     fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal);
 
-    /// Goes on with either of them until what is granted is spent; true when nothing is left to do but to conclude.
+    /// Continues until the grant is spent. True if only `conclude` or `conclude_lock` is left.
+    #[doc(hidden)]
     fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
 
-    /// Ends an update: changes the target, and gives the answer.
+    /// Ends an update: changes the target and returns the answer.
+    #[doc(hidden)]
     fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer;
 
-    /// Ends a lock: from now on there is a target.
+    /// Ends a lock: sets the target.
+    #[doc(hidden)]
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
 }
 
-/// Writes down on both sides that something begins.
+/// Makes target and workspace refer to each other.
 #[inline(never)] // one copy in flash
 fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) {
     let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
@@ -145,7 +155,7 @@ fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) {
     *T::under_way(workspace, SEAL) = UnderWay { kind, target: address, generation, ..UnderWay::NOTHING };
 }
 
-/// True if it is this target's, and both sides say so.
+/// True if target and workspace refer to each other for this `kind`.
 #[inline(never)] // one copy in flash
 fn is_under_way<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) -> bool {
     let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
@@ -156,10 +166,10 @@ fn is_under_way<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Ki
         && begun_in == workspace_address
 }
 
-/// An update under way, from [`Target::begin`](super::Target::begin) or [`Tracker::begin`](super::Tracker::begin).
+/// An update under way, from [`Target::begin`](crate::Target::begin) or [`Tracker::begin`](crate::Tracker::begin).
 ///
-/// Dropped before [`Update::finish`] it has changed nothing but the workspace: [`Target::resume`](super::Target::resume) takes it up,
-/// `begin` and `update` start anew.
+/// If it is dropped before [`Update::finish`], only the workspace has changed. [`Target::resume`](crate::Target::resume) continues
+/// it; `begin` and `update` start again.
 ///
 /// ```
 /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
@@ -169,18 +179,19 @@ fn is_under_way<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Ki
 /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
 /// let mut update = tracker.begin(&frame)?;
 /// while !update.step(10_000) {
-///     // something else that must not wait
+///     // other work with a deadline
 /// }
 /// let answer = update.finish();
 /// assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
-pub struct Update<'a, T: Steps>(Under<'a, T>);
+pub struct Update<'a, T: Steps>(Running<'a, T>);
 
-/// A lock under way, from [`Target::begin_lock`](super::Target::begin_lock) or [`Tracker::begin_lock`](super::Tracker::begin_lock).
+/// A lock under way, from [`Target::begin_lock`](crate::Target::begin_lock) or
+/// [`Tracker::begin_lock`](crate::Tracker::begin_lock).
 ///
-/// From the beginning on there is no target, until [`Lock::finish`] has been called.
-/// [`Target::resume_lock`](super::Target::resume_lock) takes up a lock that was dropped.
+/// There is no target until [`Lock::finish`]. [`Target::resume_lock`](crate::Target::resume_lock) continues a lock that was
+/// dropped.
 ///
 /// ```
 /// # use smr_core::{Frame, Image, Rect, Robust, Tracker, robust};
@@ -189,28 +200,28 @@ pub struct Update<'a, T: Steps>(Under<'a, T>);
 /// let mut tracker = Box::new(Tracker::<Robust>::new(robust::Config::robust())?);
 /// let mut lock = tracker.begin_lock(&frame, Rect::new(20, 10, 16, 16))?;
 /// while !lock.step(200_000) {
-///     // something else that must not wait
+///     // other work with a deadline
 /// }
 /// assert!(!lock.finish().is_poor());
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
-pub struct Lock<'a, T: Steps>(Under<'a, T>);
+pub struct Lock<'a, T: Steps>(Running<'a, T>);
 
-/// All that goes on takes.
-struct Under<'a, T: Steps> {
+/// What a step needs.
+struct Running<'a, T: Steps> {
     target: &'a mut T,
     workspace: &'a mut T::Workspace,
     frame: Frame<'a>,
 }
 
-impl<T: Steps> Under<'_, T> {
+impl<T: Steps> Running<'_, T> {
     fn step(&mut self, work: u32) -> bool {
         T::under_way(self.workspace, SEAL).grant(work);
         self.target.advance(self.workspace, &self.frame, SEAL)
     }
 }
 
-/// Does all that is left but to conclude.
+/// Does all remaining steps.
 fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) {
     T::under_way(workspace, SEAL).grant(u32::MAX);
     while !target.advance(workspace, frame, SEAL) {
@@ -220,7 +231,7 @@ fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Fram
     target.ticket(SEAL).change();
 }
 
-/// A lock at once: without the frame on the stack once more.
+/// A whole lock. Unlike [`Lock`] it keeps no second copy of the frame on the stack.
 pub(super) fn lock<T: Steps>(
     target: &mut T,
     workspace: &mut T::Workspace,
@@ -243,7 +254,7 @@ impl<'a, T: Steps> Update<'a, T> {
         target.check(frame, SEAL)?;
         begin(target, workspace, Kind::Update);
         target.start(workspace, SEAL);
-        Ok(Self(Under { target, workspace, frame: *frame }))
+        Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
     pub(super) fn resume(
@@ -255,32 +266,31 @@ impl<'a, T: Steps> Update<'a, T> {
             return Err(UpdateError::NotBegun);
         }
         target.check(frame, SEAL)?;
-        Ok(Self(Under { target, workspace, frame: *frame }))
+        Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
-    /// Goes on until `work` units of work have been done, and a few more to come to a stop. True when nothing is left to do but
-    /// [`Update::finish`]. With 0 it does as much as with 1, so that it comes to an end.
+    /// Continues for about `work` units of work; 0 counts as 1. True if only [`Update::finish`] is left.
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
-    /// | a unit | a comparison of two bytes | about an instruction of a Cortex-M4: a product counts 1, a pixel of the grid 64, or 32 where it is compared |
-    /// | more than `work`, at most: [`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step) | the template's pixels or twice the pixels of a row of the window, and 7 `SPAN` | 128,000 |
-    /// | left to `finish` | once through the template | once through the weights and the template |
+    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4: a product is 1 unit, a pixel of the grid 64, a comparison of one 32 |
+    /// | most work beyond `work` ([`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step)) | max(pixels of the template, 2 * pixels of a row of the window) + 7 * `SPAN` | 128,000 |
+    /// | left to `finish` | one pass over the template | one pass over the weights and the template |
     pub fn step(&mut self, work: u32) -> bool {
         self.0.step(work)
     }
 
-    /// How much work has been done since the update was begun, at most: what could be left out is counted, too. It stops at
+    /// An upper bound of the work since the update was begun: comparisons that scoring skipped are counted too. Saturates at
     /// `u32::MAX`, which [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
     #[must_use]
     pub fn work(&self) -> u32 {
         T::work(self.0.workspace)
     }
 
-    /// Does what is left, and gives the answer.
+    /// Does the remaining work and returns the answer.
     #[must_use]
     pub fn finish(self) -> Answer {
-        let Under { target, workspace, frame } = self.0;
+        let Running { target, workspace, frame } = self.0;
         complete(target, workspace, &frame);
         target.conclude(workspace, &frame, SEAL)
     }
@@ -296,7 +306,7 @@ impl<'a, T: Steps> Lock<'a, T> {
         target.check_lock(frame, rect, SEAL)?;
         begin(target, workspace, Kind::Lock);
         target.start_lock(workspace, frame.bounds(), rect, SEAL);
-        Ok(Self(Under { target, workspace, frame: *frame }))
+        Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
     pub(super) fn resume(
@@ -308,26 +318,36 @@ impl<'a, T: Steps> Lock<'a, T> {
             return Err(LockError::NotBegun);
         }
         target.check_lock_under_way(workspace, frame, SEAL)?;
-        Ok(Self(Under { target, workspace, frame: *frame }))
+        Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
-    /// Goes on, as [`Update::step`]; true when nothing is left to do but [`Lock::finish`].
-    ///
-    /// [`Paper`](crate::Paper) does everything in `finish`: it copies the box.
+    /// As [`Update::step`]; true if only [`Lock::finish`] is left. [`Paper`](crate::Paper) does all work in `finish`.
     pub fn step(&mut self, work: u32) -> bool {
         self.0.step(work)
     }
 
-    /// How much work has been done since the lock was begun, in the units of [`Update::step`].
+    /// The work since the lock was begun, in the units of [`Update::step`].
     #[must_use]
     pub fn work(&self) -> u32 {
         T::work(self.0.workspace)
     }
 
-    /// Does what is left. From now on there is a target; how well it can be told from what lies beside it is returned.
+    /// Does the remaining work and sets the target. Returns how distinct it is.
     pub fn finish(self) -> Quality {
-        let Under { target, workspace, frame } = self.0;
+        let Running { target, workspace, frame } = self.0;
         complete(target, workspace, &frame);
         target.conclude_lock(workspace, &frame, SEAL)
+    }
+}
+
+impl<T: Steps> fmt::Debug for Update<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Update").field("work", &self.work()).finish_non_exhaustive()
+    }
+}
+
+impl<T: Steps> fmt::Debug for Lock<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Lock").field("work", &self.work()).finish_non_exhaustive()
     }
 }

@@ -1,4 +1,4 @@
-//! Every number of the method in one place: [`Config`], checked once, by [`Target::new`](crate::Target::new).
+//! The numbers of the method. [`Target::new`](crate::Target::new) checks them.
 
 use crate::image::Rect;
 use crate::search::Radius;
@@ -15,9 +15,9 @@ use crate::track::ConfigError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Fraction {
-    /// What stands above the line.
+    /// The numerator.
     pub numerator: u16,
-    /// What stands below the line; at least 1.
+    /// The denominator; at least 1.
     pub denominator: u16,
 }
 
@@ -28,29 +28,28 @@ impl Fraction {
         Self { numerator, denominator }
     }
 
-    /// The smallest integer that is not less than `value` times the fraction. A denominator of 0 counts as 1.
+    /// `value` times the fraction, rounded up. A denominator of 0 counts as 1.
     #[must_use]
     pub fn ceil_of(self, value: u8) -> u32 {
-        // At most 255 * 65535: far from the end of a u32.
+        // At most 255 * 65535 < 2^24.
         (u32::from(value) * u32::from(self.numerator)).div_ceil(u32::from(self.denominator).max(1))
     }
 
-    /// True if `upper / lower` is more than the fraction: exact, without a division.
+    /// True if `upper / lower` is more than the fraction. Exact: compares upper * denominator with lower * numerator.
     #[must_use]
     pub fn exceeded_by(self, upper: u32, lower: u32) -> bool {
-        // Both products are below 2^48.
         u64::from(upper) * u64::from(self.denominator) > u64::from(lower) * u64::from(self.numerator)
     }
 }
 
-/// How many pixels a box keeps from each edge of the picture.
+/// The distances, in pixels, that a box must keep from the edges of the frame.
 ///
 /// ```
 /// use smr_core::{Rect, paper::Margins};
 /// let zone = Margins { left: 20, top: 20, right: 2, bottom: 2 };
-/// let picture = Rect::new(0, 0, 320, 240);
-/// assert!(zone.kept_by(Rect::new(20, 20, 298, 218), picture));
-/// assert!(!zone.kept_by(Rect::new(20, 20, 299, 218), picture));
+/// let frame = Rect::new(0, 0, 320, 240);
+/// assert!(zone.kept_by(Rect::new(20, 20, 298, 218), frame));
+/// assert!(!zone.kept_by(Rect::new(20, 20, 299, 218), frame));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -66,128 +65,126 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// The box may touch every edge.
+    /// No distance: the box may touch every edge.
     pub const NONE: Self = Self { left: 0, top: 0, right: 0, bottom: 0 };
 
-    /// True if `target` lies inside `picture` and keeps the margins.
+    /// True if `target` lies inside `frame` and keeps the margins.
     #[must_use]
-    pub fn kept_by(self, target: Rect, picture: Rect) -> bool {
-        picture.contains(target)
-            && target.x.saturating_sub(picture.x) >= self.left.into()
-            && target.y.saturating_sub(picture.y) >= self.top.into()
-            && picture.right().saturating_sub(target.right()) >= self.right.into()
-            && picture.bottom().saturating_sub(target.bottom()) >= self.bottom.into()
+    pub fn kept_by(self, target: Rect, frame: Rect) -> bool {
+        frame.contains(target)
+            && target.x.saturating_sub(frame.x) >= self.left.into()
+            && target.y.saturating_sub(frame.y) >= self.top.into()
+            && frame.right().saturating_sub(target.right()) >= self.right.into()
+            && frame.bottom().saturating_sub(target.bottom()) >= self.bottom.into()
     }
 }
 
-/// How clearly the peak must stand above the runner-up before a frame is believed.
+/// When a match is accepted: how far the peak must exceed the runner-up.
 ///
-/// The first four are ratios of the two scores that the peak must exceed; which one holds depends on where the peak is and
-/// where the target was. A ratio below 1 demands nothing of a peak that scores at all.
+/// A peak is accepted if peak / runner-up > r, or peak - runner-up > `lead` fully similar pixels. The state of the target and
+/// the place of the peak decide which of the first four numbers is r. An r below 1 accepts every peak above 0.
 ///
 /// ```
 /// use smr_core::paper::{Config, Fraction};
 /// let mut config = Config::paper();
-/// // A camera that must not follow a look-alike: be lost rather than wrong.
+/// // For a camera that must not follow a look-alike: rather lost than wrong.
 /// config.gate.tracking = Fraction::new(11, 10);
 /// assert!(config.gate.tracking.exceeded_by(1101, 1000) && !config.gate.tracking.exceeded_by(1100, 1000));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gate {
-    /// While the target stays inside the picture.
+    /// The ratio needed while the target stays inside the frame.
     pub tracking: Fraction,
-    /// When the box at the peak is partly outside the picture.
+    /// The ratio needed if the box at the peak is partly outside the frame.
     pub leaving: Fraction,
-    /// When the box at the peak is inside, but one has not been before: until a lost target is found again.
+    /// The ratio needed after a box was partly outside the frame. It applies until a lost target is found again.
     pub returning: Fraction,
-    /// To be found again when lost, wherever that is.
+    /// The ratio needed to find a lost target again.
     pub lost: Fraction,
-    /// The other way to be believed, in every state: the peak is more than this many fully similar pixels above the
-    /// runner-up.
+    /// The lead that is sufficient in every state, in fully similar pixels: score / 65535.
     pub lead: u16,
-    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. Where it is not 0, a box inside
-    /// the frame must also show a quarter of the template's contrast (mean absolute deviation), and no more pixels cut off at 0 or 255 than
-    /// the template has and half of all: what a covered lens shows is no target. 0 demands nothing, neither of the ratio nor of the contrast,
-    /// which is the paper's.
+    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, turns the following
+    /// check off as well.
+    ///
+    /// The check is against a covered lens and applies to boxes inside the frame. The patch must have at least 1/4 of the
+    /// template's contrast (mean absolute deviation). Its number of pixels at 0 or 255 must be at most that of the template plus
+    /// half of all pixels.
     pub least_ratio: u16,
 }
 
-/// The numbers of the method. [`Config::camera`] holds those for firmware, [`Config::paper`] the paper's; each can be changed.
+/// The numbers of the method. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change what you need.
 ///
 /// ```
 /// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
 /// let mut config = Config::camera();
 /// config.k = Fraction::new(7, 20);
 /// config.window = Radius { x: 16, y: 16 };
-/// config.window_limit = config.window; // does not grow while lost
+/// config.window_limit = config.window; // the window does not grow while the target is lost
 /// assert!(Paper::<4096, 33>::new(config).is_ok());
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Config {
-    /// The similarity of two pixels by their difference. [`Table::PAPER`] is exp(-d / 255).
+    /// The similarity p(d) of two pixels that differ by d. [`Table::PAPER`] is exp(-d / 255).
     pub table: &'static Table,
-    /// k in alpha = k * max |G_t - G_t+1| (step 6).
+    /// k in alpha = k * max |`G_t` - `G_t+1`| (step 6). More than 0.
     pub k: Fraction,
-    /// alpha before the first update, rounded up to whole gray levels: a pixel counts if its difference is below it.
+    /// alpha of the first update, rounded up to whole gray levels; at least 1. A pixel counts if d < alpha.
     pub first_threshold: u8,
-    /// The least alpha after an update, in whole gray levels. 0 and 1 are the same, and the paper's: alpha follows the change
-    /// of the template however small it is, and after a still scene a slight change of light leaves no pixel that counts.
+    /// The least alpha after an update, in whole gray levels. 0 (the paper's) and 1 set no bound. After a still scene alpha is
+    /// then so small that no pixel counts once the light changes.
     pub least_threshold: u8,
-    /// Width of the virtual border of zeroes around the frame, in pixels: how far a box may leave the picture.
+    /// The width of the border of zeros around the frame, in pixels: how far a box may leave the frame.
     pub padding: u16,
-    /// The search window around the last position.
+    /// The radius of the search window around the last position.
     pub window: Radius,
-    /// How many pixels the window grows on each side, for each frame that the target stays lost.
+    /// By how many pixels the window grows on each side, per frame while the target is lost.
     pub growth: u16,
-    /// Where that growth ends. The window never reaches beyond the padded frame.
+    /// The largest radius. At least `window`. The padded frame always bounds the window.
     pub window_limit: Radius,
-    /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
+    /// The runner-up is the best score more than this many pixels from the peak, in x or in y.
     pub neighbourhood: u16,
-    /// What a box keeps from the edges of the picture for its patch to become the template. Elsewhere an accepted peak moves
-    /// the box; template and alpha stay.
+    /// The template and alpha are updated only from a box that keeps these margins. Outside them an accepted peak only moves the
+    /// box.
     pub update_zone: Margins,
-    /// When a frame is believed.
+    /// When a match is accepted.
     pub gate: Gate,
-    /// How scores are computed; it changes nothing but the time. `None` is the fastest way that the machine has; one that
-    /// it does not have is replaced by the plain loop.
+    /// How scores are computed; affects only the time. `None`: the fastest backend of the machine. A backend that the machine
+    /// lacks is replaced by the plain loop.
     pub backend: Option<Backend>,
-    /// Whether offsets that cannot matter are left out; it changes nothing but the time. Without, every offset is scored to
-    /// its last pixel.
+    /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is scored to its
+    /// last pixel.
     pub pruning: bool,
-    /// When the runner-up is looked for.
+    /// When the runner-up is searched.
     pub runner_up: RunnerUp,
 }
 
-/// When the runner-up is looked for.
+/// When the runner-up is searched.
 ///
-/// It lies far below the peak of a target that is followed, so few offsets can be excluded from being it: looking for it
-/// always multiplies the time.
+/// The runner-up is usually far below the peak, so few offsets can be excluded. To search it in every frame multiplies the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RunnerUp {
-    /// When the gate's decision depends on it. With the paper's gate that is every frame but those where the target was
-    /// tracked before and the peak is inside the frame. There the peak only has to be larger than the runner-up: the
-    /// runner-up is given if it is as large.
+    /// If the decision of the gate depends on it. With the paper's gate it does not if the target was tracked before and the peak
+    /// is inside the frame: then the peak only has to be larger, and the runner-up is given only if it equals the peak.
     WhenItDecides,
     /// In every frame.
     Always,
 }
 
 impl Config {
-    /// The values of the paper and its authors' program, for frames of about 320x240.
+    /// The values of the paper and of its authors' program, for frames of about 320x240.
     ///
-    /// The window of a lost target grows until it is the padded frame: on each axis `SPAN` must be at least
-    /// frame + 40 - box + 1 offsets (361 holds every box on 320x240), or the tracker does not lock. For firmware see
-    /// [`Config::camera`].
+    /// While the target is lost, the window grows up to the padded frame. So `SPAN` must be at least frame + 40 - box + 1 on each
+    /// axis, or `lock` fails; 361 is enough for every box in 320x240. For firmware see [`Config::camera`].
     #[must_use]
     pub const fn paper() -> Self {
         Self {
             table: &Table::PAPER,
             k: Fraction::new(1, 4),
-            first_threshold: 13, // 0.05 of full scale is 12.75, and d < 12.75 is d < 13
+            first_threshold: 13, // 0.05 * 255 = 12.75; for integers d < 12.75 is d < 13
             least_threshold: 0,
             padding: 20,
             window: Radius { x: 60, y: 50 },
@@ -209,15 +206,14 @@ impl Config {
         }
     }
 
-    /// For cameras: the paper's values with a bounded window, so that time and memory are, too.
+    /// For cameras: the paper's values with bounded time and memory.
     ///
-    /// Beside [`Config::paper`]:
-    /// - The window of a lost target grows by at most 20 pixels on each side, so the cost of a frame at most doubles. A
-    ///   `SPAN` of 161 holds it.
-    /// - The template is updated up to the edge of the picture, and a peak inside the picture need not exceed the runner-up.
-    /// - alpha is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed: after a
-    ///   still scene a slight change of light would otherwise move the box to anywhere. Nor is one that shows no contrast, as under a covered
-    ///   lens: see [`Gate::least_ratio`].
+    /// Differences from [`Config::paper`]:
+    /// - While the target is lost, the window grows by at most 20 pixels on each side, so the cost of a frame at most doubles. It
+    ///   needs a `SPAN` of 161.
+    /// - The template is updated up to the edge of the frame, and a peak inside the frame need not exceed the runner-up.
+    /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20. Without these, a slight change of light after
+    ///   a still scene could move the box anywhere. A patch without contrast is not accepted: see [`Gate::least_ratio`].
     #[must_use]
     pub const fn camera() -> Self {
         let paper = Self::paper();
@@ -226,10 +222,10 @@ impl Config {
         Self { least_threshold: 10, window_limit, update_zone: Margins::NONE, gate, ..paper }
     }
 
-    /// Whether a tracker takes it: what [`Target::new`](crate::Target::new) asks.
+    /// Checks the numbers, as [`Target::new`](crate::Target::new) does.
     ///
     /// # Errors
-    /// The first thing found wrong.
+    /// The first [`ConfigError`] found.
     ///
     /// ```
     /// use smr_core::{ConfigError, paper::Config};

@@ -1,23 +1,23 @@
-//! The track and the gate: whether a frame is believed, and what is known after it.
+//! The track of a target: its search window (step 1 of the method), and the gate, which accepts the peak of a search or not.
 
 use super::config::{Config, Fraction, RunnerUp};
 use crate::image::Rect;
 use crate::search::{Found, Peak, Radius, Wanted, Window};
 use crate::similarity::Table;
-use crate::track::{Quality, State};
+use crate::track::{LockError, Quality, State};
 use core::cmp::Ordering;
 
-/// What is remembered of a target beside its template.
+/// What a target remembers in addition to its template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Track {
     pub(super) target: Rect,
     pub(super) bounds: Rect,
     pub(super) state: State,
-    /// A box partly outside the picture has been the best: returning takes more, until a lost target is found again.
+    /// A peak was partly outside the frame: `gate.returning` applies until a lost target is found again.
     pub(super) edge: bool,
-    /// Frames since the target was last believed.
+    /// Frames since a peak was last accepted.
     pub(super) lost_for: u16,
-    /// Of the target that was locked on.
+    /// Of the locked box.
     pub(super) quality: Quality,
 }
 
@@ -26,7 +26,16 @@ impl Track {
         Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, quality: Quality::NONE }
     }
 
-    /// Where it is looked for in the next frame: the window grows with every frame that the target stays lost.
+    /// Refuses a target for which `pixels` of template and `span` offsets on an axis are too few.
+    pub(super) fn check_room(&self, pixels: usize, span: usize, config: &Config) -> Result<(), LockError> {
+        if !usize::try_from(self.target.area()).is_ok_and(|area| area <= pixels) {
+            return Err(LockError::BoxTooLarge);
+        }
+        let (columns, rows) = Window::largest_size(self.target, config.window_limit, self.bounds, config.padding);
+        if columns.max(rows) > span { Err(LockError::WindowTooLarge) } else { Ok(()) }
+    }
+
+    /// The window of the next search: radius + growth * `lost_for`, up to the limit.
     pub(super) fn search_window(&self, config: &Config) -> Window {
         let grown =
             |radius: u16, limit: u16| radius.saturating_add(config.growth.saturating_mul(self.lost_for)).min(limit);
@@ -35,7 +44,7 @@ impl Track {
         Window::new(self.target, radius, self.bounds, config.padding)
     }
 
-    /// The picture has moved, by units of 1/256 pixel; the box stays in the padded frame.
+    /// Moves the box by units of 1/256 pixel, rounded to pixels; it stays in the padded frame.
     pub(super) fn moved(&mut self, right: i32, down: i32, padding: u16) {
         let by = |units: i32| units.saturating_add(128) >> 8;
         let (x, y) = (self.target.x.saturating_add(by(right)), self.target.y.saturating_add(by(down)));
@@ -47,43 +56,43 @@ impl Track {
     pub(super) fn nearest_on(&self, padding: u16) -> Rect {
         let into = |at: i32, frame: u16, size: u16| {
             let first = -i32::from(padding);
-            // Not clamp, which could be a panic where it is folded.
+            // Not `clamp`: it can panic.
             at.min(i32::from(frame) + i32::from(padding) - i32::from(size)).max(first)
         };
         let Rect { x, y, width, height } = self.target;
         Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
     }
 
-    /// What is known after a frame in which `found` was found. `shows` says whether what is seen in a box can show the target at all; it is
-    /// asked only where a least ratio is.
+    /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only if
+    /// `least_ratio` is not 0.
     pub(super) fn after(self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
         let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
         let edge = self.edge || (!was_lost && state == State::Leaving);
-        if self.believes(found, state, config) && (config.gate.least_ratio == 0 || shows(target)) {
+        if self.accepts(found, state, config) && (config.gate.least_ratio == 0 || shows(target)) {
             Self { target, state, edge: edge && !was_lost, lost_for: 0, ..self }
         } else {
             Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..self }
         }
     }
 
-    /// The box at `peak`, and the state of a target that is there.
+    /// The box at `peak`, and the state of a target there.
     fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
 
-    /// The gate: does the peak stand out clearly enough to go on to `state`?
-    fn believes(&self, found: &Found, state: State, config: &Config) -> bool {
+    /// The gate: does the peak exceed the runner-up enough to enter `state`?
+    fn accepts(&self, found: &Found, state: State, config: &Config) -> bool {
         let (gate, peak) = (&config.gate, found.peak.score);
-        // Where it is not known it is less than the peak, and nothing more is asked.
+        // `None`: it is below the peak, and the decision does not depend on it.
         let runner_up = found.runner_up.unwrap_or(0);
         let leads = peak.saturating_sub(runner_up) > u32::from(gate.lead) * u32::from(Table::ONE);
         let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
         stands_out && ratio(peak, self.target.area()) >= gate.least_ratio
     }
 
-    /// What must be known to decide whether to go on to `state`.
+    /// What the search must find to decide on `state`.
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
         match ratio.numerator.cmp(&ratio.denominator) {
@@ -94,7 +103,7 @@ impl Track {
         }
     }
 
-    /// Whether the decision on `peak` takes more than was looked for from the beginning.
+    /// Whether the decision on `peak` needs more than the search was started for.
     pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
         match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
             (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
@@ -102,7 +111,7 @@ impl Track {
         }
     }
 
-    /// How many times the runner-up a peak must exceed to go on to `state`.
+    /// The ratio of peak and runner-up needed to enter `state`.
     const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
             (State::Lost, _) => config.gate.lost,
@@ -113,7 +122,7 @@ impl Track {
     }
 }
 
-/// For each state whether a search looks for the runner-up from the beginning, and whether it may do so afterwards.
+/// For each state: whether the search includes the runner-up from the start, and whether a second search may follow for it.
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

@@ -1,13 +1,15 @@
-//! The paper's tracker: the last appearance of the target is looked for in every frame, pixel by pixel.
+//! The paper's tracker: template matching with the last appearance of the target, pixel by pixel.
 //!
-//! | file | steps of the paper |
-//! |---|---|
-//! | `config.rs` | every number of the method, and the presets |
-//! | `template.rs` | the template and alpha (5, 6) |
-//! | `gate.rs` | whether a frame is believed, and the window that follows (1) |
-//! | `target.rs` | the way of a frame through the tracker; scoring (2, 3, 4) is that of [`similarity`](crate::similarity) and [`search`](crate::search) |
-//! | `workspace.rs` | scratch memory |
-//! | `saved.rs` | the target as bytes |
+//! | file | what it does | step of the paper |
+//! |---|---|---|
+//! | `config.rs` | the numbers of the method, and the presets | |
+//! | `gate.rs` | the search window, and whether a match is accepted | 1 |
+//! | `template.rs` | the template and alpha | 5, 6 |
+//! | `workspace.rs` | scratch memory | |
+//! | `saved.rs` | a target as bytes | |
+//! | `target.rs` | an update: window, search, gate, template, answer | |
+//!
+//! Steps 2 to 4, the scores and the peak, are in [`similarity`](crate::similarity) and [`search`](crate::search).
 
 mod config;
 mod gate;

@@ -1,36 +1,31 @@
-//! A target of the paper's tracker as bytes.
+//! A target of the paper's tracker as bytes: track, threshold, template.
 
-use super::config::{Config, Fraction};
+use super::config::{Config, Fraction, RunnerUp};
 use super::gate::Track;
-use super::target::Paper;
+use super::template::Template;
 use crate::image::Rect;
 use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
-use crate::track::{LockError, Quality, RestoreError, SaveError, State};
+use crate::track::{Quality, RestoreError, SaveError, State};
 
-/// Bytes of the track, and of the template's threshold.
+/// Bytes of the track and of the threshold.
 const TRACK: usize = 24;
 
-/// The most bytes that there can be.
+/// The bytes of a target with a template of `pixels` pixels.
 pub(super) const fn size(pixels: usize) -> usize {
     AROUND + TRACK + pixels
 }
 
-/// The bytes of this target.
-pub(super) fn saved_size<const PIXELS: usize, const SPAN: usize>(
-    paper: &Paper<PIXELS, SPAN>,
-) -> Result<usize, SaveError> {
-    let track = paper.track.ok_or(SaveError::NotLocked)?;
-    Ok(size(usize::from(track.target.width) * usize::from(track.target.height)))
+pub(super) fn saved_size(track: Option<&Track>) -> Result<usize, SaveError> {
+    let target = track.ok_or(SaveError::NotLocked)?.target;
+    Ok(size(usize::from(target.width) * usize::from(target.height)))
 }
 
-pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
-    paper: &Paper<PIXELS, SPAN>,
+pub(super) fn save<const PIXELS: usize>(
+    (config, track, template): (&Config, Option<&Track>, &Template<PIXELS>),
     bytes: &mut [u8],
 ) -> Result<usize, SaveError> {
-    let (Some(track), Some(template)) = (paper.track, paper.template.image()) else {
-        return Err(SaveError::NotLocked);
-    };
-    let mut to = Writer::new(bytes, saved_size(paper)?, Kind::Paper, sum(&paper.config))?;
+    let (Some(track), Some(image)) = (track, template.image()) else { return Err(SaveError::NotLocked) };
+    let mut to = Writer::new(bytes, saved_size(Some(track))?, Kind::Paper, sum(config))?;
     to.i32(track.target.x);
     to.i32(track.target.y);
     for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
@@ -39,32 +34,29 @@ pub(super) fn save<const PIXELS: usize, const SPAN: usize>(
     to.u16(track.lost_for);
     to.put(&[number_of(track.state), track.edge.into()]);
     to.u16(track.quality.value());
-    to.u16(paper.template.threshold());
-    // Not by `rows`, where the compiler keeps a division by the stride, and its panic.
-    (0..template.height()).for_each(|y| to.put(template.row(y)));
+    to.u16(template.threshold());
+    // Not `rows`: there the compiler keeps a division by the stride and its panic.
+    (0..image.height()).for_each(|y| to.put(image.row(y)));
     Ok(to.finish())
 }
 
-pub(super) fn restore<const PIXELS: usize, const SPAN: usize>(
-    paper: &mut Paper<PIXELS, SPAN>,
+/// Restores the template and returns the track. If it fails, the template is unchanged.
+pub(super) fn restore<const PIXELS: usize>(
+    config: &Config,
+    template: &mut Template<PIXELS>,
+    span: usize,
     bytes: &[u8],
-) -> Result<(), RestoreError> {
-    let mut from = Reader::new(bytes, Kind::Paper, sum(&paper.config))?;
-    let (track, threshold) = track(&mut from, paper.config.padding).ok_or(RestoreError::Damaged)?;
-    match Paper::<PIXELS, SPAN>::holds(track.target, track.bounds, &paper.config) {
-        Ok(()) => {}
-        Err(LockError::BoxTooLarge | LockError::WindowTooLarge) => return Err(RestoreError::TooLarge),
-        Err(_) => return Err(RestoreError::Damaged),
-    }
+) -> Result<Track, RestoreError> {
+    let mut from = Reader::new(bytes, Kind::Paper, sum(config))?;
+    let (track, threshold) = track(&mut from, config.padding).ok_or(RestoreError::Damaged)?;
+    track.check_room(PIXELS, span, config).map_err(|_| RestoreError::TooLarge)?;
     let area = usize::try_from(track.target.area()).unwrap_or(usize::MAX);
     let pixels = from.slice(area).filter(|_| from.is_empty()).ok_or(RestoreError::Damaged)?;
-    paper.template.restore(pixels, (track.target.width, track.target.height), threshold);
-    paper.track = Some(track);
-    paper.ticket.change();
-    Ok(())
+    template.restore(pixels, (track.target.width, track.target.height), threshold);
+    Ok(track)
 }
 
-/// The track and the threshold, if each number can be one.
+/// The track and the threshold; `None` if a number is out of range.
 fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     let (x, y) = (from.i32()?, from.i32()?);
     let target = Rect::new(x, y, from.u16()?, from.u16()?);
@@ -101,14 +93,14 @@ const fn state_of(number: u8) -> Option<State> {
     }
 }
 
-/// The checksum of what answers depend on.
+/// The checksum of [`numbers`].
 fn sum(config: &Config) -> u32 {
     let mut sum = ConfigSum::new();
     numbers(config, |number| sum.add(number));
     sum.finish()
 }
 
-/// What answers depend on: neither the backend nor pruning, which change nothing but the time.
+/// The numbers that answers depend on: all but backend and pruning.
 pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
     config.table.entries().iter().for_each(|&entry| add(entry));
     let gate = &config.gate;
@@ -117,7 +109,7 @@ pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
         add(denominator);
     }
     let (window, limit, zone) = (config.window, config.window_limit, config.update_zone);
-    let always = u16::from(config.runner_up == super::RunnerUp::Always);
+    let always = u16::from(config.runner_up == RunnerUp::Always);
     let rest = [gate.lead, gate.least_ratio, config.first_threshold.into(), config.least_threshold.into()];
     let reach = [config.padding, window.x, window.y, config.growth, limit.x, limit.y, config.neighbourhood, always];
     for number in rest.into_iter().chain(reach).chain([zone.left, zone.top, zone.right, zone.bottom]) {

@@ -1,4 +1,4 @@
-//! The way of a frame through the paper's tracker: window, search, gate, template, answer.
+//! An update of the paper's tracker: window, search, gate, template, answer.
 
 use super::config::Config;
 use super::gate::{Track, ratio, searches};
@@ -13,11 +13,14 @@ use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
+use core::fmt;
 
-/// A target of the paper's tracker. `PIXELS` is the largest area of a box, `SPAN` the most offsets that the window may have on an axis; the
-/// target takes `PIXELS` bytes, its [`Workspace`] as many again and `20 * SPAN` bytes.
+/// A target of the paper's tracker.
 ///
-/// Beside what every [`Target`] can do, it shows its template, and scores at any offset:
+/// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS` bytes, its
+/// [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
+///
+/// In addition to the calls of [`Target`] it gives the template, and the score of any offset:
 ///
 /// ```
 /// use smr_core::{Frame, Image, Paper, Rect, Target, paper};
@@ -28,47 +31,47 @@ use crate::track::{
 /// target.lock(&mut workspace, &frame, Rect::new(20, 10, 8, 8))?;
 /// assert_eq!((target.alpha(), target.template().map(|template| template.width())), (13, Some(8)));
 ///
-/// // A map of scores, for those who want to see one.
+/// // A map of all scores.
 /// let offsets = target.offsets().unwrap();
 /// let scores = offsets.ys().flat_map(|y| offsets.xs().map(move |x| (x, y)));
 /// let best = scores.filter_map(|(x, y)| target.score_at(&frame, x, y)).max();
 ///
 /// let answer = target.update(&mut workspace, &frame)?;
 /// assert_eq!(workspace.found().map(|found| found.peak.score), best);
-/// assert_eq!(answer.runner_up_ratio, None); // nothing depended on it: see `Config::runner_up`
+/// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up`
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Config,
-    pub(super) template: Template<PIXELS>,
+    template: Template<PIXELS>,
     pub(super) track: Option<Track>,
-    pub(super) ticket: Ticket,
+    ticket: Ticket,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
-    /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
+    /// [`Target::new`] for a `const` or a `static`.
     ///
     /// # Panics
-    /// If a number of the configuration cannot be used: in a `const` or a `static` the compiler says so.
+    /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
     #[must_use]
-    #[allow(clippy::panic)] // the compiler's
+    #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
         match config.check() {
             Ok(()) => Self { config, template: Template::new(), track: None, ticket: Ticket::NEW },
-            Err(_) => panic!("a number of the configuration cannot be used"),
+            Err(_) => panic!("the configuration is invalid: see `Config::check`"),
         }
     }
 
-    /// The offsets that the next update scores; `None` before the first lock.
+    /// The search window of the next update; `None` before the first lock.
     #[must_use]
     pub fn offsets(&self) -> Option<Window> {
         self.track.as_ref().map(|track| track.search_window(&self.config))
     }
 
-    /// The score that the next update would give to the box at (`x`, `y`): for maps of scores, and for checking; always by
-    /// the plain loop. `None` before the first lock, or if a needed pixel is not in memory.
+    /// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. For maps of scores and
+    /// for checks. `None` before the first lock, or if a pixel of the box is not in memory.
     ///
-    /// Cost: one comparison for each pixel of the template.
+    /// Cost: one comparison per pixel of the template.
     #[must_use]
     pub fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
         let table = CutTable::new(self.config.table, self.template.threshold());
@@ -81,29 +84,17 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         self.template.image()
     }
 
-    /// alpha of the next update, rounded up to whole gray levels; 0 before the first lock.
+    /// alpha of the next update, rounded up to whole gray levels, 1 to 256; 0 before the first lock.
     #[must_use]
     pub fn alpha(&self) -> u16 {
         self.template.threshold()
     }
 
-    /// Refuses what there is no room for.
-    pub(super) fn holds(target: Rect, bounds: Rect, config: &Config) -> Result<(), LockError> {
-        if !Template::<PIXELS>::holds(target) {
-            return Err(LockError::BoxTooLarge);
-        }
-        let (columns, rows) = Window::largest_size(target, config.window_limit, bounds, config.padding);
-        if columns.max(rows) > SPAN {
-            return Err(LockError::WindowTooLarge);
-        }
-        Ok(())
-    }
-
-    /// What follows from what was found: state, box, template.
+    /// Applies the gate to what was found: new state, box and template.
     #[inline(never)] // one copy in flash
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
-        // A box partly outside the frame is not asked: part of what is compared there is padding.
+        // A box partly outside the frame has no patch and is not checked.
         let shows = |target| frame.patch(target).is_none_or(|patch| self.template.is_shown_by(patch));
         let track = track.after(&found, &self.config, shows);
         if track.state != State::Lost
@@ -128,12 +119,18 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     }
 }
 
+impl<const PIXELS: usize, const SPAN: usize> fmt::Debug for Paper<PIXELS, SPAN> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Paper").field("track", &self.track).field("alpha", &self.alpha()).finish_non_exhaustive()
+    }
+}
+
 impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     type Config = Config;
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
 
-    /// By the largest window that the configuration allows and `SPAN` holds.
+    /// For the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
         let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);
         let window = (axis(config.window_limit.x), axis(config.window_limit.y));
@@ -146,7 +143,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         }
     }
 
-    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    #[inline(always)] // built in place: as a call it would be built on the stack and copied
     fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
         Ok(Self { config, template: Template::new(), track: None, ticket: Ticket::NEW })
@@ -191,15 +188,17 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn saved_size(&self) -> Result<usize, SaveError> {
-        saved::saved_size(self)
+        saved::saved_size(self.track.as_ref())
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
-        saved::save(self, bytes)
+        saved::save((&self.config, self.track.as_ref(), &self.template), bytes)
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::restore(self, bytes)
+        self.track = Some(saved::restore(&self.config, &mut self.template, SPAN, bytes)?);
+        self.ticket.change();
+        Ok(())
     }
 }
 
@@ -232,7 +231,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError> {
         let bounds = frame.bounds();
         lockable(bounds, target)?;
-        Self::holds(target, bounds, &self.config)?;
+        Track::new(bounds, target).check_room(PIXELS, SPAN, &self.config)?;
         if frame.covers(target) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
@@ -256,7 +255,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Self { template, config, .. } = self;
-        // A lock is made at its end.
+        // Without a track a lock is under way. `conclude_lock` does all of it.
         let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
         let Workspace { search, table, under_way, window, .. } = workspace;
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
@@ -280,7 +279,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         self.decide(frame, track, workspace.found().unwrap_or(NOTHING))
     }
 
-    #[inline(never)] // its stack is not that of a step
+    #[inline(never)] // keeps its stack out of that of a step
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { locking, table, under_way, .. } = workspace;
         if let Some(patch) = frame.patch(locking.target) {
@@ -294,5 +293,5 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 }
 
-/// What is found where nothing is searched, which does not happen: a window is never empty.
+/// Stands for the result of an empty window, which does not exist.
 const NOTHING: Found = Found { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };

@@ -1,35 +1,35 @@
-//! Scratch memory of the paper's tracker: one serves any number of targets.
+//! Scratch memory of the paper's tracker. One workspace serves any number of targets.
 
 use super::gate::Track;
 use crate::image::Rect;
 use crate::search::{Found, Search, Window};
 use crate::similarity::CutTable;
 use crate::track::update::UnderWay;
+use core::fmt;
 
-/// What an update needs beside the target: `PIXELS` bytes for ranges, five words for each of `SPAN` offsets, and a
-/// table.
+/// Scratch memory for an update: `PIXELS` bytes of ranges, `20 * SPAN` bytes of maxima and bounds, and a table.
 ///
 /// ```
-/// // In firmware it is often a static.
+/// // Firmware often keeps it in a static.
 /// static WORKSPACE: smr_core::paper::Workspace<4096, 33> = smr_core::paper::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 4096 + 20 * 33 + 900);
 /// ```
-#[repr(C)] // what may end in padding stands before a vector: before zeroes, both are made on the stack and copied
+// Fields with padding come before the vectors in `search`. In the other order the compiler builds the value on the stack and
+// copies it instead of zeroing it in place.
+#[repr(C)]
 pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) under_way: UnderWay,
-    /// What a lock under way will begin with.
+    /// The track that a lock under way starts with.
     pub(super) locking: Track,
-    /// What is searched in.
     pub(super) window: Window,
-    /// What the update that is under way scores by.
     pub(super) table: CutTable,
     pub(super) search: Search<PIXELS, SPAN>,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
-    /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
+    /// An empty workspace. All its bytes are 0, so a `static` takes no flash.
     #[must_use]
-    #[inline(always)] // made where it stays: as a call it takes its own size of stack and is copied
+    #[inline(always)] // built in place: as a call it would be built on the stack and copied
     pub const fn new() -> Self {
         Self {
             search: Search::new(),
@@ -40,16 +40,22 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
         }
     }
 
-    /// What the last update here has found: the peak itself, believed or not, and the runner-up's score. `None` until all is searched.
-    /// For checking; an [`Answer`](crate::Answer) says what follows from it.
+    /// The peak and the runner-up of the last search, accepted or not. `None` while a search is under way. For checks; the result
+    /// of an update is its [`Answer`](crate::Answer).
     #[must_use]
     pub fn found(&self) -> Option<Found> {
         self.search.found(&self.window)
     }
 }
 
+impl<const PIXELS: usize, const SPAN: usize> fmt::Debug for Workspace<PIXELS, SPAN> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Workspace").field("found", &self.found()).finish_non_exhaustive()
+    }
+}
+
 impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN> {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     fn default() -> Self {
         Self::new()
     }

@@ -1,0 +1,198 @@
+//! Frame by frame: the answer of the tracker to the pulses of the servos.
+
+use super::camera::Camera;
+use super::config::{PursuitConfig, TURNS};
+use super::error::{FollowError, PursuitConfigError, PursuitError};
+use super::head::Joint;
+use crate::{Answer, Frame, State, Target, Tracker};
+use core::fmt;
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::pwm::{self, SetDutyCycle};
+
+/// The angles that the head was last commanded to. Right and up are positive; 0 is the 0 of the servos.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Command {
+    /// The pan angle.
+    pub pan_radians: f32,
+    /// The tilt angle.
+    pub tilt_radians: f32,
+}
+
+/// The command that was written to the pins, or the error of the first pin that failed.
+pub type Commanded<P, T, L> = Result<
+    Command,
+    PursuitError<<P as pwm::ErrorType>::Error, <T as pwm::ErrorType>::Error, <L as digital::ErrorType>::Error>,
+>;
+
+/// The result of [`Pursuit::follow`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Followed<C> {
+    /// The tracker's answer.
+    pub answer: Answer,
+    /// The command that was written, or the first error of a pin: see [`Pursuit::steer`].
+    pub commanded: C,
+}
+
+/// Keeps the target centred. Owns the pins of the pan servo, the tilt servo and the lock indicator.
+///
+/// See the [module's example](super).
+pub struct Pursuit<P, T, L> {
+    camera: Camera,
+    pub(super) pan: Joint<P>,
+    pub(super) tilt: Joint<T>,
+    indicator: L,
+    hold_seconds: f32,
+    /// The time since a target was last seen.
+    lost_seconds: f32,
+    /// How far the last commands turned the head, right and up, in radians; the last one first.
+    turns: [(f32, f32); TURNS],
+    delay_frames: u8,
+}
+
+impl<P, T, L> Pursuit<P, T, L> {
+    /// The angles that the head was last commanded to; home before the first call.
+    #[must_use]
+    pub const fn command(&self) -> Command {
+        Command { pan_radians: self.pan.radians, tilt_radians: self.tilt.radians }
+    }
+}
+
+impl<P, T, L> fmt::Debug for Pursuit<P, T, L> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Pursuit").field("command", &self.command()).finish_non_exhaustive()
+    }
+}
+
+impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
+    /// A pursuit whose head is assumed to be at home. The first call of [`Pursuit::follow`], [`Pursuit::steer`] or
+    /// [`Pursuit::wait`] writes the pins. The true position of the servos is unknown, so they go to their first angle at full
+    /// speed.
+    ///
+    /// # Errors
+    /// [`PursuitConfigError`], if a number of the configuration cannot be used.
+    pub fn new(config: PursuitConfig, pan: P, tilt: T, indicator: L) -> Result<Self, PursuitConfigError> {
+        config.check()?;
+        Ok(Self {
+            camera: config.camera,
+            pan: Joint::new(config.pan, config.pan_servo, pan),
+            tilt: Joint::new(config.tilt, config.tilt_servo, tilt),
+            indicator,
+            hold_seconds: config.hold_seconds,
+            lost_seconds: 0.0,
+            turns: [(0.0, 0.0); TURNS],
+            delay_frames: config.delay_frames,
+        })
+    }
+
+    /// Updates the tracker with a frame, steers by the answer, and tells the tracker how far the turn of the head moves the
+    /// picture. `elapsed_seconds` is the time since the last frame.
+    ///
+    /// If a pin fails, the result holds the answer and the error, and the tracker is told about the turn of the other axis.
+    ///
+    /// # Errors
+    /// [`FollowError`]. No pin was written then, and the tracker is unchanged.
+    pub fn follow<F: Target>(
+        &mut self,
+        tracker: &mut Tracker<F>,
+        frame: &Frame<'_>,
+        elapsed_seconds: f32,
+    ) -> Result<Followed<Commanded<P, T, L>>, FollowError> {
+        if !can_elapse(elapsed_seconds) {
+            return Err(FollowError::ElapsedTime);
+        }
+        let answer = tracker.update(frame).map_err(FollowError::Update)?;
+        let commanded = self.steer(&answer, elapsed_seconds);
+        let (right, down) = self.picture_motion();
+        tracker.moved(right, down);
+        Ok(Followed { answer, commanded })
+    }
+
+    /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker yourself, for
+    /// example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
+    ///
+    /// The head turns to bring the centre of the box onto the optical axis. If the target is lost, this is [`Pursuit::wait`].
+    /// The indicator is on in the states tracking and leaving.
+    ///
+    /// # Errors
+    /// [`PursuitError`]: the first error of a pin. The other pins are still written. The axis whose pin failed keeps its angle.
+    pub fn steer(&mut self, answer: &Answer, elapsed_seconds: f32) -> Commanded<P, T, L> {
+        if answer.state == State::Lost {
+            return self.wait(elapsed_seconds);
+        }
+        check_elapsed(elapsed_seconds)?;
+        self.lost_seconds = 0.0;
+        let (right, up) = self.camera.error_radians(answer.fine);
+        let pan = self.pan.axis.toward(self.pan.radians, right, elapsed_seconds);
+        let tilt = self.tilt.axis.toward(self.tilt.radians, up, elapsed_seconds);
+        self.turn_to(pan, tilt, answer.state != State::Uncertain)
+    }
+
+    /// Steers without a target (lost, or not locked yet): turns the indicator off, holds the head for
+    /// [`PursuitConfig::hold_seconds`], then turns it home.
+    ///
+    /// ```
+    /// # use embedded_hal_mock::eh1::{digital, pwm};
+    /// # use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};
+    /// # let pin = || pwm::Mock::new(&[pwm::Transaction::max_duty_cycle(20_000), pwm::Transaction::set_duty_cycle(1500)]);
+    /// # let (pan, tilt) = (pin(), pin());
+    /// # let led = digital::Mock::new(&[digital::Transaction::set(digital::State::Low)]);
+    /// # let (mut pan_mock, mut tilt_mock, mut led_mock) = (pan.clone(), tilt.clone(), led.clone());
+    /// # let axis = Axis { min_radians: -1.0, max_radians: 1.0, home_radians: 0.0, gain_per_second: 1.0,
+    /// #     deadband_radians: 0.0, slew_radians_per_second: 1.0, return_radians_per_second: 1.0 };
+    /// # let servo = Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
+    /// # let config = PursuitConfig { camera: Camera::centred(100.0, 160, 120), pan: axis, tilt: axis,
+    /// #     pan_servo: servo, tilt_servo: servo, hold_seconds: 1.0, delay_frames: 0 };
+    /// let mut pursuit = Pursuit::new(config, pan, tilt, led)?;
+    /// let command = pursuit.wait(0.0)?; // the first pulses: the head goes home
+    /// assert_eq!((command.pan_radians, command.tilt_radians), (0.0, 0.0));
+    /// # (pan_mock.done(), tilt_mock.done(), led_mock.done());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Pursuit::steer`].
+    pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
+        check_elapsed(elapsed_seconds)?;
+        self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
+        // The part of this step after the end of the hold.
+        let homeward_seconds = (self.lost_seconds - self.hold_seconds).max(0.0).min(elapsed_seconds);
+        let pan = self.pan.axis.homeward(self.pan.radians, homeward_seconds);
+        let tilt = self.tilt.axis.homeward(self.tilt.radians, homeward_seconds);
+        self.turn_to(pan, tilt, false)
+    }
+
+    /// How far the turn of the head moves the picture until the next frame, right and down, in units of 1/256 pixel. It is the
+    /// argument of [`Target::moved`]. It belongs to the command that was given [`PursuitConfig::delay_frames`] before the last.
+    #[must_use]
+    pub fn picture_motion(&self) -> (i32, i32) {
+        let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();
+        self.camera.picture_motion(right, up)
+    }
+
+    /// Returns the pins: pan, tilt, indicator.
+    pub fn release(self) -> (P, T, L) {
+        (self.pan.pin, self.tilt.pin, self.indicator)
+    }
+
+    fn turn_to(&mut self, pan_radians: f32, tilt_radians: f32, locked: bool) -> Commanded<P, T, L> {
+        let before = self.command();
+        let pan = self.pan.turn_to(pan_radians).map_err(PursuitError::Pan);
+        let tilt = self.tilt.turn_to(tilt_radians).map_err(PursuitError::Tilt);
+        let indicator = self.indicator.set_state(locked.into()).map_err(PursuitError::Indicator);
+        let after = self.command();
+        self.turns.rotate_right(1);
+        let [last, ..] = &mut self.turns;
+        *last = (after.pan_radians - before.pan_radians, after.tilt_radians - before.tilt_radians);
+        pan.and(tilt).and(indicator)?;
+        Ok(after)
+    }
+}
+
+fn can_elapse(elapsed_seconds: f32) -> bool {
+    elapsed_seconds.is_finite() && elapsed_seconds >= 0.0
+}
+
+fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T, L>> {
+    if can_elapse(elapsed_seconds) { Ok(()) } else { Err(PursuitError::ElapsedTime) }
+}

@@ -1,0 +1,52 @@
+//! What a search looks for, what it returns, and the tie rule.
+
+use super::window::Window;
+use core::cmp::Reverse;
+
+/// The score of one offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Peak {
+    /// Left edge of the box, in pixels of the frame.
+    pub x: i32,
+    /// Top edge of the box, in pixels of the frame.
+    pub y: i32,
+    /// The sum of the similarities, each in units of 1/65535.
+    pub score: u32,
+}
+
+impl Peak {
+    /// Sorts offsets by score, then by the tie rule. The largest rank is the peak.
+    pub(super) fn rank(&self, window: &Window) -> (u32, Reverse<(u64, i32, i32)>) {
+        let (x, y) = window.centre();
+        let (dx, dy) = (u64::from(self.x.abs_diff(x)), u64::from(self.y.abs_diff(y)));
+        (self.score, Reverse((dx * dx + dy * dy, self.y, self.x)))
+    }
+
+    /// Whether `other` is more than `distance` pixels away in x or in y.
+    pub(super) fn is_further_than(&self, distance: u32, other: &Self) -> bool {
+        self.x.abs_diff(other.x).max(self.y.abs_diff(other.y)) > distance
+    }
+}
+
+/// What a search looks for. The number is the radius of the peak's neighbourhood in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// The peak alone.
+    Peak,
+    /// The peak, and whether an offset outside its neighbourhood has the same score. Costs little more than the peak alone.
+    Equals(u16),
+    /// The peak and the runner-up.
+    RunnerUp(u16),
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Found {
+    /// The offset with the largest score.
+    pub peak: Peak,
+    /// The largest score outside the peak's neighbourhood; 0 if the neighbourhood covers the window. `None` if the decision
+    /// did not depend on it: see [`RunnerUp`](crate::paper::RunnerUp).
+    pub runner_up: Option<u32>,
+}
