@@ -5,7 +5,7 @@ use crate::measure::{Timer, spin, stack};
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
 use semihosting::process::exit;
-use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Target, paper, robust};
+use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, paper, robust};
 
 const VERSION: u32 = 3;
 const HEADER: usize = 11 * 4;
@@ -255,15 +255,9 @@ fn size(word: u32) -> Result<u16, Refusal> {
 
 fn record(frame: u32, answer: &Answer, hash: u32, [work, ticks, longest]: [u32; 3]) -> [u32; RECORD] {
     let Answer { fine, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
-    let state = match answer.state {
-        State::Tracking => 0,
-        State::Leaving => 1,
-        State::Uncertain => 2,
-        State::Lost => 3,
-    };
     let [left, top] = [fine.x, fine.y].map(i32::cast_unsigned);
     let [runner_up_ratio, alpha] = [runner_up_ratio, alpha].map(|number| number.map_or(NONE, u32::from));
-    let box_and_state = [2, frame, left, top, fine.width, fine.height, state];
+    let box_and_state = [2, frame, left, top, fine.width, fine.height, answer.state.code().into()];
     let figures = [confidence.into(), ratio.into(), runner_up_ratio, alpha, scale, found_again.into(), hash];
     let mut record = [0; RECORD];
     let numbers = box_and_state.into_iter().chain(figures).chain([work, ticks, longest]);

@@ -64,7 +64,7 @@
 use super::checksum::Crc;
 use super::saved::Kind;
 use super::update::SEAL;
-use super::{Answer, State, Target, paper, robust};
+use super::{Answer, Target, paper, robust};
 use crate::image::{Frame, Image, Rect};
 use crate::{Paper, Robust};
 
@@ -236,19 +236,13 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// The writer's.
     pub fn answer(&mut self, answer: &Answer) -> Result<(), E> {
         let Answer { fine, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
-        let state = match state {
-            State::Tracking => 0,
-            State::Leaving => 1,
-            State::Uncertain => 2,
-            State::Lost => 3,
-        };
         let flag = |is: bool, bit: u8| if is { bit } else { 0 };
         let flags = flag(found_again, 1) | flag(runner_up_ratio.is_some(), 2) | flag(alpha.is_some(), 4);
         self.entry(Tag::Answer, 30, |entry| {
             for side in [fine.x.cast_unsigned(), fine.y.cast_unsigned(), fine.width, fine.height] {
                 entry.put(&side.to_le_bytes());
             }
-            entry.put(&[state, flags]);
+            entry.put(&[state.code(), flags]);
             for number in [confidence, ratio, runner_up_ratio.unwrap_or(0), alpha.unwrap_or(0)] {
                 entry.u16(number);
             }
