@@ -2,7 +2,7 @@
 //! that they want; and how many instructions and how much stack that took.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance
 //! ```
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -39,5 +39,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance");
 }

@@ -4,7 +4,7 @@
 //! With the feature `verify` the plain loops run beside, and first of all at extreme values.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance_robust
 //! ```
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -43,5 +43,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance_robust");
 }

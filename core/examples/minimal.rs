@@ -1,7 +1,7 @@
 //! A first firmware: lock on a target in one frame, find it in the next ones, log what was found.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example minimal
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal
 //! ```
 //!
 //! runs it in QEMU. On a board of your own, put your chip's addresses into `memory.x`, take the frames from your camera
@@ -106,5 +106,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example minimal");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal");
 }

@@ -2,7 +2,7 @@
 //! then what the kernels take, in instructions.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example kernels
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels
 //! ```
 //!
 //! The tests of the crate run on a host, which has none of these instructions. This is for QEMU only: it relies on where
@@ -25,5 +25,5 @@ mod memory;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example kernels");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels");
 }

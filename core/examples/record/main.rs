@@ -1,7 +1,7 @@
 //! A flight recorder on the target: follows a drawn target with both trackers, writes a record, and says what that took.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example record
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record
 //! cargo run --release -p host-sim -- replay record.smr
 //! ```
 //!
@@ -138,5 +138,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example record");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record");
 }
