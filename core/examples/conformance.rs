@@ -1,5 +1,5 @@
-//! Answers the conformance vectors of the paper's tracker on the target, at once and in steps, and says whether every answer is the one
-//! that they want; and how many instructions and how much stack that took.
+//! Runs the conformance vectors of the paper's tracker on the chip, at once and in steps. Logs whether all answers are right, and how
+//! many instructions and bytes of stack they took.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance
