@@ -5,7 +5,7 @@
 //!
 //! # Modules
 //!
-//! A module imports only modules above it in this table.
+//! A module imports only modules that come before it in this table.
 //!
 //! | module | what it holds |
 //! |---|---|
