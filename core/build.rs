@@ -1,15 +1,10 @@
-//! The linker scripts of the firmware in `examples/`, and the best that Arm's processor has: cfg `smr_helium` or `smr_dsp`.
-//!
-//! The scripts are not in `.cargo/config.toml`: its flags would be those of every other firmware in this repository, too.
+//! The best instruction set of an Arm Cortex-M: cfg `smr_helium`, `smr_dsp`, or neither.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(smr_dsp, smr_helium)");
     let is = |key: &str, value: &str| variable(key) == value;
     if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
-        // cortex-m-rt's, which takes memory.x from the workspace's folder, where the linker starts; and defmt's.
-        println!("cargo::rustc-link-arg-examples=-Tlink.x");
-        println!("cargo::rustc-link-arg-examples=-Tdefmt.x");
         let processor = Processor::read();
         if processor.has_helium() {
             println!("cargo::rustc-cfg=smr_helium");
@@ -19,8 +14,8 @@ fn main() {
     }
 }
 
-/// What is compiled for. A stable compiler says nothing of features that it does not have names for: what a processor
-/// has is then told from its name, or from the target's.
+/// The processor that is compiled for. A stable compiler does not report features that it considers unstable, so the name of the
+/// processor or of the target decides, unless a flag names the feature.
 struct Processor {
     target: String,
     flags: Vec<String>,
@@ -54,7 +49,7 @@ impl Processor {
         self.flags.iter().filter_map(|flag| flag.rsplit_once("target-cpu=")).any(|(_, name)| names.contains(&name))
     }
 
-    /// What the last `-C target-feature` that names `feature` says of it.
+    /// Whether the last `-C target-feature` with `feature` enables it; `None` if there is none.
     fn switched(&self, feature: &str) -> Option<bool> {
         let lists = self.flags.iter().filter_map(|flag| flag.rsplit_once("target-feature="));
         let switches = lists.flat_map(|(_, list)| list.split(','));

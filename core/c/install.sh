@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # Installs the C library: core/c/install.sh PREFIX [TARGET]
 #
-# Builds libsmr.a (for TARGET, a target of Rust such as thumbv7em-none-eabihf; for this machine if there is none) and puts it under
-# PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config. SMR_PIXELS and SMR_SPAN of the
-# environment are built in and written into both packages, so that programs are compiled with the same numbers.
-# SMR_LIBRARY is a libsmr.a that was built otherwise, to be installed in its place.
+# Builds libsmr.a and installs it under PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config.
+# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine.
+#
+# Environment:
+#   SMR_PIXELS, SMR_SPAN   the capacity. Both packages define them, so that programs are compiled with the same numbers.
+#   SMR_LIBRARY            a libsmr.a to install instead of building one
 set -euo pipefail
 
 if [ $# -lt 1 ] || [ $# -gt 2 ]; then
@@ -18,21 +20,21 @@ here=$(cd "$(dirname "$0")" && pwd)
 [ -z "${SMR_LIBRARY:-}" ] || SMR_LIBRARY=$(realpath "$SMR_LIBRARY")
 cd "$here/../.."
 
-# What cargo says it has built: the folder depends on the compiler and on the environment.
+# The path is from cargo's messages, because the folder depends on the compiler and the environment.
 library=${SMR_LIBRARY:-}
 if [ -z "$library" ]; then
   build=(cargo build -p smr-c --profile firmware --locked --message-format json-render-diagnostics)
   [ -z "$target" ] || build+=(--target "$target")
   library=$("${build[@]}" | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 fi
-[ -f "$library" ] || { echo "error: no library: ${library:-cargo has built no libsmr.a}" >&2; exit 1; }
+[ -f "$library" ] || { echo "error: no library: ${library:-cargo did not build libsmr.a}" >&2; exit 1; }
 
 number() { sed -n "s/^#define SMR_VERSION_$1 //p" "$here/include/smr.h"; }
 version=$(number MAJOR).$(number MINOR).$(number PATCH)
 definitions=()
 [ -z "${SMR_PIXELS:-}" ] || definitions+=("SMR_PIXELS=$SMR_PIXELS")
 [ -z "${SMR_SPAN:-}" ] || definitions+=("SMR_SPAN=$SMR_SPAN")
-# On a host the archive holds Rust's standard library; sections drop what is not called of it.
+# On a host the archive contains Rust's standard library. --gc-sections drops the unused part of it.
 libraries=
 case $target in
   *-none-* | *-none) ;;

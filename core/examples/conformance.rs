@@ -1,8 +1,8 @@
-//! Answers the conformance vectors of the paper's tracker on the target, at once and in steps, and says whether every answer is the one
-//! that they want; and how many instructions and how much stack that took.
+//! Runs the conformance vectors of the paper's tracker on the chip, at once and in steps. Logs whether all answers are right, and how
+//! many instructions and bytes of stack they took.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance
 //! ```
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -39,5 +39,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance");
 }

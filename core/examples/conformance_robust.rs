@@ -1,10 +1,10 @@
-//! Answers the conformance vectors of the robust tracker on the target, at once and in steps, and says whether every answer is the one
-//! that they want; and how many instructions and how much stack that took.
+//! Runs the conformance vectors of the robust tracker on the chip, at once and in steps. Logs whether all answers are right, and how
+//! many instructions and bytes of stack they took.
 //!
-//! With the feature `verify` the plain loops run beside, and first of all at extreme values.
+//! With the feature `verify` every fast kernel is compared with the plain loop: first at extreme values, then in every call.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance_robust
 //! ```
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -43,5 +43,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example conformance_robust");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance_robust");
 }

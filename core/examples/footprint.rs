@@ -1,7 +1,7 @@
-//! The tracker and nothing else: what it takes of a chip, and what it is made of. Not to be run, only linked.
+//! The paper's tracker and nothing else, to measure its flash. It is linked, but not run.
 //!
-//! `.ci/targets` weighs it and looks at its symbols: no panic is in it, and no float. Whatever the tracker is given is
-//! hidden from the compiler, so that nothing is left out that a camera would need.
+//! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all inputs from the
+//! compiler, so that the compiler drops no code that a camera would need.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -14,7 +14,7 @@ mod firmware {
     /// A template of 64x64 pixels, a window of +-16.
     type Weighed = Tracker<Paper<4096, 33>>;
 
-    /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
+    /// The smallest start-up: cortex-m-rt on Arm, none elsewhere.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
@@ -40,7 +40,7 @@ mod firmware {
         }
     }
 
-    /// Must be there to compile, and is never linked.
+    /// The compiler needs it; the linker drops it, because no call reaches it.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {
@@ -51,5 +51,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is not to be run: .ci/targets links and weighs it");
+    eprintln!("this firmware is not run: .ci/targets links it and measures its size");
 }

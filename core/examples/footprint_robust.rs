@@ -1,6 +1,6 @@
-//! The robust tracker and nothing else: what it takes of a chip, and what it is made of. Not to be run, only linked.
+//! The robust tracker and nothing else, to measure its flash. It is linked, but not run.
 //!
-//! `.ci/targets` weighs it and looks at its symbols, as at the paper's tracker in `footprint.rs`.
+//! `.ci/targets` checks it as it checks the paper's tracker in `footprint.rs`.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -12,7 +12,7 @@ mod firmware {
 
     const _: () = assert!(size_of::<Tracker<Robust>>() <= 64 * 1024);
 
-    /// The least that starts: on Arm behind cortex-m-rt, elsewhere by itself.
+    /// The smallest start-up: cortex-m-rt on Arm, none elsewhere.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
@@ -40,7 +40,7 @@ mod firmware {
         }
     }
 
-    /// Must be there to compile, and is never linked.
+    /// The compiler needs it; the linker drops it, because no call reaches it.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {
@@ -51,5 +51,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is not to be run: .ci/targets links and weighs it");
+    eprintln!("this firmware is not run: .ci/targets links it and measures its size");
 }

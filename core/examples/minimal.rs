@@ -1,17 +1,17 @@
-//! A first firmware: lock on a target in one frame, find it in the next ones, log what was found.
+//! A first firmware: locks on a target in one frame, finds it in the next ones, and logs its box.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example minimal
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal
 //! ```
 //!
-//! runs it in QEMU. On a board of your own, put your chip's addresses into `memory.x`, take the frames from your camera
-//! and the logger of your debug probe (`defmt-rtt`) instead of `defmt-semihosting`: the rest stays.
+//! runs it in QEMU. For your own board, put your chip's addresses into `memory.x`, take the frames from your camera, and replace
+//! `defmt-semihosting` by the logger of your debug probe (`defmt-rtt`). The rest stays the same.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 mod firmware {
-    // Only linked: the first logs through the debugger, the second gives the logger its critical section.
+    // Only linked: `cortex_m` has the critical section for the logger `defmt_semihosting`.
     use cortex_m as _;
     use cortex_m_rt::entry;
     use defmt::{error, info};
@@ -27,17 +27,17 @@ mod firmware {
     /// The target is 10x10 pixels and starts here.
     const START: Rect = Rect::new(20, 16, 10, 10);
 
-    /// Where a camera would be: three frames in flash, drawn at compile time. The target moves by a few pixels in each.
+    /// Instead of a camera: three frames in flash, drawn at compile time. The target moves by a few pixels in each.
     static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
 
-    /// Room for a template of 256 pixels, and for 17 offsets on each axis: the window below, -8..=8. All that the tracker
-    /// needs is in it, so its size is known here, at compile time; it may as well be a `static`.
+    /// Room for a template of 256 pixels and for 17 offsets on each axis, the window -8..=8 below. The type contains all the memory
+    /// of the tracker, so its size is known at compile time. It could also be a `static`.
     type Small = Tracker<Paper<256, 17>>;
 
     #[entry]
     fn main() -> ! {
-        // The paper's numbers, with a smaller window: its cost is offsets times pixels. It does not grow when the target
-        // is lost, or SPAN would have to be larger.
+        // A smaller window, because the work is offsets times pixels. It must not grow when the target is lost: for that SPAN would
+        // have to be larger.
         let mut config = Config::camera();
         config.window = Radius { x: 8, y: 8 };
         config.window_limit = config.window;
@@ -59,19 +59,19 @@ mod firmware {
         tracker.lock(&frame(first)?, START).map_err(|_| "cannot lock on the box")?;
 
         for (number, pixels) in (2u32..).zip(others) {
-            // Of the frame only these pixels are read. A camera that can read out a part need not deliver more:
-            // see `Frame::part`, and the example `replay`.
+            // The tracker reads only these pixels. If your camera can read out a part of the sensor, give it only these: see
+            // `Frame::part` and the example `replay`.
             let window = tracker.window().ok_or("not locked")?;
             info!("frame {=u32}: reads {=u16}x{=u16} pixels", number, window.width, window.height);
 
             let answer = tracker.update(&frame(pixels)?).map_err(|_| "cannot search the frame")?;
             let Rect { x, y, .. } = answer.bbox;
             match answer.state {
-                // Found. The ratio says how alike target and template are: 65535 is 1.0.
+                // The ratio is the similarity of target and template: 65535 is 1.0.
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
-                // Found partly outside the frame: the template is kept as it was.
+                // Partly outside the frame: the template is not updated.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
-                // Not to be believed. The box is the last good one; just go on updating, it may be found again. (Only the robust
+                // The box is the last one that the tracker believed. Keep updating: it may find the target again. (Only the robust
                 // tracker is ever uncertain.)
                 State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }
@@ -79,12 +79,12 @@ mod firmware {
         Ok(())
     }
 
-    /// Borrows the pixels as a frame: nothing is copied.
+    /// Borrows the pixels as a frame, without a copy.
     fn frame(pixels: &[u8; FRAME]) -> Result<Frame<'_>, &'static str> {
         Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
     }
 
-    /// A flat background and the target, a pattern that does not repeat, at (`left`, `top`).
+    /// A flat background with the target, a pattern that does not repeat, at (`left`, `top`).
     const fn draw(left: usize, top: usize) -> [u8; FRAME] {
         let mut pixels = [60; FRAME];
         let mut i = 0;
@@ -96,7 +96,7 @@ mod firmware {
         pixels
     }
 
-    /// Nothing here panics; but where everything is Rust, somebody must be there to be called.
+    /// Nothing here panics, but a `no_std` program must have a handler.
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         error!("{}", defmt::Display2Format(info));
@@ -106,5 +106,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example minimal");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal");
 }

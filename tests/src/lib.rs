@@ -1,7 +1,7 @@
-//! Reads the conformance vectors (`vectors/README.md` has their form) without allocating, and holds a tracker to them: on the host and
-//! on a target, whichever of the two it is.
+//! Reads the conformance vectors (for the format see `vectors/README.md`) and compares a tracker's answers with them, on the host and on a
+//! chip, without allocating.
 //!
-//! The tests themselves are in `tests/`, one file a subject.
+//! The tests themselves are in `tests/`, one file per subject.
 
 #![no_std]
 
@@ -13,7 +13,7 @@ pub use paper::{PAPER, SmallPaper};
 pub use robust::ROBUST;
 pub use words::{Hex, Words};
 
-/// The example of the project's README is a test, too.
+/// The example in the project's README is a test, too.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;
@@ -23,49 +23,48 @@ use smr_core::{Answer, Frame, Image, State, Target, Tracker};
 /// The most pixels of a frame in any vector.
 pub const FRAME_PIXELS: usize = 7938;
 
-/// A tracker that there are vectors of.
+/// A tracker with conformance vectors.
 pub trait Vectors: Target {
     /// The first line that is not a comment.
     const FORM: &'static str;
-    /// All of them.
+    /// The vectors.
     const TEXT: &'static str;
-    /// What must be answered, number by number.
+    /// An answer in the vectors, number by number.
     type Expected: PartialEq;
 
-    /// What a case starts from.
+    /// The configuration at the start of a case.
     fn default_config() -> Self::Config;
 
-    /// Sets what a line says; `None` if it means nothing.
+    /// Applies a line of the configuration; `None` if it is invalid.
     fn set(config: &mut Self::Config, keyword: &str, words: &mut Words<'_>) -> Option<()>;
 
-    /// What an answer line says.
+    /// The answer in an `answer` line.
     fn expected(words: &mut Words<'_>) -> Option<Self::Expected>;
 
-    /// What `tracker` has just answered.
+    /// The last answer of `tracker`, in the same form.
     fn answered(answer: &Answer, tracker: &Tracker<Self>) -> Self::Expected;
 }
 
-/// How many were answered as they should be.
+/// How many cases and answers were right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passed {
     pub cases: u32,
     pub answers: u32,
 }
 
-/// Where a tracker, or the text, is not as it should be.
+/// The first wrong answer, or the first invalid line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure<'a> {
     pub case: &'a str,
-    /// Counted from 1 over all cases; 0 before the first one.
+    /// The number of the answer, from 1 over all cases; 0 before the first one.
     pub answer: u32,
     pub what: &'static str,
 }
 
-/// Has `tracker` follow all targets of the vectors, by `update`, and compares every answer. `buffer` has room for
-/// [`FRAME_PIXELS`].
+/// Follows all targets of the vectors with `tracker` by `update`, and compares every answer. `buffer` has room for [`FRAME_PIXELS`].
 ///
 /// # Errors
-/// The first thing that is not as it should be.
+/// The first wrong answer, or the first invalid line.
 pub fn follow<'a, T: Vectors>(
     tracker: &mut Tracker<T>,
     text: &'a str,
@@ -91,7 +90,7 @@ pub fn follow<'a, T: Vectors>(
             "lock" => {
                 let target = words.rect().ok_or_else(misread)?;
                 let frame = frame(words.hex().ok_or_else(misread)?, buffer, size).map_err(failure)?;
-                // The target alone: a whole tracker would be made on the stack and copied.
+                // Only the target: a whole tracker would be made on the stack and copied.
                 *tracker.parts().0 = T::new(config).map_err(|_| failure("the configuration is refused"))?;
                 tracker.lock(&frame, target).map_err(|_| failure("no lock"))?;
             }
@@ -119,7 +118,7 @@ fn frame<'b>(pixels: Hex<'_>, buffer: &'b mut [u8], (width, height): (u16, u16))
     Image::new(pixels, width, height).map(Frame::whole).map_err(|_| "a frame of another size")
 }
 
-/// A state as it stands in the vectors.
+/// A state by its name in the vectors.
 fn state(word: &str) -> Option<State> {
     match word {
         "tracking" => Some(State::Tracking),

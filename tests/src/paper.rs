@@ -9,7 +9,7 @@ use smr_core::{Answer, Paper, State, Tracker};
 /// The vectors.
 pub const PAPER: &str = include_str!("../vectors/conformance.txt");
 
-/// With room for the largest area of a box and the most offsets on an axis that any vector needs.
+/// Room for the largest box and the most offsets on an axis in the vectors.
 pub type SmallPaper = Paper<128, 81>;
 
 /// An answer, number by number.
@@ -22,7 +22,7 @@ pub struct Expected {
     runner_up_ratio: Option<u16>,
     alpha: Option<u16>,
     found: Option<Found>,
-    /// Of the template after the frame.
+    /// Hash of the template after the frame.
     template: u32,
 }
 

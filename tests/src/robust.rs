@@ -17,7 +17,7 @@ pub struct Expected {
     response: i32,
     scale: u32,
     found_again: bool,
-    /// Of the early template and of the filter's weights, after the frame.
+    /// Hashes of the early template and of the filter's weights after the frame.
     hashes: (u32, u32),
 }
 

@@ -3,7 +3,7 @@
 use smr_core::paper::{Fraction, Margins, Radius};
 use smr_core::{Rect, State};
 
-/// One value after the other.
+/// The values of a line, one after the other.
 pub struct Words<'a>(core::str::Split<'a, char>);
 
 impl<'a> Words<'a> {
@@ -66,7 +66,7 @@ impl<'a> Hex<'a> {
         Self(digits)
     }
 
-    /// The bytes, written to the front of `buffer`; `None` if they are not hexadecimal or more than fit.
+    /// The bytes, written to the start of `buffer`; `None` if they are not hexadecimal or do not fit.
     pub fn decode<'b>(&self, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
         let digits = self.0.as_bytes().chunks_exact(2);
         let length = digits.len();

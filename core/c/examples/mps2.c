@@ -1,6 +1,6 @@
 /*
- * What runs before main on an Arm MPS2 or MPS3 board: two vectors, the floating-point unit that the C library is built for, and
- * the C library's own start (newlib with semihosting, rdimon.specs).
+ * Start-up code for an Arm MPS2 or MPS3 board: the vector table, then it enables the floating-point unit and calls the start of the
+ * C library (newlib with semihosting, rdimon.specs).
  */
 
 #include <stddef.h>
@@ -36,7 +36,7 @@ void reset(void)
     _start();
 }
 
-/* The heap of the C library, which opens files, from the end of the data on. What semihosting says of it is wrong on the MPS3. */
+/* The heap of the C library, which needs one to open files. It begins at the end of the data. Semihosting reports a wrong heap on the MPS3. */
 void *_sbrk(ptrdiff_t more)
 {
     static unsigned char *top = end;

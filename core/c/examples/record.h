@@ -1,8 +1,8 @@
-/* A flight recorder in C: all that a tracker sees and answers as bytes, which `host-sim replay FILE` runs again.
+/* A flight recorder in C: writes all that a tracker sees and answers as bytes. `host-sim replay FILE` runs them again.
  *
- * Every byte is described in the documentation of smr_core::record (version 1). Copy this file next to your firmware; it needs nothing but
- * smr.h. Set `write` to what takes the bytes (flash, a serial line, a file); it returns 0 if all is well. After an error nothing more is
- * written, and `failed` is set.
+ * The documentation of smr_core::record describes every byte (version 1). Copy this file next to your firmware; it needs only smr.h. Set
+ * `write` to a function that stores the bytes (in flash, a file, over a serial line) and returns 0 if that succeeds. After an error the
+ * recorder writes nothing more and sets `failed`.
  *
  *     smr_recorder recorder = {to_flash, 0, 0, 0, 0};
  *     smr_record_begin(&recorder, &config);
@@ -17,7 +17,7 @@
 
 #include "smr.h"
 
-/* In C++ and C99 alike; what is not called is no warning. */
+/* No warning in C99 or C++ about functions that you do not call. */
 #if defined(__GNUC__)
 #define SMR_RECORD __attribute__((unused)) static
 #else
@@ -78,7 +78,7 @@ SMR_RECORD void smr_record_rect(smr_recorder *to, const smr_rect *rect) {
     smr_record_u16(to, rect->height);
 }
 
-/* The part of the frame in memory that holds all of `rect`; NULL if none does. */
+/* The part in memory that contains all of `rect`; NULL if there is none. */
 SMR_RECORD const smr_part *smr_record_part(const smr_frame *frame, const smr_rect *rect) {
     int at;
     for (at = 0; at < 2; at++) {
@@ -100,11 +100,11 @@ SMR_RECORD void smr_record_pixels(smr_recorder *to, const smr_frame *frame, cons
     }
 }
 
-/* The beginning: which tracker, and its numbers. */
+/* Begins a record: the tracker and its configuration. */
 SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
     const smr_paper_config *paper = &config->paper;
     const smr_robust_config *robust = &config->robust;
-    int is_robust = paper->k.denominator == 0; /* the paper's numbers are 0 from smr_config_robust */
+    int is_robust = paper->k.denominator == 0; /* smr_config_robust sets the paper's numbers to 0 */
     smr_table made;
     const smr_table *table = is_robust ? NULL : paper->table;
     int at;
@@ -145,7 +145,7 @@ SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
     smr_record_end(to);
 }
 
-/* After smr_lock, with the same. */
+/* Call it after smr_lock, with the same arguments. */
 SMR_RECORD void smr_record_lock(smr_recorder *to, const smr_tracker *tracker, const smr_frame *frame, const smr_rect *target) {
     smr_rect window;
     if (to->failed || smr_lock_window(tracker, frame->width, frame->height, target, &window) != SMR_OK) {
@@ -160,7 +160,7 @@ SMR_RECORD void smr_record_lock(smr_recorder *to, const smr_tracker *tracker, co
     smr_record_end(to);
 }
 
-/* Before the frame is searched. Nothing is written if the frame does not hold what the tracker asks for. */
+/* Call it before the update. It writes nothing if the frame does not contain the pixels that the tracker needs. */
 SMR_RECORD void smr_record_window(smr_recorder *to, const smr_tracker *tracker, const smr_frame *frame) {
     const smr_rect nothing = {0, 0, 0, 0};
     smr_rect near_by, sweep;

@@ -1,12 +1,13 @@
 /*
- * Follows a patch that moves through generated frames, is hidden for a while and comes back elsewhere, and prints where it is.
+ * A complete program: follows a target through generated frames and prints its box. The target moves, is hidden for a while, and
+ * comes back elsewhere.
  *
- *     track           with the paper's tracker
- *     track robust    with the robust one: only the configuration is another
- *     track METHOD FILE    with a flight record in that file, which `host-sim replay FILE` runs again
+ *     track                with the paper's tracker
+ *     track robust         with the robust tracker; only the configuration differs
+ *     track METHOD FILE    writes a flight record to FILE, which `host-sim replay FILE` runs again
  *
- * This is all that a program needs: memory, a configuration, lock, update. It allocates nothing. Each frame is given as a camera
- * would that reads out only what it is asked for: the window, and the place where a lost target is looked for.
+ * A program needs memory, a configuration, lock and update. Nothing is allocated. The program simulates a camera that reads out
+ * only what the tracker needs: smr_window and smr_sweep_window.
  */
 
 #include <inttypes.h>
@@ -24,7 +25,7 @@
 #define HIDDEN_FROM 16
 #define HIDDEN_TO 26
 
-/* A program that uses one tracker has its smr_paper_target or smr_robust_target here, and links nothing of the other. */
+/* A program with only one of the trackers would have only its smr_paper_target or smr_robust_target here, and link only its code. */
 static union {
     smr_paper_target paper;
     smr_robust_target robust;
@@ -36,7 +37,7 @@ static union {
 
 static uint8_t sensor[FRAME_HEIGHT][FRAME_WIDTH];
 
-/* A texture that does not repeat: the same at every call for the same seed. */
+/* A texture that does not repeat. The same seed gives the same texture. */
 static uint8_t noise(uint32_t seed, int x, int y)
 {
     uint32_t n = seed + (uint32_t)x * 374761393u + (uint32_t)y * 668265263u;
@@ -44,7 +45,7 @@ static uint8_t noise(uint32_t seed, int x, int y)
     return (uint8_t)((n ^ (n >> 16)) & 255u);
 }
 
-/* A dim background that flickers, and the bright target with its corner at (left, top), if it is in view. */
+/* A dim, flickering background, and the bright target with its corner at (left, top) if it is in view. */
 static void expose(uint32_t number, int in_view, int left, int top)
 {
     int x, y;
@@ -57,7 +58,7 @@ static void expose(uint32_t number, int in_view, int left, int top)
     }
 }
 
-/* What the camera hands over when it is asked for `window`; nothing if that is empty. */
+/* Reads `window` out of the sensor. The part is empty if the window is. */
 static smr_part read_out(const smr_rect *window)
 {
     smr_part part;
@@ -98,7 +99,7 @@ static const char *name_of(smr_state state)
     return names[state];
 }
 
-/* The writer of a flight record; firmware has its flash or a serial line here. */
+/* Stores the bytes of a flight record. Firmware would write to flash or a serial line here. */
 static int to_file(void *file, const uint8_t *bytes, size_t size)
 {
     return file != NULL && fwrite(bytes, 1, size, (FILE *)file) != size;
@@ -128,7 +129,7 @@ int main(int argc, char **argv)
         must(smr_config_camera(&config), "smr_config_camera");
         config.paper.window.x = config.paper.window.y = 12;
         config.paper.window_limit.x = config.paper.window_limit.y = 24;
-        config.paper.gate.least_ratio = 65535 / 2; /* noise is not believed */
+        config.paper.gate.least_ratio = 65535 / 2; /* do not believe noise */
     }
     must(smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker), "smr_init");
     printf("smr %s, %lu bytes for the target, %lu for the workspace\n", smr_version(),
@@ -160,8 +161,9 @@ int main(int argc, char **argv)
                name_of(answer.state), percent(answer.ratio), (unsigned)window.width, (unsigned)window.height,
                sweep.width > 0 ? " and more" : "");
         near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
-        /* Where it is in view it is to be found, and while it is hidden doubt is to come. A target that comes back out of reach of
-         * the robust tracker's window is looked for at one place more in each frame: that may take three, of which none says tracking. */
+        /* The tracker must find the target while it is in view, and must not be tracking at the end of the time when it is hidden. When
+         * the target comes back outside the window, the robust tracker searches one other place in each frame. It may take three frames,
+         * and must not be tracking in them. */
         sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && sweep.width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }

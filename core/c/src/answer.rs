@@ -1,22 +1,21 @@
-//! What a tracker says of its target after a frame.
+//! The answer of an update: where the target is, and how far that is to be believed.
 
 use crate::frame::{smr_fine_rect, smr_rect};
 use smr_core::{Answer, State};
 
-/// What the tracker holds of its target after a frame.
+/// What the tracker believes about its target after a frame.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target is where the box is. The paper's: it was found inside the picture. The robust tracker's: its early template
-    /// agrees, part by part.
+    /// The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, part by part.
     SMR_TRACKING = 0,
-    /// The target is where the box is, partly outside the picture; the template is kept. Never from the robust tracker.
+    /// The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the robust tracker.
     SMR_LEAVING = 1,
-    /// The target is partly hidden or changes quickly, or something else is followed: the early template hardly agrees. Never
-    /// from the paper's.
+    /// The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows something else.
+    /// Never from the paper's tracker.
     SMR_UNCERTAIN = 2,
-    /// The target is not seen. The box of the paper's tracker is the last one that was believed; that of the robust one is what
-    /// it follows meanwhile. Nothing is learned, and the search goes on.
+    /// The target is not visible. The paper's tracker: the box is the last one that it believed. The robust tracker: the box is its
+    /// current best guess. Nothing is learned, and the search goes on.
     SMR_LOST = 3,
 }
 
@@ -26,29 +25,38 @@ pub enum smr_state {
 pub struct smr_answer {
     /// The target's box in whole pixels.
     pub bbox: smr_rect,
-    /// The same in units of 1/256 pixel. That of the paper's tracker is always whole.
+    /// The same box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
     pub fine: smr_fine_rect,
     /// Whether the box is to be believed.
     pub state: smr_state,
-    /// The target's size against that of the box that was locked on, in units of 1/65536. Always 65536 from the paper's tracker.
+    /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's tracker.
     pub scale: u32,
-    /// How much speaks for the box. The paper's: `ratio`, and 0 when lost. The robust tracker's: a running mean of the early
-    /// template's agreement, two thirds, and of the filter's response, one third.
+    /// How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of 2/3
+    /// the early template's agreement and 1/3 the filter's response.
     pub confidence: u16,
-    /// How similar what was found is to the template. The paper's: the similarity matching ratio, rounded down. The robust
-    /// tracker's: the fourth least ratio of the 16 parts of the early template.
+    /// How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio, rounded down. The
+    /// robust tracker: the fourth lowest ratio of the 16 parts of the early template.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if there is none.
     pub runner_up_ratio: u16,
-    /// The threshold that this frame was scored with, in gray levels (1..256): alpha, rounded up. A pixel counted if it differed
-    /// by less. 0 from the robust tracker, which has one for each place.
+    /// The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by less. 0 from the
+    /// robust tracker, which has a threshold for each place.
     pub alpha: u16,
-    /// 1 if the runner-up was looked for; 0 if nothing depended on it (see `runner_up_always` in #smr_paper_config), and from the
-    /// robust tracker.
+    /// 1 if the tracker looked for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
+    /// and always from the robust tracker.
     pub has_runner_up: u8,
-    /// 1 if the target was lost before this frame and is not any more; else 0.
+    /// 1 if the target was lost in the frame before and is found in this one; else 0.
     pub found_again: u8,
 }
+
+// The header's numbers are those of smr-core.
+const _: () = assert!(
+    State::Tracking.code() as i32 == smr_state::SMR_TRACKING as i32
+        && State::Leaving.code() as i32 == smr_state::SMR_LEAVING as i32
+        && State::Uncertain.code() as i32 == smr_state::SMR_UNCERTAIN as i32
+        && State::Lost.code() as i32 == smr_state::SMR_LOST as i32
+        && State::ALL.len() == 4
+);
 
 impl From<State> for smr_state {
     fn from(state: State) -> Self {

@@ -1,27 +1,25 @@
-//! What a tracker is made with: which method, and its numbers.
+//! The configuration of a tracker as C sees it, converted to and from those of `smr-core`.
 
-use crate::capacity::PaperTarget;
 use crate::frame::same;
-use crate::method::smr_method;
-use crate::pointer::Out;
-use crate::status::{smr_status, status_of};
+use crate::status::smr_status;
 use crate::table::{self, smr_table};
+use core::ffi::c_void;
 use core::ptr;
 use smr_core::paper::{self, Fraction, Gate, Margins, Radius, RunnerUp};
+use smr_core::robust;
 use smr_core::similarity::Backend;
-use smr_core::{Robust, robust};
 
 /// numerator / denominator; the denominator is at least 1.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_fraction {
-    /// What stands above the line.
+    /// The number above the line.
     pub numerator: u16,
-    /// What stands below the line; at least 1.
+    /// The number below the line; at least 1.
     pub denominator: u16,
 }
 
-/// How far the search window reaches to each side of the last position, in pixels: offsets -x..x and -y..y.
+/// How far the search window reaches to each side of the last position, in pixels: offsets -x to x and -y to y.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_radius {
@@ -31,42 +29,43 @@ pub struct smr_radius {
     pub y: u16,
 }
 
-/// How many pixels a box keeps from each edge of the picture.
+/// Distances of a box from the edges of the frame, in pixels.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_margins {
-    /// Columns to the left of the box.
+    /// To the left edge.
     pub left: u16,
-    /// Rows above it.
+    /// To the top edge.
     pub top: u16,
-    /// Columns to the right of it.
+    /// To the right edge.
     pub right: u16,
-    /// Rows below it.
+    /// To the bottom edge.
     pub bottom: u16,
 }
 
-/// How clearly the peak must stand above the runner-up before a frame is believed.
+/// How far the peak must stand above the runner-up for a frame to be believed.
 ///
-/// The first four are ratios of the two scores that the peak must exceed. A ratio below 1 demands nothing of a peak that
-/// scores at all.
+/// The four fractions are limits for the ratio score(peak) / score(runner-up), which must be larger. With a fraction below 1, every
+/// peak that scores at all passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_gate {
-    /// While the target stays inside the picture.
+    /// The limit while the target stays inside the frame.
     pub tracking: smr_fraction,
-    /// When the box at the peak is partly outside the picture.
+    /// The limit if the box at the peak is partly outside the frame.
     pub leaving: smr_fraction,
-    /// When the box at the peak is inside, but one has not been before: until a lost target is found again.
+    /// The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is found again.
     pub returning: smr_fraction,
-    /// To be found again when lost, wherever that is.
+    /// The limit for finding a lost target again, wherever it is.
     pub lost: smr_fraction,
-    /// The other way to be believed, in every state: the peak is more than this many fully similar pixels above the
-    /// runner-up.
+    /// The alternative to all limits: a peak is also believed if its score is above the runner-up's by more than this many fully
+    /// similar pixels.
     pub lead: u16,
-    /// The least similarity matching ratio of the peak, in units of 1/65535; below it no frame is believed. Where it is not 0, a box inside
-    /// the frame must also show a quarter of the template's contrast (mean absolute deviation), and no more pixels cut off at 0 or 255 than
-    /// the template has and half of all: what a covered lens shows is no target. 0 demands nothing, neither of the ratio nor of the contrast,
-    /// which is the paper's.
+    /// The least similarity matching ratio of the peak, in units of 1/65535. Below it no frame is believed.
+    ///
+    /// If it is not 0, a box inside the frame must also look like a target, not like a covered lens: it needs a quarter of the
+    /// template's contrast (mean absolute deviation), and the number of its pixels at 0 or 255 must not exceed the template's number
+    /// plus half of all. 0, the paper's value, checks neither the ratio nor the contrast.
     pub least_ratio: u16,
 }
 
@@ -74,33 +73,33 @@ pub struct smr_gate {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_paper_config {
-    /// The similarity of two pixels by their difference, or NULL for the paper's, exp(-d / 255). A table given here is
-    /// not copied: see #smr_table_init.
+    /// The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied: see
+    /// #smr_table_init.
     pub table: *const smr_table,
-    /// k in alpha = k * (largest change of a pixel of the template); more than 0.
+    /// k in alpha = k * (largest change of a template pixel); more than 0.
     pub k: smr_fraction,
-    /// alpha before the first update, in gray levels: a pixel counts if its difference is below it. At least 1.
+    /// alpha before the first update, in gray levels; at least 1. A pixel counts if its difference is below alpha.
     pub first_threshold: u8,
-    /// The least alpha after an update, in gray levels. 0 and 1 are the same, and the paper's: after a still scene a slight
-    /// change of light then leaves no pixel that counts.
+    /// The least alpha after an update, in gray levels. 0 and 1, the paper's value, mean the same. With them no pixel counts when
+    /// the light changes slightly after a still scene.
     pub least_threshold: u8,
-    /// Width of the virtual border of zeroes around the frame, in pixels: how far a box may leave the picture.
+    /// Width of the virtual black border around the frame, in pixels: how far a box may leave the frame.
     pub padding: u16,
-    /// The search window around the last position.
+    /// The search window around the last box.
     pub window: smr_radius,
-    /// How many pixels the window grows on each side, for each frame that the target stays lost.
+    /// How many pixels the window grows on each side in each frame that the target stays lost.
     pub growth: u16,
-    /// Where that growth ends; at least `window`. On each axis 2 * limit + 1 offsets must fit #SMR_SPAN, unless the
+    /// The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN, unless the
     /// padded frame is smaller than that.
     pub window_limit: smr_radius,
-    /// The runner-up is the best score more than this many pixels away from the peak, in x or in y.
+    /// The runner-up is the best score at more than this distance from the peak, in pixels, in x or in y.
     pub neighbourhood: u16,
-    /// What a box keeps from the edges of the picture for its patch to become the template.
+    /// The box becomes the new template only if it keeps these distances from the edges of the frame.
     pub update_zone: smr_margins,
     /// When a frame is believed.
     pub gate: smr_gate,
-    /// 0: the runner-up is looked for when the gate's decision depends on it. Else: in every frame, which multiplies the
-    /// time.
+    /// 0: the tracker looks for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
+    /// times as long.
     pub runner_up_always: u8,
 }
 
@@ -108,96 +107,59 @@ pub struct smr_paper_config {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct smr_robust_config {
-    /// How far the target is looked for to each side, in cells: 4 to 8. A cell is a tenth of the root of the target's area. The
-    /// work of an update grows with the square of 2 `reach` + 1.
+    /// Radius of the search window in cells: 4 to 8. A cell is sqrt(area of the target) / 10 wide. The work of an update grows with
+    /// (2 * `reach` + 1) squared.
     pub reach: u8,
-    /// 0 if the box keeps its size; else it follows the target's.
+    /// 0: the box keeps its size. Else: it follows the size of the target.
     pub size: u8,
-    /// 0 if a lost target is looked for only where it was lost; else all over the frame.
+    /// 0: a lost target is searched for only where it was lost. Else: all over the frame.
     pub sweep: u8,
-    /// How slowly the confidence follows what speaks for the target: it keeps so many 256ths of itself in each frame. More
-    /// holds on for longer, through short occlusions and through errors alike.
+    /// Weight of the previous confidence in the running mean, in units of 1/256. With more, the tracker holds on for longer: through
+    /// short occlusions, but also to a wrong target.
     pub patience: u8,
-    /// The target is lost while the confidence is below this, in units of 1/65535.
+    /// The target is lost while the confidence is below this. In units of 1/65535.
     pub lost_below: u16,
-    /// It is uncertain while the confidence is below this; at least `lost_below`.
+    /// The target is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// How far the filter goes towards what is best for the present frame, in units of 1/256: 0 to 256. 0 keeps what was learned
-    /// in the first frame.
+    /// Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the one that is best for
+    /// the current frame).
     pub learning_rate: u16,
-    /// How far the early template goes towards the present frame, in units of 1/1024: 0 to 1024.
+    /// Learning rate of the early template, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,
 }
 
 /// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper or #smr_config_robust first, then change
-/// what is to be changed.
+/// the numbers that you want to change.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
-    /// The tracker's code: leave it as it was filled in. A program links only the trackers whose configurations it fills.
+    /// The tracker's code. Do not change it. A program links only the trackers whose configurations it fills.
     pub method: *const smr_method,
-    /// 0: the fastest way that the processor has. Else: the plain loop, which loads single bytes; a frame in Device memory
-    /// (external RAM before the MPU makes it Normal) needs it, as unaligned loads of words fault there. It changes no answer.
+    /// 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory (external RAM
+    /// that the MPU has not made Normal) need it, because unaligned loads of words fault there. It changes no answer.
     pub plain_loop: u8,
-    /// Read by the paper's tracker alone, and 0 from #smr_config_robust.
+    /// Only the paper's tracker reads it. #smr_config_robust sets it to 0.
     pub paper: smr_paper_config,
-    /// Read by the robust tracker alone, and 0 from the other two.
+    /// Only the robust tracker reads it. The other two presets set it to 0.
     pub robust: smr_robust_config,
 }
 
-/// Fills a configuration of the paper's tracker with the values for cameras: the paper's with a bounded window, so that time and
-/// memory are, too.
-///
-/// Beside #smr_config_paper the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of 161 holds
-/// it), the template is updated up to the edge of the picture, a peak inside the picture need not exceed the runner-up, alpha
-/// is at least 10 gray levels, and a peak of less than a twentieth of what is possible is not believed.
-///
-/// @param config  Memory for the configuration.
-/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_status {
-    // SAFETY: as the header asks of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_paper(&paper::Config::camera())) })
-}
-
-/// Fills a configuration of the paper's tracker with the values of the paper and its authors' program, for frames of about
-/// 320x240.
-///
-/// The window of a lost target grows until it is the padded frame: #SMR_SPAN must be at least frame + 40 - box + 1 on each
-/// axis, or #smr_lock answers #SMR_ERROR_WINDOW_TOO_LARGE. For firmware see #smr_config_camera.
-///
-/// @param config  Memory for the configuration.
-/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status {
-    // SAFETY: as the header asks of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_paper(&paper::Config::paper())) })
-}
-
-/// Fills a configuration of the robust tracker. It goes beyond the paper: it holds when light, size and view change, says when
-/// the target is not seen, and looks for it then; it takes more memory and time.
-///
-/// @param config  Memory for the configuration.
-/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_status {
-    // SAFETY: as the header asks of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_robust(&robust::Config::robust())) })
-}
-
-/// # Safety
-/// A `config` that passes `pointer::check` points to memory for one.
-unsafe fn fill(config: *mut smr_config, values: impl FnOnce() -> smr_config) -> Result<(), smr_status> {
-    // SAFETY: as the caller says.
-    unsafe { Out::new(config)? }.write(values());
-    Ok(())
+/// The code of a tracker.
+pub struct smr_method {
+    pub(crate) target_size: usize,
+    pub(crate) workspace_size: usize,
+    /// Makes a tracker and its workspace. Writes nothing if it fails.
+    ///
+    /// # Safety
+    /// The first two arguments point to memory of these sizes, aligned to `ALIGNMENT`. The third fulfils [`smr_config::paper`].
+    pub(crate) make: unsafe fn(*mut c_void, *mut c_void, &smr_config) -> Result<(), smr_status>,
 }
 
 impl smr_config {
-    /// With the library's own table: another one has no address that C could give.
-    fn of_paper(config: &paper::Config) -> Self {
+    /// With the built-in table, whatever the table of `config`.
+    pub(crate) fn of_paper(method: *const smr_method, config: &paper::Config) -> Self {
         Self {
-            method: smr_method::of::<PaperTarget>(),
+            method,
             plain_loop: (config.backend == Some(Backend::Scalar)).into(),
             paper: smr_paper_config {
                 table: ptr::null(),
@@ -217,11 +179,11 @@ impl smr_config {
         }
     }
 
-    fn of_robust(config: &robust::Config) -> Self {
+    pub(crate) fn of_robust(method: *const smr_method, config: &robust::Config) -> Self {
         Self {
-            method: smr_method::of::<Robust>(),
+            method,
             plain_loop: (config.backend == Some(Backend::Scalar)).into(),
-            // SAFETY: numbers and a pointer, all of which may be 0.
+            // SAFETY: numbers and a pointer, which may all be 0.
             paper: unsafe { core::mem::zeroed() },
             robust: smr_robust_config {
                 reach: config.reach,
@@ -240,12 +202,14 @@ impl smr_config {
         (self.plain_loop != 0).then_some(Backend::Scalar)
     }
 
+    /// The numbers of the paper's tracker.
+    ///
     /// # Safety
-    /// As for [`table::given`], of `self.paper.table`.
+    /// As for [`table::given`], with `self.paper.table`.
     pub(crate) unsafe fn paper(&self) -> Result<paper::Config, smr_status> {
         let numbers = &self.paper;
         let mut config = paper::Config::paper();
-        // SAFETY: as the caller says.
+        // SAFETY: as the caller ensures.
         config.table = unsafe { table::given(numbers.table)? };
         config.k = numbers.k.into();
         config.first_threshold = numbers.first_threshold;
@@ -262,6 +226,7 @@ impl smr_config {
         Ok(config)
     }
 
+    /// The numbers of the robust tracker.
     pub(crate) fn robust(&self) -> robust::Config {
         let numbers = &self.robust;
         let mut config = robust::Config::robust();
@@ -290,40 +255,40 @@ mod tests {
     use super::*;
     use std::{format, string::String};
 
-    /// What a configuration prints, after the table, which stands first.
+    /// The debug output of a configuration after the table, which comes first.
     fn printed(config: impl core::fmt::Debug) -> String {
         let text = format!("{config:?}");
-        text.split_once("] }").expect("the table stands first").1.into()
+        text.split_once("] }").expect("the table comes first").1.into()
     }
 
     #[test]
     fn a_configuration_comes_back_as_it_was() {
         for config in [paper::Config::paper(), paper::Config::camera()] {
             // SAFETY: no table is given.
-            let back = unsafe { smr_config::of_paper(&config).paper() }.unwrap();
+            let back = unsafe { smr_config::of_paper(ptr::null(), &config).paper() }.unwrap();
             assert_eq!(printed(back), printed(config));
         }
         let config = robust::Config::robust();
-        assert_eq!(printed(smr_config::of_robust(&config).robust()), printed(config));
-        // A number that `Config` gains would come back by itself, without C being able to set it. Only pruning and which backend
-        // but the plain loop are left to the library: they change no answer.
+        assert_eq!(printed(smr_config::of_robust(ptr::null(), &config).robust()), printed(config));
+        // This test alone would not notice a new number of `Config` that C cannot set. So their count is checked. Only pruning and the
+        // choice between fast backends are left to the library: they change no answer.
         let numbers = printed(paper::Config::paper());
         assert_eq!(
             numbers.matches(": ").count(),
             37,
-            "has Config a new number? Then smr_paper_config needs it: {numbers}"
+            "if Config has a new number, smr_paper_config needs it: {numbers}"
         );
         let numbers = printed(config);
         assert_eq!(
             numbers.matches(": ").count(),
             14,
-            "has Config a new number? Then smr_robust_config needs it: {numbers}"
+            "if Config has a new number, smr_robust_config needs it: {numbers}"
         );
     }
 
     #[test]
     fn every_number_of_the_configuration_goes_to_its_place() {
-        // In the order in which `Config` declares them, and prints them: the fields of a literal are evaluated as written.
+        // Fields of a literal are evaluated as written: here in the order in which `Config` declares and prints them.
         let mut numbers = 1..;
         let next = &mut || numbers.next().unwrap();
         fn fraction(next: &mut dyn FnMut() -> u16) -> smr_fraction {
@@ -353,7 +318,7 @@ mod tests {
             },
             runner_up_always: 1,
         };
-        let config = smr_config { paper, ..smr_config::of_paper(&paper::Config::paper()) };
+        let config = smr_config { paper, ..smr_config::of_paper(ptr::null(), &paper::Config::paper()) };
         // SAFETY: no table is given.
         let printed = printed(unsafe { config.paper() }.unwrap());
         let words = printed.split(|character: char| !character.is_ascii_digit());
@@ -364,7 +329,7 @@ mod tests {
 
     #[test]
     fn every_number_of_the_robust_configuration_goes_to_its_place() {
-        let all = smr_config::of_robust(&robust::Config::robust());
+        let all = smr_config::of_robust(ptr::null(), &robust::Config::robust());
         let robust = smr_robust_config {
             reach: 1,
             size: 0,
@@ -383,7 +348,7 @@ mod tests {
         assert!(swapped.size && !swapped.sweep);
         let plain = smr_config { plain_loop: 1, ..all };
         assert_eq!((all.robust().backend, plain.robust().backend), (None, Some(Backend::Scalar)));
-        let plain = smr_config { plain_loop: 1, ..smr_config::of_paper(&paper::Config::camera()) };
+        let plain = smr_config { plain_loop: 1, ..smr_config::of_paper(ptr::null(), &paper::Config::camera()) };
         // SAFETY: no table is given.
         assert_eq!(unsafe { plain.paper() }.unwrap().backend, Some(Backend::Scalar));
     }

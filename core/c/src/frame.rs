@@ -1,4 +1,4 @@
-//! Rectangles, and the frames that a tracker looks at.
+//! Rectangles, and frames with the parts of them that are in memory.
 
 use crate::pointer;
 use crate::status::smr_status;
@@ -33,30 +33,30 @@ pub struct smr_fine_rect {
     pub height: u32,
 }
 
-/// A part of a frame that is in memory: 8-bit gray pixels, and where in the frame they are.
+/// A part of a frame in memory: 8-bit gray pixels, and their place in the frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_part {
     /// The top left pixel in memory.
     pub pixels: *const u8,
-    /// Bytes that may be read from `pixels` on: at least (height - 1) * stride + width.
+    /// Readable bytes from `pixels` on: at least (height - 1) * stride + width.
     pub size: usize,
-    /// Bytes from a pixel to the one below it: at least `width`.
+    /// Bytes from a pixel to the pixel below it: at least `width`.
     pub stride: usize,
-    /// Pixels of a row; at least 1.
+    /// Width in pixels; at least 1.
     pub width: u16,
-    /// Rows; at least 1.
+    /// Height in pixels; at least 1.
     pub height: u16,
-    /// Where the part begins: column of the frame.
+    /// Left edge: column of the frame.
     pub x: u16,
-    /// Where the part begins: row of the frame.
+    /// Top edge: row of the frame.
     pub y: u16,
 }
 
-/// One frame of the camera: its size, and what of it is in memory. Pixels are only read, and only during the call.
+/// One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the call.
 ///
-/// A whole frame is one part of the frame's own size at x = y = 0. Firmware that reads out only what the tracker asks for gives
-/// #smr_window as the first part and, where there is one, #smr_sweep_window as the second.
+/// If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the tracker needs,
+/// give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_frame {
@@ -64,53 +64,53 @@ pub struct smr_frame {
     pub width: u16,
     /// Height of the whole frame.
     pub height: u16,
-    /// What is in memory. There is no second part where its `pixels` are NULL.
+    /// The parts in memory. If there is no second part, its `pixels` are NULL.
     pub parts: [smr_part; 2],
 }
 
-/// 8-bit gray pixels, row by row without a gap.
+/// 8-bit gray pixels, row by row without gaps.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_image {
     /// width * height bytes.
     pub pixels: *const u8,
-    /// Pixels of a row.
+    /// Width in pixels.
     pub width: u16,
-    /// Rows.
+    /// Height in pixels.
     pub height: u16,
 }
 
 impl smr_part {
-    /// The pixels, which must not lie in the `taken` addresses: there they would change while they are read.
+    /// The pixels. They must not lie in the `taken` memory of the tracker, which changes while they are read.
     ///
     /// # Safety
-    /// If `pixels` is not NULL, `size` bytes from there can be read, and nobody writes them as long as the result lives.
+    /// If `pixels` is not NULL, `size` bytes from there can be read, and nobody writes them while the result lives.
     unsafe fn image<'a>(&self, taken: &[Range<usize>; 2]) -> Result<Image<'a>, smr_status> {
         pointer::check_bytes(self.pixels, self.size, taken)?;
-        // SAFETY: not NULL, bytes are always aligned, no longer than isize::MAX; the rest as the caller says.
+        // SAFETY: not NULL, at most isize::MAX bytes, and bytes are always aligned; the rest as the caller ensures.
         let pixels = unsafe { core::slice::from_raw_parts(self.pixels, self.size) };
         Ok(Image::with_stride(pixels, self.width, self.height, self.stride)?)
     }
 }
 
 impl smr_frame {
-    /// What it says, for a call on a tracker with memory at the `taken` addresses.
+    /// The frame of `smr-core`, for a call on a tracker with the `taken` memory.
     ///
     /// # Safety
-    /// As for [`smr_part::image`], of both parts.
+    /// As for [`smr_part::image`], for both parts.
     pub(crate) unsafe fn frame<'a>(&self, taken: &[Range<usize>; 2]) -> Result<Frame<'a>, smr_status> {
         let [first, second] = &self.parts;
-        // SAFETY: as the caller says.
+        // SAFETY: as the caller ensures.
         let frame = Frame::part(unsafe { first.image(taken)? }, first.x, first.y, self.width, self.height)?;
         if second.pixels.is_null() {
             return Ok(frame);
         }
-        // SAFETY: as the caller says.
+        // SAFETY: as the caller ensures.
         Ok(frame.and_part(unsafe { second.image(taken)? }, second.x, second.y)?)
     }
 }
 
-/// Two structs with the same fields, one made from the other.
+/// Converts between two structs with the same fields, in both directions.
 macro_rules! same {
     ($($core:path, $c:ident { $($field:ident),+ })+) => {
         $(

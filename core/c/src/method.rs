@@ -1,38 +1,32 @@
-//! What the calls of the header do on the tracker of one method. Only a configuration names a method, so that a program
-//! links those that it uses.
+//! Both trackers behind the handle: how they lie in the caller's memory, how they are made, and the calls on them.
+//!
+//! Only the presets name a method, so that a program links only the trackers whose configurations it fills.
 
 use crate::answer::smr_answer;
-use crate::capacity::PaperTarget;
-use crate::config::smr_config;
+use crate::capacity::{
+    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE,
+};
+use crate::config::{smr_config, smr_method};
 use crate::frame::smr_image;
 use crate::pointer::{self, Out};
 use crate::status::{
     SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status,
 };
-use crate::tracker::smr_tracker;
+use crate::tracker::{Tracked, smr_tracker};
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr;
 use smr_core::{FineRect, Frame, LockError, Quality, Rect, Robust, State, Target};
 
-/// The code of a tracker.
-pub struct smr_method {
-    pub(crate) target_size: usize,
-    pub(crate) workspace_size: usize,
-    /// Makes a tracker, and its workspace; nothing is written if it fails.
-    ///
-    /// # Safety
-    /// The first two point to memory of these sizes and of alignment `ALIGNMENT`; as for [`Method::configuration`].
-    pub(crate) make: unsafe fn(*mut c_void, *mut c_void, &smr_config) -> Result<(), smr_status>,
-}
-
-/// One of the two trackers.
+/// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
+    /// This tracker's part of `config`.
+    ///
     /// # Safety
-    /// As for `table::given`, of the table of the paper's configuration.
+    /// As for `table::given`, with the table of the paper's configuration.
     unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status>;
 
     fn template(&self) -> Result<Option<smr_image>, smr_status> {
@@ -50,21 +44,17 @@ pub(crate) trait Method: Target + 'static {
     }
 }
 
-impl smr_method {
-    pub(crate) fn of<T: Method>() -> *const Self {
-        &raw const *const { &T::METHOD }
-    }
+/// What a configuration of the tracker `T` points to.
+pub(crate) fn method_of<T: Method>() -> *const smr_method {
+    &raw const *const { &T::METHOD }
 }
 
 impl Method for PaperTarget {
-    const METHOD: smr_method = smr_method {
-        target_size: crate::capacity::PAPER_TARGET_SIZE,
-        workspace_size: crate::capacity::PAPER_WORKSPACE_SIZE,
-        make: make::<Self>,
-    };
+    const METHOD: smr_method =
+        smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
 
     unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status> {
-        // SAFETY: as the caller says.
+        // SAFETY: as the caller ensures.
         unsafe { config.paper() }
     }
 
@@ -82,11 +72,8 @@ impl Method for PaperTarget {
 }
 
 impl Method for Robust {
-    const METHOD: smr_method = smr_method {
-        target_size: crate::capacity::ROBUST_TARGET_SIZE,
-        workspace_size: crate::capacity::ROBUST_WORKSPACE_SIZE,
-        make: make::<Self>,
-    };
+    const METHOD: smr_method =
+        smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
 
     unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status> {
         Ok(config.robust())
@@ -100,48 +87,64 @@ impl Method for Robust {
             return Err(SMR_ERROR_BUFFER_TOO_SMALL);
         }
         for (at, pixel) in template.enumerate() {
-            // SAFETY: the caller says that there is memory for `size` pixels, which are not fewer.
+            // SAFETY: the caller ensures that there is memory for `size` pixels, and `size` is at least their number.
             unsafe { pixels.add(at).write(pixel) }
         }
         Ok(smr_image { pixels, width: grid.columns, height: grid.rows })
     }
 }
 
-/// What lies in the storage of a tracker.
-#[repr(C)] // the handle first: it is where the storage is
-pub(crate) struct Stored<T: Method> {
+/// The contents of a tracker's storage.
+#[repr(C)] // the handle comes first: its address is that of the storage
+struct Stored<T: Method> {
     handle: smr_tracker,
     held: Held<T>,
 }
 
-/// A target, and where its workspace is.
-pub(crate) struct Held<T: Method> {
+/// A target, and the address of its workspace.
+struct Held<T: Method> {
     workspace: *mut Scratch<T>,
     target: T,
 }
 
-/// What lies in a workspace.
-#[repr(C)] // the mark first: whoever uses the memory for the other method's trackers writes over it
-pub(crate) struct Scratch<T: Method> {
-    /// [`Scratch::mark_of`] its own address, so that other memory is not taken for a workspace.
+/// The contents of a workspace.
+#[repr(C)] // the mark comes first: a tracker of the other method that takes the memory overwrites it
+struct Scratch<T: Method> {
+    /// [`Scratch::mark_of`] its own address, to recognise memory that is not a workspace of this method.
     mark: usize,
     workspace: T::Workspace,
 }
 
 impl<T: Method> Scratch<T> {
-    /// Another one for each method.
+    /// The mark of a workspace at `address`. It differs between the methods.
     fn mark_of(address: *const Self) -> usize {
         address.addr() ^ 0x534D_5257 ^ T::METHOD.target_size // "SMRW"
     }
 }
 
-/// As `make` of [`smr_method`].
+const _: () = assert!(fits::<Stored<PaperTarget>>(PAPER_TARGET_SIZE));
+const _: () = assert!(fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE));
+const _: () = assert!(fits::<Stored<Robust>>(ROBUST_TARGET_SIZE));
+const _: () = assert!(fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE));
+
+/// True if memory of the `size` that the header states holds a `T`, with at most 64 bytes to spare.
+const fn fits<T>(size: usize) -> bool {
+    align_of::<T>() <= ALIGNMENT
+        && size_of::<T>() <= size
+        && size - size_of::<T>() <= 64
+        && size.is_multiple_of(ALIGNMENT)
+}
+
+/// Makes a tracker; see `smr_method::make`.
+///
+/// # Safety
+/// As `smr_method::make` demands.
 unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: &smr_config) -> Result<(), smr_status> {
     let (storage, workspace) = (storage.cast::<Stored<T>>(), workspace.cast::<Scratch<T>>());
-    // SAFETY: as the caller says.
+    // SAFETY: as the caller ensures.
     let config = unsafe { T::configuration(config)? };
     let target = T::new(config)?;
-    // SAFETY: the caller says that there is memory for both; each field is written where it is.
+    // SAFETY: the caller ensures that there is memory for both. Each field is written in place.
     unsafe {
         (&raw mut (*storage).held.target).write(target);
         (&raw mut (*storage).held.workspace).write(workspace);
@@ -152,42 +155,15 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
     Ok(())
 }
 
-/// A tracker, whichever method it has.
-pub(crate) trait Tracked {
-    /// The addresses of the storage and of the workspace.
-    fn memory(&self) -> [Range<usize>; 2];
-    fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
-    fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
-    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    fn quality(&self) -> Option<Quality>;
-    fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status>;
-    /// Writes the answer where it goes: returned, it would be on the stack twice.
-    fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
-    fn window(&self) -> Option<Rect>;
-    fn sweep_window(&self) -> Option<Rect>;
-    fn last(&self) -> Option<(FineRect, State)>;
-    fn moved(&mut self, right: i32, down: i32);
-    fn most_saved_size(&self) -> usize;
-    fn saved_size(&self) -> Result<usize, smr_status>;
-    fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status>;
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status>;
-    fn template(&self) -> Result<Option<smr_image>, smr_status>;
-    fn alpha(&self) -> Result<u16, smr_status>;
-    /// # Safety
-    /// As for [`Method::early_template`].
-    unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status>;
-}
-
 impl<T: Method> Held<T> {
-    /// Target and workspace; the latter may be in use by another tracker.
+    /// The target and its workspace, in which an update of another tracker may be under way.
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let workspace = self.workspace;
-        // SAFETY: `make` has put it there; only the mark is read, and every usize is one.
+        // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any bytes are a usize.
         if unsafe { (&raw const (*workspace).mark).read() } != Scratch::mark_of(workspace) {
             return Err(SMR_ERROR_NOT_INITIALISED);
         }
-        // SAFETY: the mark says that a whole workspace is there, and the caller of each call that it is used alone.
+        // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.
         Ok((&mut self.target, unsafe { &mut (*workspace).workspace }))
     }
 }
@@ -282,7 +258,7 @@ impl<T: Method> Tracked for Held<T> {
     }
 
     unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status> {
-        // SAFETY: as the caller says.
+        // SAFETY: as the caller ensures.
         unsafe { Method::early_template(&self.target, pixels, size) }
     }
 }

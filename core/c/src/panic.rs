@@ -1,5 +1,5 @@
-//! What a microcontroller build does on a panic. It must exist to link, and nothing reaches it: `.ci/c` looks for it in
-//! the linked examples and fails if it is there.
+//! The panic handler of a build for a microcontroller. The linker needs one, but no call can reach it: `.ci/c` fails if it is in a
+//! linked program.
 
 #[panic_handler]
 fn stop(_: &core::panic::PanicInfo<'_>) -> ! {

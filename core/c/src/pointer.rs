@@ -1,7 +1,7 @@
-//! What C's pointers are checked for before they are used: not NULL, and aligned.
+//! The checks of every pointer from C: not NULL, aligned, outside the tracker's memory.
 //!
-//! What cannot be checked is the caller's part, and the header says it once: a pointer that passes points to as much
-//! memory as its type or the size beside it says, and nobody else writes there during the call.
+//! The rest cannot be checked, and the header demands it of the caller: a pointer that passes points to as much memory as its type or
+//! the size beside it says, and nobody else writes there during the call.
 
 use crate::status::smr_status;
 use core::ops::Range;
@@ -18,17 +18,17 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), smr_status> {
     Ok(())
 }
 
-/// A copy of what `from` points to.
+/// A copy of the value at `from`.
 ///
 /// # Safety
 /// A `from` that passes [`check`] points to a `T`.
 pub(crate) unsafe fn read<T: Copy>(from: *const T) -> Result<T, smr_status> {
     check(from)?;
-    // SAFETY: checked just now to be neither NULL nor misaligned; the caller says that a T is there.
+    // SAFETY: `from` is neither NULL nor misaligned, and the caller ensures that it points to a T.
     Ok(unsafe { from.read() })
 }
 
-/// The memory that a result goes to, checked before the work is begun.
+/// The caller's memory for a result. It is checked before any work is done.
 pub(crate) struct Out<T>(*mut T);
 
 impl<T> Out<T> {
@@ -40,15 +40,15 @@ impl<T> Out<T> {
     }
 
     pub(crate) fn write(self, value: T) {
-        // SAFETY: `new` has checked it, and its caller says that there is memory for a T.
+        // SAFETY: `new` has checked the pointer, and its caller ensures that there is memory for a T.
         unsafe { self.0.write(value) }
     }
 }
 
-/// Checks bytes that must not lie in the `taken` addresses of a tracker.
+/// Checks that `size` bytes from `bytes` on can be an object and share no byte with the `taken` memory of a tracker.
 ///
 /// # Errors
-/// Also `SMR_ERROR_MEMORY_TOO_LARGE` and `SMR_ERROR_OVERLAPS_TRACKER`.
+/// Those of [`check`], `SMR_ERROR_MEMORY_TOO_LARGE`, `SMR_ERROR_OVERLAPS_TRACKER`.
 pub(crate) fn check_bytes(bytes: *const u8, size: usize, taken: &[Range<usize>; 2]) -> Result<(), smr_status> {
     check(bytes)?;
     if isize::try_from(size).is_err() {
@@ -61,13 +61,13 @@ pub(crate) fn check_bytes(bytes: *const u8, size: usize, taken: &[Range<usize>; 
     Ok(())
 }
 
-/// The addresses of `size` bytes at `start`.
+/// The addresses of `size` bytes from `start` on.
 pub(crate) fn range<T: ?Sized>(start: *const T, size: usize) -> Range<usize> {
     let start = start.addr();
     start..start.saturating_add(size)
 }
 
-/// True if the two share a byte.
+/// True if both contain a common address.
 pub(crate) fn overlap(a: &Range<usize>, b: &Range<usize>) -> bool {
     a.start < b.end && b.start < a.end
 }

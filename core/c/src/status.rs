@@ -1,20 +1,20 @@
-//! Every way a call can end: number, name and text, each written once.
+//! All statuses of a call. Number, name and text of each are written once.
 
 use core::ffi::c_char;
 use smr_core::similarity::TableError;
 use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, UpdateError};
 
-/// Makes the enum, the table of its names, and what the header says of each.
+/// Defines the enum and the table of names and texts.
 macro_rules! statuses {
     ($($(#[doc = $text:literal])+ $name:ident = $number:literal,)+) => {
-        /// How a call ended; in the header with its texts.
+        /// How a call ended. The header has the texts, too.
         #[repr(i32)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum smr_status {
             $($(#[doc = $text])+ $name = $number,)+
         }
 
-        /// Number, name with a zero at its end, and text: the header's part of it is written from this list by a test.
+        /// Number, name with a zero at its end, and text of each status. A test writes the header's part from this list.
         pub const STATUSES: &[(smr_status, &str, &str)] =
             &[$((smr_status::$name, concat!(stringify!($name), "\0"), concat!($($text, "\n"),+)),)+];
 
@@ -33,22 +33,22 @@ statuses! {
     SMR_ERROR_STORAGE_TOO_SMALL = 3,
     /// The workspace is smaller than #smr_workspace_size.
     SMR_ERROR_WORKSPACE_TOO_SMALL = 4,
-    /// Storage and workspace share memory.
+    /// Storage and workspace overlap.
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
-    /// The tracker was not made by #smr_init, or was moved or overwritten since, or its workspace was; the configuration was not
-    /// made by one of the calls smr_config_...; or the table was not made by #smr_table_init.
+    /// One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the configuration
+    /// was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
     SMR_ERROR_NOT_INITIALISED = 6,
-    /// The other method's tracker is asked, or the target was saved by one.
+    /// The call is for the other kind of tracker, or the target was saved by the other kind.
     SMR_ERROR_OTHER_METHOD = 7,
-    /// The scale of a table is not in 1..4096.
+    /// The scale of a table is not in 1 to 4096.
     SMR_ERROR_SCALE_OUT_OF_RANGE = 8,
     /// A fraction of the configuration has a denominator of 0.
     SMR_ERROR_ZERO_DENOMINATOR = 9,
-    /// `k` or `first_threshold` is 0: no pixel would ever count.
+    /// `k` or `first_threshold` is 0, so no pixel would ever count.
     SMR_ERROR_NOTHING_COUNTS = 10,
     /// `window_limit` is smaller than `window`.
     SMR_ERROR_LIMIT_BELOW_WINDOW = 11,
-    /// A number of the configuration lies outside the range that is stated beside it.
+    /// A number of the configuration lies outside its documented range.
     SMR_ERROR_CONFIG_OUT_OF_RANGE = 12,
     /// Width or height of a part of the frame is 0.
     SMR_ERROR_FRAME_EMPTY = 13,
@@ -56,32 +56,32 @@ statuses! {
     SMR_ERROR_STRIDE_TOO_SMALL = 14,
     /// `size` ends before the last pixel of the last row.
     SMR_ERROR_FRAME_TOO_SHORT = 15,
-    /// `size` is more than any object can have (PTRDIFF_MAX).
+    /// `size` is larger than any object can be (PTRDIFF_MAX).
     SMR_ERROR_MEMORY_TOO_LARGE = 16,
-    /// The pixels, or the bytes, lie in the tracker's own storage, or in its workspace.
+    /// The pixels or the bytes lie in the tracker's own storage or workspace.
     SMR_ERROR_OVERLAPS_TRACKER = 17,
-    /// A part in memory reaches beyond the edge of the frame.
+    /// A part of the frame reaches beyond the frame's edge.
     SMR_ERROR_OUTSIDE_FRAME = 18,
     /// The box has no pixels.
     SMR_ERROR_BOX_EMPTY = 19,
-    /// A part of the box lies outside the frame.
+    /// The box reaches beyond the frame's edge.
     SMR_ERROR_BOX_OUTSIDE_FRAME = 20,
-    /// The box has more than #SMR_PIXELS pixels. The robust tracker has room for every box.
+    /// The box has more than #SMR_PIXELS pixels. The robust tracker takes a box of any size.
     SMR_ERROR_BOX_TOO_LARGE = 21,
-    /// The window could grow to more than #SMR_SPAN offsets on an axis. The robust tracker always has room.
+    /// The search window could grow to more than #SMR_SPAN offsets on an axis. Never from the robust tracker.
     SMR_ERROR_WINDOW_TOO_LARGE = 22,
-    /// What is in memory does not cover #smr_lock_window.
+    /// The parts in memory do not cover #smr_lock_window.
     SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 23,
-    /// There is no target yet: #smr_lock comes first.
+    /// There is no target yet: call #smr_lock first.
     SMR_ERROR_NOT_LOCKED = 24,
-    /// The frame is not of the size of the one that was locked on, or by which the lock was begun.
+    /// The frame has another size than the one of #smr_lock or #smr_begin_lock.
     SMR_ERROR_FRAME_SIZE_CHANGED = 25,
-    /// What is in memory does not cover #smr_window, or #smr_sweep_window where there is one.
+    /// The parts in memory do not cover #smr_window and #smr_sweep_window.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
-    /// No update, or no lock, of this tracker is under way in its workspace: none was begun, it was finished, the tracker has changed
-    /// since, or another one has used the workspace. #smr_begin or #smr_begin_lock comes first.
+    /// No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has changed since,
+    /// or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
     SMR_ERROR_NOT_BEGUN = 27,
-    /// The memory is too small for what goes there.
+    /// The memory for the result is too small.
     SMR_ERROR_BUFFER_TOO_SMALL = 28,
     /// These are not the bytes of a saved target.
     SMR_ERROR_NOT_SAVED = 29,
@@ -89,33 +89,33 @@ statuses! {
     SMR_ERROR_OTHER_VERSION = 30,
     /// The saved target ends too early.
     SMR_ERROR_TRUNCATED = 31,
-    /// The saved target has changed since it was written: its checksum is wrong.
+    /// The bytes have changed since they were saved: the checksum is wrong.
     SMR_ERROR_DAMAGED = 32,
-    /// The target was saved with another configuration: answers would differ.
+    /// The target was saved with another configuration, so answers would differ.
     SMR_ERROR_OTHER_CONFIG = 33,
     /// The saved target is too large for this tracker.
     SMR_ERROR_SAVED_TOO_LARGE = 34,
-    /// A reason that has no number yet.
+    /// A reason that this interface has no number for yet.
     SMR_ERROR_UNKNOWN = 35,
 }
 
-/// The name of a status as it is written here, for logs.
+/// The name of a status, for logs: "SMR_OK" and so on.
 ///
 /// @param status  Any number.
-/// @return        A string that is always there, never NULL; "SMR_ERROR_UNKNOWN" for a number that is no status.
+/// @return        A static string, never NULL; "SMR_ERROR_UNKNOWN" for a number that is no status.
 #[unsafe(no_mangle)]
 pub extern "C" fn smr_status_name(status: i32) -> *const c_char {
-    // A plain number, not the enum: C may pass anything, and a Rust enum may not hold anything.
+    // The parameter is a plain number: C can pass any, but a Rust enum must hold one of its own.
     let known = STATUSES.iter().find(|(known, ..)| *known as i32 == status);
     known.map_or(c"SMR_ERROR_UNKNOWN".as_ptr(), |(_, name, _)| name.as_ptr().cast())
 }
 
-/// What an exported function returns.
+/// The return value of an exported function.
 pub(crate) fn status_of(result: Result<(), smr_status>) -> smr_status {
     result.err().unwrap_or(SMR_OK)
 }
 
-/// What an error of smr-core is called here.
+/// Converts the errors of smr-core to statuses.
 macro_rules! called {
     ($($error:ident { $($reason:ident => $status:ident),+ $(, ..$rest:tt)? })+) => {
         $(impl From<$error> for smr_status {
@@ -134,9 +134,9 @@ called! {
     ImageError {
         Empty => SMR_ERROR_FRAME_EMPTY,
         StrideTooSmall => SMR_ERROR_STRIDE_TOO_SMALL,
-        SliceTooShort => SMR_ERROR_FRAME_TOO_SHORT
+        SliceTooShort => SMR_ERROR_FRAME_TOO_SHORT, .._
     }
-    FrameError { OutsideFrame => SMR_ERROR_OUTSIDE_FRAME }
+    FrameError { OutsideFrame => SMR_ERROR_OUTSIDE_FRAME, .._ }
     ConfigError {
         ZeroDenominator => SMR_ERROR_ZERO_DENOMINATOR,
         NothingCounts => SMR_ERROR_NOTHING_COUNTS,
@@ -182,12 +182,12 @@ mod tests {
     fn every_number_has_its_name() {
         for (number, (status, name, _)) in (0..).zip(STATUSES) {
             assert_eq!(*status as i32, number);
-            // SAFETY: a static string, as its documentation says.
+            // SAFETY: it returns a static string.
             let said = unsafe { CStr::from_ptr(smr_status_name(number)) };
             assert_eq!(said.to_bytes_with_nul(), name.as_bytes());
         }
         for unknown in [-1, 36, i32::MIN, i32::MAX] {
-            // SAFETY: as above.
+            // SAFETY: it returns a static string.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }
     }

@@ -1,17 +1,17 @@
-//! The version of header and library.
+//! The version of the header and of the library.
 
 use core::ffi::{CStr, c_char};
 
-/// Version of this header, major.minor.patch: a program can compare it with #smr_version.
+/// The version of this header, major.minor.patch. A program can compare it with #smr_version.
 pub const SMR_VERSION_MAJOR: u32 = 0;
 /// See #SMR_VERSION_MAJOR.
 pub const SMR_VERSION_MINOR: u32 = 1;
 /// See #SMR_VERSION_MAJOR.
 pub const SMR_VERSION_PATCH: u32 = 0;
 
-/// The version of the library that is linked, as "major.minor.patch".
+/// The version of the linked library, as "major.minor.patch".
 ///
-/// @return  A string that is always there, never NULL.
+/// @return  A static string, never NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn smr_version() -> *const c_char {
     const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
@@ -30,7 +30,7 @@ mod tests {
     fn the_version_is_the_packages() {
         let version = format!("{SMR_VERSION_MAJOR}.{SMR_VERSION_MINOR}.{SMR_VERSION_PATCH}");
         assert_eq!(version, env!("CARGO_PKG_VERSION"));
-        // SAFETY: a static string, as its documentation says.
+        // SAFETY: it returns a static string.
         assert_eq!(unsafe { CStr::from_ptr(smr_version()) }.to_bytes(), version.as_bytes());
     }
 }

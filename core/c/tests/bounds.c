@@ -1,6 +1,6 @@
 /*
- * The library reads no byte before or behind the pixels it is given: they end, or begin, where no memory is, so that one
- * byte too many ends the program. (Sanitizers see only what C reads; this sees what the library reads.) POSIX only.
+ * The library reads no byte before or after the given pixels. The pixels begin or end at a page without access, so that one byte too
+ * many ends the program. (Sanitizers see only the reads of the C code, not those of the library.) POSIX only.
  */
 
 #define _DEFAULT_SOURCE
@@ -17,7 +17,7 @@
 #define HEIGHT 48
 #define STRIDE 70
 
-/* Pages to be used, with one on each side that cannot be touched; one for each part of a frame. */
+/* Usable pages between two pages without access; one of these for each part of a frame. */
 typedef struct pages {
     uint8_t *start, *end;
 } pages;
@@ -46,7 +46,7 @@ static pages map_pages(size_t size)
     return made;
 }
 
-/* The part of a frame of the given number, at the very start or the very end of the pages; none if it is empty. */
+/* The part of frame `number` in `window`, at the start or the end of the pages. The part is empty if the window is. */
 static smr_part part_of(unsigned number, const pages *pages, const smr_rect *window, int at_the_end)
 {
     smr_part part;
@@ -83,7 +83,7 @@ static smr_frame frame_of(unsigned number, const smr_rect *window, const smr_rec
     return frame;
 }
 
-/* Says in how many frames there were two windows. */
+/* Returns the number of frames with two windows. */
 static unsigned track(const smr_config *config, const smr_rect *target, int at_the_end)
 {
     static union {
@@ -107,7 +107,7 @@ static unsigned track(const smr_config *config, const smr_rect *target, int at_t
         must(smr_window(tracker, &window));
         must(smr_sweep_window(tracker, &sweep));
         sweeps += sweep.width > 0;
-        frame = frame_of(number * number, &window, &sweep, at_the_end); /* soon lost: the sweep reads, too */
+        frame = frame_of(number * number, &window, &sweep, at_the_end); /* the target is soon lost, so that the robust tracker also reads the second window */
         must(smr_update(tracker, &frame, &answer));
     }
     return sweeps;
@@ -135,9 +135,9 @@ int main(void)
         }
     }
     if (sweeps == 0) {
-        fprintf(stderr, "bounds: the second window was never read\n");
+        fprintf(stderr, "bounds: no frame had a second window\n");
         return EXIT_FAILURE;
     }
-    printf("bounds: both trackers read nothing beyond the pixels, %u times of two windows\n", sweeps);
+    printf("bounds: both trackers read nothing beyond the pixels; %u frames had two windows\n", sweeps);
     return EXIT_SUCCESS;
 }

@@ -1,11 +1,11 @@
 /*
- * The library gives the answers of the conformance vectors (tests/vectors/README.md), number by number.
+ * The library's answers are those of the conformance vectors (tests/vectors/README.md), number by number.
  *
  *     conformance FILE
  *
- * The file says in its first line which tracker it is for. Every frame goes to two trackers, which share a workspace: to one as a
- * whole; to the other only what it asks for, in steps, and it is saved and restored after each frame. Neither the trackers nor
- * the reading of the vectors allocates.
+ * The first line of the file names the tracker. Every frame goes to two trackers that share a workspace. The first gets the whole
+ * frame. The second gets only the parts that it needs and updates in steps; it is saved and restored after each frame. Nothing is
+ * allocated.
  */
 
 #include <inttypes.h>
@@ -27,7 +27,7 @@ typedef struct expected {
 typedef struct camera {
     uint16_t width, height;
     uint8_t pixels[FRAME_PIXELS];
-    uint8_t parts[2][FRAME_PIXELS * 2]; /* rows with a gap between them */
+    uint8_t parts[2][FRAME_PIXELS * 2]; /* rows with gaps between them */
 } camera;
 
 typedef union storage {
@@ -43,7 +43,7 @@ typedef union workspace {
 static FILE *vectors;
 static unsigned line = 1;
 static char name[32];
-static int robust; /* which tracker the vectors are for */
+static int robust; /* the tracker of the vectors */
 static storage whole_storage, part_storage;
 static workspace shared_workspace;
 static camera sensor;
@@ -63,7 +63,7 @@ static void must(smr_status status)
 
 /* ---- reading ---- */
 
-/* The next word of the line into `word`, and the character that ended it: ' ', '\n' or EOF. */
+/* Reads the next word of the line into `word`. Returns the character after it: ' ', '\n' or EOF. */
 static int read_word(char *word, size_t size)
 {
     size_t length = 0;
@@ -198,7 +198,7 @@ static expected read_paper_answer(const smr_rect *locked)
     answer.runner_up_ratio = unsigned_number(10);
     answer.alpha = unsigned_number(10);
     for (i = 0; i < 4; i++) {
-        signed_number(); /* the peak and the runner-up's score, which C does not see */
+        signed_number(); /* the peak and the runner-up's score, which the C interface does not show */
     }
     answer.has_runner_up = unsigned_number(10);
     answer.template_hash = unsigned_number(16);
@@ -216,16 +216,16 @@ static expected read_robust_answer(void)
     answer.state = read_state();
     answer.confidence = unsigned_number(10);
     answer.ratio = unsigned_number(10);
-    signed_number(); /* the response, which C does not see */
+    signed_number(); /* the response, which the C interface does not show */
     answer.scale = unsigned_number(10);
     answer.found_again = unsigned_number(10);
     answer.template_hash = unsigned_number(16);
-    unsigned_number(16); /* of the weights: every later answer depends on them */
+    unsigned_number(16); /* hash of the weights, which the C interface does not show: later answers depend on them */
     answer.runner_up_ratio = answer.has_runner_up = answer.alpha = 0;
     return answer;
 }
 
-/* Sets a number of the configuration; false if there is none of that name. */
+/* Sets a number of the configuration. Returns 0 if it has none of that name. */
 static int set(smr_config *config, smr_table *table, const char *keyword)
 {
 #define NUMBER(word, place, type) \
@@ -270,7 +270,7 @@ static int set(smr_config *config, smr_table *table, const char *keyword)
     return 0;
 }
 
-/* ---- the two ways to give a frame ---- */
+/* ---- whole frames and parts ---- */
 
 static smr_frame whole_frame(void)
 {
@@ -284,7 +284,7 @@ static smr_frame whole_frame(void)
     return frame;
 }
 
-/* Only what the camera was asked for; nothing if that is empty. */
+/* Reads `window` out of the sensor. The part is empty if the window is. */
 static smr_part read_out(unsigned which, const smr_rect *window)
 {
     smr_part part;
@@ -345,7 +345,7 @@ static void compare(const char *what, uint32_t answered, uint32_t wanted)
     }
 }
 
-/* The whole pixel that an edge of the fine box is rounded to. */
+/* An edge of the fine box, rounded to whole pixels. */
 static int32_t rounded(int64_t edge)
 {
     return (int32_t)((edge + 128 + 256 * (int64_t)65536) / 256 - 65536);
@@ -383,7 +383,7 @@ static void compare_answer(const smr_tracker *tracker, const smr_answer *answer,
     compare("state that is remembered", (uint32_t)state, (uint32_t)answer->state);
 }
 
-/* ---- one case after the other ---- */
+/* ---- running the cases ---- */
 
 static smr_tracker *made(storage *memory, const smr_config *config)
 {
@@ -392,7 +392,7 @@ static smr_tracker *made(storage *memory, const smr_config *config)
     return tracker;
 }
 
-/* In steps of less than any frame needs. */
+/* In steps that are shorter than any update. */
 static void update_in_steps(smr_tracker *tracker, const smr_frame *frame, smr_answer *answer)
 {
     uint32_t work = robust ? 5000 : 50;
@@ -446,7 +446,7 @@ static void lock_both(smr_tracker *whole, smr_tracker *part, const smr_rect *tar
 
 static void run(unsigned *cases, unsigned *compared)
 {
-    static smr_table table; /* trackers read it as long as they live */
+    static smr_table table; /* static: trackers read it in every update */
     smr_tracker *whole = NULL, *part = NULL;
     smr_rect target = {0, 0, 0, 0};
     smr_answer answers[2];
@@ -500,12 +500,12 @@ int main(int argc, char **argv)
     unsigned cases = 0, compared = 0;
     vectors = argc == 2 ? fopen(argv[1], "r") : NULL;
     if (vectors == NULL) {
-        fprintf(stderr, "conformance: give the file of the vectors, one that can be read\n");
+        fprintf(stderr, "usage: conformance FILE, a file of vectors that can be read\n");
         return EXIT_FAILURE;
     }
     run(&cases, &compared);
     fclose(vectors);
-    printf("conformance, %s tracker: %u cases, %u answers, whole and in parts: all equal\n",
+    printf("conformance, %s tracker: %u cases, %u answers, of whole frames and of parts: all equal\n",
            robust ? "robust" : "the paper's", cases, compared);
     return compared > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,9 +1,9 @@
 /*
- * Random calls of the library through its pointers: NULL, askew, too small, too early, with any numbers. Nothing may crash, reach beyond the
- * memory that is given, or answer a status that there is not. Meant for sanitizers: every object is as large as its size says, to
- * the byte.
+ * Random calls of the library: NULL or misaligned pointers, memory that is too small, calls in the wrong order, any numbers. No call may
+ * crash, reach beyond the given memory, or return an unknown status. Run it under sanitizers: every object has exactly the size that
+ * the library is told.
  *
- * fuzz [EXECUTIONS [SEED]]: the same calls for the same seed.
+ * fuzz [EXECUTIONS [SEED]]: the same seed gives the same calls.
  */
 
 #include <stdio.h>
@@ -41,7 +41,7 @@ static void stop(const char *what, uint32_t start)
     abort();
 }
 
-/* Memory of just this size, with anything in it. */
+/* Memory of exactly this size, with random content. */
 static void *memory(size_t size)
 {
     unsigned char *made = (unsigned char *)malloc(size ? size : 1);
@@ -55,7 +55,7 @@ static void *memory(size_t size)
     return made;
 }
 
-/* Mostly a number below the end, sometimes any. */
+/* Mostly a number below `end`, sometimes any number. */
 static uint16_t mostly(uint32_t end)
 {
     return (uint16_t)(rarely() ? any() : below(end));
@@ -93,7 +93,7 @@ static void part(smr_part *made, smr_rect wanted)
     made->pixels = (const uint8_t *)memory(made->size);
 }
 
-/* What is said of it is changed, never beyond what there is. */
+/* Changes the description of a frame. It never describes more memory than there is. */
 static void spoil(smr_frame *frame)
 {
     smr_part *spoiled = &frame->parts[below(2)];
@@ -145,7 +145,7 @@ static void configure(smr_config *config, smr_table *table)
     config->paper.window_limit.y = (uint16_t)(config->paper.window.y + below(9));
     config->plain_loop = (uint8_t)below(2);
     if (below(4) == 0) {
-        /* Any number at all, but for the pointers. */
+        /* Changes a random byte, but not in the pointers. */
         unsigned char *numbers = (unsigned char *)config;
         size_t at = offsetof(smr_config, paper) + sizeof config->paper.table +
                     below((uint32_t)(sizeof *config - offsetof(smr_config, paper) - sizeof config->paper.table));
@@ -159,7 +159,7 @@ static void configure(smr_config *config, smr_table *table)
 
 static void one(uint32_t start)
 {
-    /* Zeroes are a table that was never made. */
+    /* The library must refuse a table of zeroes: smr_table_init has not filled it. */
     smr_table *table = (smr_table *)calloc(1, sizeof *table);
     smr_config config;
     smr_tracker *tracker = NULL;
@@ -274,7 +274,7 @@ static void one(uint32_t start)
         calls++;
         done += status == SMR_OK;
         if (status < 0 || status >= SMR_ERROR_UNKNOWN) {
-            stop("a status that there is not", start);
+            stop("an unknown status", start);
         }
         free(read[0]);
         free(read[1]);
@@ -293,11 +293,11 @@ int main(int count, char **words)
     for (at = 0; at < executions; at++) {
         one((uint32_t)(start + at));
     }
-    /* Calls that are all refused would test little. */
+    /* If almost all calls failed, this would test little. */
     if (executions >= 1000 && (locked < executions / 4 || updated < executions)) {
         fprintf(stderr, "fuzz.c: of %lu calls only %lu locked and %lu updated\n", calls, locked, updated);
         return 1;
     }
-    printf("fuzz: %lu executions, %lu calls, %lu of them done, %lu updates\n", executions, calls, done, updated);
+    printf("fuzz: %lu executions, %lu calls, %lu of them succeeded, %lu updates\n", executions, calls, done, updated);
     return 0;
 }

@@ -1,4 +1,4 @@
-//! `include/smr.h` is current, and its types are laid out as the library's.
+//! `include/smr.h` is current, and its types have the same layout as the library's.
 
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
@@ -31,14 +31,14 @@ fn the_header_is_current() {
     assert!(current == written, "include/smr.h is not current: SMR_UPDATE_HEADER=1 cargo test -p smr-c --test header");
 }
 
-/// The header's part of the statuses: a macro makes them, which cbindgen cannot read.
+/// The statuses in the header. A macro defines them, and cbindgen cannot read macros.
 fn statuses() -> String {
     let mut text = String::from(
         "
 /**
- * How a call ended. The numbers stay as they are from version to version; new ones may be added.
+ * How a call ended. The numbers never change; later versions may add new ones.
  *
- * A call that does not end with #SMR_OK has changed nothing, except that #smr_init sets its `*tracker` to NULL.
+ * A call that does not return #SMR_OK changes nothing, except that #smr_init sets `*tracker` to NULL.
  */
 enum smr_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -62,7 +62,7 @@ typedef int32_t smr_status;
 "
 }
 
-/// Lines of C that compile only if `$type` has this size and its fields lie there.
+/// Lines of C that compile only if `$type` has the same size in C, and its fields the same offsets.
 macro_rules! layout {
     ($type:ident { $($field:ident),* }) => {
         [
@@ -146,7 +146,7 @@ fn the_header_and_the_library_agree_on_every_size() {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let file = folder.path().join("sizes.c");
     std::fs::write(&file, &source).expect("the folder can be written");
-    // Linking this test needed a C compiler; so there is one.
+    // There is a C compiler: linking this test needed one.
     let output = Command::new("cc")
         .args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I"])
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))

@@ -1,5 +1,5 @@
 /*
- * Every way to call the library wrongly that it can notice is noticed, by its own status, and changes nothing: by both trackers.
+ * Every wrong call that the library can detect returns its own status and changes nothing. Tested with both trackers.
  */
 
 #include <stdio.h>
@@ -26,7 +26,7 @@ typedef union workspace {
 static unsigned failed, tried;
 static uint8_t pixels[WIDTH * HEIGHT];
 static uint8_t bytes[SMR_PAPER_SAVED_SIZE + SMR_ROBUST_SAVED_SIZE];
-static int robust; /* which tracker is tried */
+static int robust; /* the tracker under test */
 static target storage;
 static workspace scratch;
 
@@ -51,7 +51,7 @@ static void hold(const char *what, unsigned line, int holds)
 }
 #define HOLD(condition) hold(#condition, __LINE__, (condition))
 
-/* A pointer one byte further: aligned for nothing but bytes. */
+/* A pointer one byte further, so misaligned for anything but bytes. */
 static void *askew(void *memory)
 {
     return (unsigned char *)memory + 1;
@@ -79,7 +79,7 @@ static smr_frame good_frame(void)
     return frame;
 }
 
-/* What of the frame lies in a rectangle. */
+/* The part of the frame in a rectangle. */
 static smr_frame part_of_frame(const smr_rect *window)
 {
     smr_frame frame = good_frame();
@@ -138,7 +138,7 @@ static smr_tracker *locked_tracker(void)
     return tracker;
 }
 
-/* ---- once: what has nothing to do with a tracker ---- */
+/* ---- calls without a tracker ---- */
 
 static void names(void)
 {
@@ -182,7 +182,7 @@ static void fillings(void)
     HOLD(smr_target_size(NULL) == 0 && smr_workspace_size(NULL) == 0);
 }
 
-/* ---- for each tracker ---- */
+/* ---- calls on each tracker ---- */
 
 static void sizes(void)
 {
@@ -271,14 +271,14 @@ static void storages(void)
     HOLD(is_zero(targets, sizeof targets) && is_zero(workspaces, sizeof workspaces));
     HOLD(trackers[0] == NULL);
 
-    /* Nothing is written behind what was given. */
+    /* Nothing is written after the end of the given memory. */
     EXPECT(smr_init(targets, size, workspaces, work, several, tracker), SMR_OK);
     HOLD(trackers[0] != NULL && trackers[1] == NULL);
     HOLD(is_zero(targets[0].bytes + size, sizeof targets - size));
     HOLD(is_zero(workspaces[0].bytes + work, sizeof workspaces - work));
 }
 
-/* What the calls on a tracker say to memory that is not one, or has lost its workspace. */
+/* Calls on memory that is not a tracker, or on a tracker whose workspace was overwritten. */
 static void no_updates(smr_tracker *tracker, smr_status wanted)
 {
     smr_frame frame = good_frame();
@@ -330,7 +330,7 @@ static void no_trackers(void)
     no_updates(tracker, SMR_ERROR_NOT_INITIALISED);
 }
 
-/* Trackers of a kind may share a workspace, one update at a time; the other kind's tracker takes it away. */
+/* Trackers of the same kind can share a workspace, one update at a time. A tracker of the other kind overwrites it. */
 static void shared_workspaces(void)
 {
     static target second, other;
@@ -340,7 +340,7 @@ static void shared_workspaces(void)
     smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
     uint8_t done;
-    EXPECT(smr_lock(two, &frame, &box), SMR_OK); /* on the same box: only their addresses tell them apart */
+    EXPECT(smr_lock(two, &frame, &box), SMR_OK); /* the same box, so that only their addresses differ */
     EXPECT(smr_begin(one, &frame), SMR_OK);
     EXPECT(smr_step(two, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_finish(two, &frame, &answer), SMR_ERROR_NOT_BEGUN);
@@ -358,7 +358,7 @@ static void shared_workspaces(void)
     no_updates(one, SMR_ERROR_NOT_INITIALISED);
 }
 
-/* What only one of the trackers has. */
+/* The calls for only one of the trackers. */
 static void other_methods(void)
 {
     static target other;
@@ -437,7 +437,7 @@ static void pointers(void)
     }
 }
 
-/* A frame that all calls refuse alike. */
+/* All calls refuse a wrong frame with the same status. */
 static void refused(smr_tracker *tracker, const smr_frame *frame, smr_status wanted)
 {
     smr_rect box = rect(26, 22, 8, 8);
@@ -483,11 +483,11 @@ static void frames(void)
     }
     REFUSED_PART(frame.width = WIDTH - 1, SMR_ERROR_OUTSIDE_FRAME);
     REFUSED_PART(frame.height = 0, SMR_ERROR_OUTSIDE_FRAME);
-    /* Without pixels there is no second part, whatever else is said of it. */
+    /* A second part without pixels is ignored, whatever its other fields. */
     frame = good_frame();
     frame.parts[1].x = UINT16_MAX;
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
-    /* One of the two is enough. */
+    /* The window may be in either of the two parts. */
     frame.parts[1] = frame.parts[0];
     frame.parts[0].width = frame.parts[0].height = 1;
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
@@ -512,7 +512,7 @@ static void boxes(void)
     REFUSED_BOX(0, 0, 1, 1, SMR_OK);
 }
 
-/* What only a box of the paper's tracker may not be: too large, or in too large a window. */
+/* Only the paper's tracker refuses a box or a window because it is too large. */
 static void capacities(void)
 {
     static uint8_t wide[SMR_PIXELS + 1 > 2 * SMR_SPAN + 4 ? SMR_PIXELS + 1 : 2 * SMR_SPAN + 4];
@@ -534,7 +534,7 @@ static void capacities(void)
     EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
 }
 
-/* The windows are what is read: with them it goes, with a column or a row less it does not. */
+/* The windows are exactly what the tracker reads: one column or row less is refused. */
 static void windows(void)
 {
     smr_tracker *tracker = good_tracker();
@@ -624,7 +624,7 @@ static void order(void)
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
 }
 
-/* A call that fails changes nothing: neither the caller's last copy nor the update that is under way. */
+/* A call that fails changes neither the caller's memory nor an update that is under way. */
 static void failures(void)
 {
     static target second;
@@ -657,19 +657,19 @@ static void failures(void)
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
-    /* Another target, locked on the same box, is in the tracker now. */
+    /* The tracker now has another target, locked on the same box. */
     EXPECT(smr_restore(tracker, bytes, written), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
 
-    /* In storage that is made anew there is nothing under way, whatever the workspace says. */
+    /* A new tracker in the same storage has no update under way, whatever is in the workspace. */
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
     EXPECT(smr_init(&second, sizeof second, &scratch, sizeof scratch, &config, &tracker), SMR_OK);
     EXPECT(smr_restore(tracker, bytes, written), SMR_OK);
     EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
 }
 
-/* A lock in steps is the same as one at once. */
+/* A lock in steps gives the same result as a lock at once. */
 static void locks_in_steps(void)
 {
     static uint8_t at_once[sizeof bytes], flat[sizeof pixels];
@@ -707,7 +707,7 @@ static void locks_in_steps(void)
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     HOLD(written == size && memcmp(bytes, at_once, size) == 0);
 
-    /* A frame without texture: locked on, but poor. */
+    /* A frame without texture: the lock succeeds, but the quality is poor. */
     memset(flat, 90, sizeof flat);
     frame.parts[0].pixels = flat;
     EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
@@ -756,7 +756,7 @@ static void saved(void)
     HOLD(second == written && memcmp(bytes, again, written) == 0);
 }
 
-/* A write of a newer copy over an older one that stops anywhere: what is neither of the two is refused. */
+/* A power failure while a new copy overwrites an old one: a mixture of the two is refused. */
 static void power(void)
 {
     static uint8_t older[sizeof bytes], newer[sizeof bytes];
@@ -767,7 +767,7 @@ static void power(void)
     EXPECT(smr_save(tracker, older, sizeof older, &size), SMR_OK);
     EXPECT(smr_begin(tracker, &frame), SMR_OK);
     EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
-    HOLD(second == size && memcmp(older, newer, size) == 0); /* an update under way has changed nothing */
+    HOLD(second == size && memcmp(older, newer, size) == 0); /* the update under way has changed nothing */
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
     EXPECT(smr_moved(tracker, 512, 256), SMR_OK);
     EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
@@ -783,7 +783,7 @@ static void power(void)
     EXPECT(smr_restore(tracker, newer, size), SMR_OK);
 }
 
-/* The template is shown where it is; the early template is copied, into enough memory and no further. */
+/* smr_template gives a pointer into the storage. smr_early_template copies, if the memory is large enough, and writes no more. */
 static void templates(void)
 {
     smr_tracker *tracker = good_tracker();
@@ -797,7 +797,7 @@ static void templates(void)
         EXPECT(smr_early_template(tracker, bytes, 16 * 16 - 1, &image), SMR_ERROR_BUFFER_TOO_SMALL);
         HOLD(bytes[0] == 0x5A && image.width == 0x5A5A);
         EXPECT(smr_early_template(tracker, bytes, 16 * 16, &image), SMR_OK);
-        HOLD(image.pixels == bytes && image.width == 16 && image.height == 16); /* a grid of half pixels */
+        HOLD(image.pixels == bytes && image.width == 16 && image.height == 16); /* a grid of half the target's width and height */
         HOLD(bytes[16 * 16] == 0x5A && memchr(bytes, 0x5A, 16 * 16) != bytes);
         return;
     }

@@ -1,6 +1,6 @@
-//! Making a tracker takes little stack, in debug builds too: it is made in the storage, not moved there.
+//! `smr_init` takes little stack, even in debug builds: it makes the tracker in the storage and does not move it there.
 
-#![allow(unsafe_code)] // calls of the C interface, and a look at the stack
+#![allow(unsafe_code)] // calls the C interface, and reads the stack
 
 use smr::{
     PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera,
@@ -10,20 +10,20 @@ use std::hint::black_box;
 use std::mem::MaybeUninit;
 use std::ptr;
 
-/// As much as is looked at.
+/// Bytes of stack that are measured.
 const DEPTH: usize = 512 << 10;
 const PAINT: u8 = 0xA5;
 const LINE: usize = 64;
 
-/// Paints the stack below its caller, or says how much of the paint is gone.
+/// Paints the stack below its caller, or returns how much of it has lost its paint.
 ///
-/// The array is uninitialised the second time, and what is there is what the call between has left. On its way to so large a
-/// frame a program writes a word to each page: so a line counts as used where more than a word of it is.
+/// The second time the array is uninitialised, so it holds what the call between the two has left. When a function reserves so large a
+/// frame, it writes a word to each page. A line therefore counts as used only if more than a word of it has changed.
 #[inline(never)]
 fn below(paint: bool) -> usize {
     let mut area = MaybeUninit::<[u8; DEPTH]>::uninit();
     let bytes: *mut u8 = black_box(area.as_mut_ptr()).cast();
-    // SAFETY: volatile, within the array; any byte is a u8.
+    // SAFETY: a volatile read within the array; any byte is a u8.
     let at = |index: usize| unsafe { bytes.add(index).read_volatile() };
     if paint {
         for index in 0..DEPTH {
@@ -36,7 +36,7 @@ fn below(paint: bool) -> usize {
     (0..DEPTH / LINE).position(used).map_or(0, |first| DEPTH - first * LINE)
 }
 
-/// Bytes of stack that `work` takes.
+/// The bytes of stack that `work` takes.
 fn stack_of(work: impl FnOnce() + Send + 'static) -> usize {
     let measure = || {
         below(true);
@@ -50,7 +50,7 @@ fn stack_of(work: impl FnOnce() + Send + 'static) -> usize {
 struct Storage<const SIZE: usize>([u8; SIZE]);
 
 #[test]
-fn what_is_taken_is_noticed() {
+fn the_measurement_is_right() {
     #[inline(never)]
     fn takes<const BYTES: usize>() {
         black_box(&mut [7u8; BYTES]);
@@ -59,14 +59,14 @@ fn what_is_taken_is_noticed() {
     assert!((0..2000).contains(&little) && (99_000..102_000).contains(&much), "{little}, {much}");
 }
 
-/// Bytes of stack to make a tracker.
+/// The bytes of stack that `smr_init` takes.
 fn stack_of_init<const TARGET: usize, const WORKSPACE: usize>(
     fill: unsafe extern "C" fn(*mut smr_config) -> smr_status,
 ) -> usize {
     let (mut storage, mut workspace) = (Box::new(Storage([0; TARGET])), Box::new(Storage([0; WORKSPACE])));
     stack_of(move || {
         let (mut config, mut tracker) = (MaybeUninit::uninit(), ptr::null_mut());
-        // SAFETY: the memory is used here alone; the configuration is written before it is read.
+        // SAFETY: only this call uses the memory; the configuration is written before it is read.
         let status = unsafe {
             fill(config.as_mut_ptr());
             let (storage, workspace) = (storage.0.as_mut_ptr().cast(), workspace.0.as_mut_ptr().cast());
@@ -88,7 +88,7 @@ fn trackers_are_made_in_their_memory() {
 fn a_table_is_made_in_its_memory() {
     let taken = stack_of(|| {
         static mut TABLE: MaybeUninit<smr_table> = MaybeUninit::uninit();
-        // SAFETY: the table is used here alone.
+        // SAFETY: only this call uses the table.
         let status = unsafe { smr_table_init((&raw mut TABLE).cast(), 40) };
         assert_eq!(status, smr_status::SMR_OK);
     });

@@ -1,10 +1,10 @@
-//! What is compared: every kernel, with the plain loop that specifies it.
+//! The comparisons: every kernel with the plain loop that specifies it.
 
 use crate::memory::{Memory, ROOM};
 use smr_core::Image;
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 
-/// The steepest, one between, and the paper's.
+/// The steepest table, one in between, and the paper's.
 static TABLES: [Table; 3] = [table(1), table(40), Table::PAPER];
 
 const fn table(scale: u16) -> Table {
@@ -14,13 +14,13 @@ const fn table(scale: u16) -> Table {
     }
 }
 
-/// The kernels of a backend, and how often they were compared.
+/// The comparisons of one backend, and how many were made.
 pub struct Checks {
     pub backend: Backend,
     pub compared: u32,
 }
 
-/// What was not as the plain loop has it.
+/// A result that differs from the plain loop's.
 pub struct Difference {
     pub what: &'static str,
     pub width: usize,
@@ -30,7 +30,7 @@ pub struct Difference {
 
 type Outcome = Result<(), Difference>;
 
-/// A size, and the bytes from one row to the next in either picture.
+/// The size of two pictures, and the stride of each.
 #[derive(Clone, Copy)]
 struct Shape {
     width: u16,
@@ -61,7 +61,7 @@ impl Checks {
         (0..=200).try_for_each(|columns| self.spread(columns, memory))
     }
 
-    /// At the ends of the memory and at its start, with and without a gap between the rows.
+    /// Pictures at both ends of the memory and at its start, with and without gaps between the rows.
     fn size(&mut self, width: u16, height: u16, memory: &Memory) -> Outcome {
         let threshold = 1 + (width * 7 + height * 13) % 255;
         for gap in 0..3 {
@@ -83,7 +83,7 @@ impl Checks {
         Ok(())
     }
 
-    /// Pictures at the end of what they are in (`last`), or at its start.
+    /// Compares scores and distances of two pictures: at the end of their memory if `last`, else at its start.
     fn pair(&mut self, patch: &[u8], template: &[u8], last: bool, shape: Shape, threshold: u16) -> Outcome {
         let wrong = |what| Difference { what, width: shape.width.into(), height: shape.height.into(), threshold };
         let view = |memory, stride| picture(memory, stride, shape, last).ok_or(wrong("no picture"));
@@ -107,7 +107,7 @@ impl Checks {
         Ok(())
     }
 
-    /// What a patch between two pictures reaches at most: no less than the plain loop says, and not much more.
+    /// Compares the upper bound for patches between two pictures: at least the plain loop's, and at most the score of equal pictures.
     fn between(&mut self, memory: &mut Memory, shape: Shape, threshold: u16) -> Outcome {
         let wrong = |what| Difference { what, width: shape.width.into(), height: shape.height.into(), threshold };
         let bytes = (usize::from(shape.height) - 1) * shape.strides.0 + usize::from(shape.width);
@@ -139,8 +139,8 @@ impl Checks {
         Ok(())
     }
 
-    /// One of the four rows, and what is written, at the edge; every row at another alignment, and one of them may be
-    /// shorter.
+    /// Compares the minima and maxima of four rows. One of the rows and the output lie at the edge of the memory. Every row has another
+    /// alignment, and one of them may be shorter.
     fn spread(&mut self, columns: usize, memory: &mut Memory) -> Outcome {
         let wrong = |what| Difference { what, width: columns, height: 4, threshold: 0 };
         let table = CutTable::new(&Table::PAPER, 13);
@@ -153,7 +153,7 @@ impl Checks {
             if let Some(row) = rows.get_mut(at_edge) {
                 *row = part(memory.end, ROOM - columns - 3, columns + 3);
             }
-            // At the start nothing can be before it, and after it the noise stays as it is.
+            // The output lies at the start of the memory. The noise after it must not change.
             let mut low: [u8; 256] = memory.start.first_chunk().copied().ok_or(wrong("no room"))?;
             let mut high: [u8; 256] = memory.start.last_chunk().copied().ok_or(wrong("no room"))?;
             let (lows, highs) = memory.start.split_at_mut_checked(ROOM - 256).ok_or(wrong("no room"))?;
@@ -188,8 +188,8 @@ fn picture(memory: &[u8], stride: usize, shape: Shape, last: bool) -> Option<Ima
     Image::with_stride(memory.get(from..)?, shape.width, shape.height, stride).ok()
 }
 
-/// Bytes that look random, the same in every run. The second memory is close to the first and the third, byte by byte
-/// from its start, so that differences lie on both sides of any threshold.
+/// Fills the memory with pseudorandom bytes, the same in every run. The bytes of the second are close to those of the first and the third,
+/// so that differences lie on both sides of any threshold.
 fn noise(first: &mut [u8], second: &mut [u8], third: &mut [u8]) {
     let mut state = 1u32;
     let mut next = || {
@@ -200,7 +200,7 @@ fn noise(first: &mut [u8], second: &mut [u8], third: &mut [u8]) {
     };
     for ((first, second), third) in first.iter_mut().zip(second).zip(third) {
         let [base, offset, other, sign] = next().to_le_bytes();
-        // Small differences are frequent, large ones there are.
+        // Most differences are small, some are large.
         let [near, far] =
             [offset % (2 + other % 64), other].map(|by| if sign & 1 == 0 { by } else { by.wrapping_neg() });
         *first = base;

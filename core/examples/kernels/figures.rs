@@ -1,4 +1,4 @@
-//! What the kernels take: instructions a call, and a thousandth of an instruction a byte.
+//! The cost of the kernels: instructions per call, and 1/1000 instruction per pixel.
 
 use crate::measure::{Timer, spin};
 use crate::memory::Memory;
@@ -9,10 +9,10 @@ use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 
 const CALIBRATION: u32 = 2_000_000;
 const REPEATED: u32 = 1000;
-/// The paper's usual threshold.
+/// The usual threshold of the paper's tracker.
 const THRESHOLD: u16 = 13;
 
-/// Counts the instructions of work that is repeated: single ticks of the timer are too long.
+/// Counts instructions. It repeats the work, because a tick of the timer is many instructions.
 pub struct Counter {
     timer: Timer,
     ticks: u32,
@@ -24,7 +24,7 @@ impl Counter {
         Self { timer, ticks }
     }
 
-    /// Instructions of one call of `work`, with the call.
+    /// The instructions of `work`, including its call.
     fn count<T>(&mut self, mut work: impl FnMut() -> T) -> u32 {
         let ((), ticks) = self.timer.measure(|| (0..REPEATED).for_each(|_| drop(black_box(work()))));
         let instructions = u64::from(ticks) * u64::from(CALIBRATION) / u64::from(self.ticks);
@@ -32,7 +32,7 @@ impl Counter {
     }
 }
 
-/// Prints one line for each backend, kernel and size.
+/// Logs one line for each backend, kernel and size.
 pub fn print(counter: &mut Counter, memory: &mut Memory) {
     for backend in Backend::available() {
         for (width, height) in [(24, 8), (64, 8), (64, 64)] {
@@ -44,7 +44,7 @@ pub fn print(counter: &mut Counter, memory: &mut Memory) {
 }
 
 fn compared(counter: &mut Counter, memory: &mut Memory, backend: Backend, width: u16, height: u16) -> Option<()> {
-    // Equal but for the last pixel: so the last row is what decides.
+    // The pictures differ only in the last pixel, so the last row decides.
     let last = usize::from(height - 1) * 96 + usize::from(width) - 1;
     memory.end.fill(7);
     memory.other_end.fill(7);

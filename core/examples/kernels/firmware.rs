@@ -1,4 +1,4 @@
-//! The firmware: checks, figures, and at last a byte read from where there is none.
+//! The firmware: comparisons, cost, and at last a read beyond the memory, which must fault.
 
 use crate::checks::{Checks, Difference};
 use crate::figures::{self, Counter};
@@ -12,7 +12,7 @@ use defmt_semihosting as _;
 use semihosting::process::exit;
 use smr_core::similarity::Backend;
 
-/// Set when a fault is what is wanted.
+/// True when a fault is expected.
 static TRYING: AtomicBool = AtomicBool::new(false);
 
 #[entry]
@@ -46,9 +46,9 @@ fn main() -> ! {
     exit(1)
 }
 
-/// The good end, if a fault is what is wanted.
+/// The firmware succeeds here if it expects the fault.
 #[exception]
-#[allow(unsafe_code)] // what cortex-m-rt wants a handler to be
+#[allow(unsafe_code)] // cortex-m-rt requires an unsafe handler
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     if TRYING.load(Ordering::SeqCst) {
         exit(0);

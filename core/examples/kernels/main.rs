@@ -1,12 +1,12 @@
-//! Every kernel of the target's best backend against the plain loops, on pictures beyond whose edges there is no memory;
-//! then what the kernels take, in instructions.
+//! Compares every kernel of the chip's best backend with the plain loops, on pictures at the edge of the memory. Then counts the
+//! instructions of the kernels.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example kernels
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels
 //! ```
 //!
-//! The tests of the crate run on a host, which has none of these instructions. This is for QEMU only: it relies on where
-//! the emulated boards have memory.
+//! The tests of the crate cannot do this, because they run on a host, which lacks these instructions. It runs in QEMU only, because it
+//! depends on the memory maps of the emulated boards.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -18,12 +18,12 @@ mod figures;
 mod firmware;
 #[cfg(target_os = "none")]
 #[path = "../replay/measure.rs"]
-#[allow(dead_code)] // nobody asks for the stack
+#[allow(dead_code)] // this firmware does not measure the stack
 mod measure;
 #[cfg(target_os = "none")]
 mod memory;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example kernels");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels");
 }

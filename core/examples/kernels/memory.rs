@@ -1,20 +1,20 @@
-//! Where pictures are put: at the edges of the emulated boards' memory. A byte read or written beyond is a fault.
+//! The memory for the pictures, at the edges of the emulated boards' memory. An access beyond the edge faults.
 
-#![allow(unsafe_code)] // memory that no Rust object is in
+#![allow(unsafe_code)] // memory by its address
 
 use core::slice;
 use cortex_m::peripheral::MPU;
 
-/// Bytes at each of the edges; the firmware itself is nowhere near.
+/// Bytes at each edge, far away from the firmware itself.
 pub const ROOM: usize = 32 * 1024;
 
-/// The memory that is used, each `ROOM` bytes.
+/// Three areas of `ROOM` bytes.
 pub struct Memory {
-    /// With nothing after it.
+    /// No memory follows it.
     pub end: &'static mut [u8],
-    /// The same, elsewhere.
+    /// No memory follows it, either.
     pub other_end: &'static mut [u8],
-    /// With nothing before it.
+    /// No memory precedes it.
     pub start: &'static mut [u8],
 }
 
@@ -26,7 +26,7 @@ struct Edges {
 }
 
 impl Memory {
-    /// To be called once. `None` on a processor whose board is not known.
+    /// Call it once. `None` if the board is unknown.
     pub fn take(mpu: &MPU) -> Option<Self> {
         let edges = match processor() {
             0xC24 => Edges { end: 0x2080_0000, other_end: 0x0080_0000, start: 0x2100_0000 }, // M4: mps2-an386
@@ -38,34 +38,34 @@ impl Memory {
             // QEMU's MPS2, unlike its MPS3, reads zeroes where there is no memory.
             forbid(mpu, &[edges.end, edges.other_end, edges.start - FORBIDDEN]);
         }
-        // SAFETY: the board has writable memory there, which is apart from what the linker script gives out (but for the
-        // end of the code memory, which the firmware does not reach).
+        // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The end of the code memory is in
+        // its range, but the firmware is much shorter.)
         let room = |at: usize| unsafe { slice::from_raw_parts_mut(at as *mut u8, ROOM) };
         Some(Self { end: room(edges.end - ROOM), other_end: room(edges.other_end - ROOM), start: room(edges.start) })
     }
 }
 
-/// Bytes that are forbidden beyond an edge.
+/// Bytes beyond an edge that the memory protection unit blocks.
 const FORBIDDEN: usize = 4096;
 
-/// Lets the memory protection unit of Armv7-M forbid what follows each of the addresses.
+/// Blocks the memory after each of the addresses with the memory protection unit of Armv7-M.
 fn forbid(mpu: &MPU, addresses: &[usize]) {
     const ON_AND_ELSE_ALLOWED: u32 = 0b101;
-    /// No access, to 2^(11 + 1) bytes.
+    /// No access to 2^(11 + 1) bytes.
     const NOT_EVEN_READ: u32 = 11 << 1 | 1;
-    // RASR, the unit's fifth register. The crate knows it by another name when it is built for Armv8-M.
+    // RASR, the fifth register of the unit. For Armv8-M the crate has another name for it.
     let size_and_access = MPU::PTR.cast_mut().cast::<u32>().wrapping_add(4);
     for (region, &address) in (0..).zip(addresses) {
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here
         let address = address as u32;
-        // SAFETY: no Rust object is there.
+        // SAFETY: no Rust object is at that address.
         unsafe {
             mpu.rnr.write(region);
             mpu.rbar.write(address);
             size_and_access.write_volatile(NOT_EVEN_READ);
         }
     }
-    // SAFETY: as above; everything else is as without the unit.
+    // SAFETY: as above; all other memory stays accessible.
     unsafe { mpu.ctrl.write(ON_AND_ELSE_ALLOWED) };
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
@@ -73,13 +73,13 @@ fn forbid(mpu: &MPU, addresses: &[usize]) {
 
 /// Reads the byte after `memory`.
 pub fn read_beyond(memory: &[u8]) {
-    // SAFETY: there is nothing, which is what it is for: the processor faults.
+    // SAFETY: there is no memory, so no object is read: the processor faults, as intended.
     unsafe { memory.as_ptr_range().end.read_volatile() };
 }
 
-/// The part number of Arm's processors.
+/// The part number of the Arm processor.
 fn processor() -> u32 {
-    // SAFETY: every Armv7-M and Armv8-M has this register, which can be read at any time.
+    // SAFETY: every Armv7-M and Armv8-M processor has this register, and it can always be read.
     let id = unsafe { (*cortex_m::peripheral::CPUID::PTR).base.read() };
     id >> 4 & 0xFFF
 }

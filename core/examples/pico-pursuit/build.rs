@@ -1,4 +1,4 @@
-//! Hands the memory map to the linker, wherever cargo is called from.
+//! Gives the memory map to the linker, whatever folder cargo is called from.
 
 fn main() {
     println!("cargo::rustc-link-search={}", std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());

@@ -1,22 +1,22 @@
-//! A flight recorder on the target: follows a drawn target with both trackers, writes a record, and says what that took.
+//! A flight recorder on the chip: follows a drawn target with both trackers, writes a record, and logs what that took.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-core --example record
+//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record
 //! cargo run --release -p host-sim -- replay record.smr
 //! ```
 //!
-//! The first runs it in QEMU and leaves `record.smr` in the working folder; the second runs that record again and compares every answer. The
-//! record of the paper's tracker is also in the log, which `host-sim replay` reads as well. On a board the writer is flash, an SD card, a serial
-//! line, or the log of the debug probe.
+//! The first command runs it in QEMU and writes `record.smr` to the working folder. The second runs that record again and compares every
+//! answer. The record of the paper's tracker is also in the log, which `host-sim replay` can read, too. On a board you would write to flash,
+//! an SD card, a serial line, or the log of the debug probe.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-#[allow(dead_code)] // nothing is read
+#[allow(dead_code)] // this firmware only writes
 #[path = "../replay/host_file.rs"]
 mod host_file;
 #[cfg(target_os = "none")]
-#[allow(dead_code)] // the stack is not measured
+#[allow(dead_code)] // this firmware does not measure the stack
 #[path = "../replay/measure.rs"]
 mod measure;
 
@@ -72,8 +72,8 @@ mod firmware {
         }
     }
 
-    /// Follows the target, and records all of it by `write`.
-    #[inline(never)] // one tracker after the other is on the stack
+    /// Follows the target and records the flight with `write`.
+    #[inline(never)] // so that only one tracker is on the stack
     fn follow<T: Recorded>(
         name: &str,
         config: T::Config,
@@ -82,7 +82,7 @@ mod firmware {
         write: impl FnMut(&[u8]) -> Result<(), ()>,
     ) -> Result<(), &'static str> {
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // Not taken out of the result: a copy of it would be on the stack, too.
+        // A reference: moving the tracker out of the result would put a second copy on the stack.
         let mut made = Tracker::<T>::new(config);
         let Ok(tracker) = &mut made else { return Err("the configuration cannot be used") };
         let not_written = |()| "the record cannot be written";
@@ -114,7 +114,7 @@ mod firmware {
         Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
     }
 
-    /// A ground of weak tiles and the target of strong ones, 2 pixels further in each frame; hidden for eight of them.
+    /// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden for eight frames.
     fn draw(pixels: &mut [u8; PIXELS], number: u16) {
         let hash = |x: u16, y: u16| (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761) >> 24;
         let (left, top) = (20 + 2 * (number % 24), 16 + number % 24);
@@ -138,5 +138,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-core --example record");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record");
 }

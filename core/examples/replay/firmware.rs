@@ -1,36 +1,36 @@
-//! The firmware: locks, then reads what the tracker asks for, updates and answers, frame after frame.
+//! The firmware: locks, then for each frame reads the windows that the tracker needs, updates, and writes the answer.
 
 use crate::host_file::HostFile;
 use crate::measure::{Timer, spin, stack};
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
 use semihosting::process::exit;
-use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Target, paper, robust};
+use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, paper, robust};
 
 const VERSION: u32 = 3;
 const HEADER: usize = 11 * 4;
 const CALIBRATION: u32 = 2_000_000;
 /// Numbers of a record.
 const RECORD: usize = 20;
-/// What stands for a number that there is not.
+/// Stands for a missing number.
 const NONE: u32 = u32::MAX;
 
-/// The window of `smr`, to each side. It does not grow: there would be no room for what it would read.
+/// The radius of the window of `smr`. The window does not grow, because the buffer could not hold its pixels.
 const RADIUS: u16 = 16;
-/// The largest box of `smr`: 64x64, or another shape of as many pixels whose window fits the buffer.
+/// The largest box of `smr`: 64x64, or another shape with as many pixels if its window fits the buffer.
 const TEMPLATE_PIXELS: usize = 64 * 64;
 const SMR_BUFFER: usize = (64 + 2 * RADIUS as usize) * (64 + 2 * RADIUS as usize);
-/// Two windows of `robust`, of a target of up to 48x48 pixels at the size it was locked on.
+/// Two windows of `robust`, for a target that has up to 48x48 pixels at the lock.
 const ROBUST_BUFFER: usize = 48 * 1024;
 
 type Smr = Paper<TEMPLATE_PIXELS, { 2 * RADIUS as usize + 1 }>;
 
-/// A tracker as it is replayed. All it takes is on the stack, so that the stack that was used is all of it.
+/// A tracker that can be replayed. All its memory is on the stack, so the measured stack includes it.
 trait Replayed: Target {
     const METHOD: u32;
-    /// The most pixels of a box, and the radius of the window; 0 where there is no such bound.
+    /// The most pixels of a box, and the radius of the window; 0 without such a bound.
     const BOUNDS: (u32, u16);
-    /// For pixels; a saved target fits, too.
+    /// The buffer for pixels. It is also large enough for a saved target.
     type Buffer: AsMut<[u8]>;
 
     fn numbers() -> Self::Config;
@@ -72,18 +72,18 @@ impl Replayed for Robust {
     }
 }
 
-/// Why the firmware does not go on. The numbers are the protocol's.
+/// Why the firmware stops. The numbers are part of the protocol.
 #[derive(Clone, Copy)]
 enum Refusal {
-    /// `frames.smr` is not there, ends early, or is not of this version.
+    /// `frames.smr` is missing, ends early, or has another version.
     BadInput = 1,
     /// The box has more pixels than the template.
     BoxTooLarge = 2,
-    /// The pixels that the tracker asks for are more than the buffer.
+    /// The tracker needs more pixels than the buffer holds.
     WindowTooLarge = 3,
-    /// The tracker does not lock, for another reason.
+    /// The tracker does not lock for another reason.
     NoLock = 4,
-    /// The tracker does not search the frame.
+    /// The update fails.
     NoUpdate = 5,
     /// `answers.smr` cannot be written.
     NoOutput = 6,
@@ -107,7 +107,7 @@ fn main() -> ! {
     exit(i32::from(end.is_err() || written.is_err()))
 }
 
-/// Has the tracker that is asked for follow the target.
+/// Replays the recording with the tracker that it names.
 fn choose(timer: Timer, answers: &mut HostFile, at: &mut u32) -> Result<(), Refusal> {
     let recording = Recording::open()?;
     match recording.method {
@@ -117,8 +117,8 @@ fn choose(timer: Timer, answers: &mut HostFile, at: &mut u32) -> Result<(), Refu
     }
 }
 
-/// `at` is the frame that it is busy with, from 1.
-#[inline(never)] // each with its own stack: only the one that runs is measured
+/// Sets `at` to the number of the current frame, from 1.
+#[inline(never)] // so that the measured stack contains only the tracker that runs
 fn replay<T: Replayed>(
     mut recording: Recording,
     mut timer: Timer,
@@ -127,7 +127,7 @@ fn replay<T: Replayed>(
 ) -> Result<(), Refusal> {
     let mut buffer = T::buffer();
     let buffer = buffer.as_mut();
-    // Both stay where they are made: what is moved is on the stack twice.
+    // References: moving the objects would put second copies on the stack.
     let (mut made, mut workspace) = (T::new(T::numbers()), T::Workspace::default());
     let Ok(target) = &mut made else { return Err(Refusal::NoLock) };
     let ticks = timer.measure(|| spin(CALIBRATION)).1;
@@ -153,14 +153,14 @@ fn replay<T: Replayed>(
         let frame = recording.read(index, window, target.sweep_window(), buffer)?;
         let (answer, ticks, longest) = update((target, &mut workspace), &frame, recording.step, &mut timer)?;
         let work = T::work(&workspace);
-        // The pixels are not needed any more.
+        // The update is done, so the buffer is free.
         let saved = target.save(buffer).ok().and_then(|size| buffer.get(..size)).ok_or(Refusal::NoUpdate)?;
         write(answers, &record(*at, &answer, fnv(saved), [work, ticks, longest]))?;
     }
     Ok(())
 }
 
-/// The answer, the ticks that it took, and those of the longest step.
+/// The answer, the ticks of the update, and those of its longest step.
 fn update<T: Target>(
     (target, workspace): (&mut T, &mut T::Workspace),
     frame: &Frame<'_>,
@@ -185,11 +185,11 @@ fn update<T: Target>(
     Ok((answer, sum.saturating_add(ticks), longest.max(ticks)))
 }
 
-/// `frames.smr`, of which single rows of a window are read.
+/// `frames.smr`. Only the rows of a window are read from it.
 struct Recording {
     file: HostFile,
     method: u32,
-    /// The work of a step; 0 is all at once.
+    /// The work of a step; 0 means all at once.
     step: u32,
     width: u16,
     height: u16,
@@ -214,7 +214,7 @@ impl Recording {
         Ok(Self { file, method, step, width, height, frames, target })
     }
 
-    /// The part of frame `index` (from 0) in `rect`, which lies inside it, and that in `other`.
+    /// Frame `index` (from 0) with only the parts in `rect` and `other` in memory. Both lie inside the frame.
     fn read<'b>(
         &mut self,
         index: u32,
@@ -222,7 +222,7 @@ impl Recording {
         other: Option<Rect>,
         buffer: &'b mut [u8],
     ) -> Result<Frame<'b>, Refusal> {
-        // A box smaller than the padding can be wholly outside. Nothing is read then, but a frame has a pixel.
+        // A box smaller than the padding can be completely outside the frame. Its window is empty, but a part must have a pixel.
         let rect = if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
         let (first, rest) = buffer.split_at_mut_checked(pixels(rect)).ok_or(Refusal::WindowTooLarge)?;
         let (image, x, y) = self.part(index, rect, first)?;
@@ -233,7 +233,7 @@ impl Recording {
         frame.and_part(image, x, y).map_err(|_| Refusal::BadInput)
     }
 
-    /// Fills `pixels` with as many of the frame.
+    /// Reads the pixels of the frame in `rect` into `pixels`.
     fn part<'b>(&mut self, index: u32, rect: Rect, pixels: &'b mut [u8]) -> Result<(Image<'b>, u16, u16), Refusal> {
         let (x, y) = (size(rect.x.cast_unsigned())?, size(rect.y.cast_unsigned())?);
         let first_row = u64::from(index) * u64::from(self.height) + u64::from(y);
@@ -255,15 +255,9 @@ fn size(word: u32) -> Result<u16, Refusal> {
 
 fn record(frame: u32, answer: &Answer, hash: u32, [work, ticks, longest]: [u32; 3]) -> [u32; RECORD] {
     let Answer { fine, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
-    let state = match answer.state {
-        State::Tracking => 0,
-        State::Leaving => 1,
-        State::Uncertain => 2,
-        State::Lost => 3,
-    };
     let [left, top] = [fine.x, fine.y].map(i32::cast_unsigned);
     let [runner_up_ratio, alpha] = [runner_up_ratio, alpha].map(|number| number.map_or(NONE, u32::from));
-    let box_and_state = [2, frame, left, top, fine.width, fine.height, state];
+    let box_and_state = [2, frame, left, top, fine.width, fine.height, answer.state.code().into()];
     let figures = [confidence.into(), ratio.into(), runner_up_ratio, alpha, scale, found_again.into(), hash];
     let mut record = [0; RECORD];
     let numbers = box_and_state.into_iter().chain(figures).chain([work, ticks, longest]);
@@ -286,7 +280,7 @@ fn write(answers: &mut HostFile, numbers: &[u32]) -> Result<(), Refusal> {
     answers.write(&bytes).ok_or(Refusal::NoOutput)
 }
 
-/// Must be there to compile, and is never linked: `.ci/targets` checks it.
+/// The compiler needs it; no call reaches it, so it is not linked. `.ci/targets` checks that.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     exit(101)

@@ -1,6 +1,6 @@
-//! What the firmware finds out about itself: the time that work takes, and how much of the stack was used.
+//! Measurements on the chip: the time of some work, and the used stack.
 
-#![allow(unsafe_code)] // the stack's paint is no Rust object
+#![allow(unsafe_code)] // reads the stack by its address
 
 use core::arch::asm;
 use core::ptr::addr_of;
@@ -8,7 +8,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::STACK_PAINT_VALUE;
 
-/// The core's own 24-bit timer. With QEMU's `-icount` it counts instructions, so many a tick.
+/// The 24-bit timer of the core. With QEMU's `-icount` a tick is a fixed number of instructions.
 pub struct Timer(#[allow(dead_code)] SYST);
 
 impl Timer {
@@ -20,8 +20,7 @@ impl Timer {
         Self(timer)
     }
 
-    /// What `work` gives, and its ticks. Nothing here takes the 2^24 ticks (0.6 thousand million instructions) after
-    /// which the timer starts anew.
+    /// The result of `work`, and its ticks. The timer wraps after 2^24 ticks (600 million instructions); no work here takes that long.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = SYST::get_current();
         compiler_fence(Ordering::SeqCst);
@@ -32,15 +31,15 @@ impl Timer {
     }
 }
 
-/// Takes so many instructions, to find out how many a tick is; `cortex_m::asm::delay` takes as many as its version likes.
+/// Executes this many instructions, to calibrate the timer. (The instructions of `cortex_m::asm::delay` depend on its version.)
 pub fn spin(instructions: u32) {
-    // SAFETY: it counts down in a register, by two instructions a round.
+    // SAFETY: two instructions per round count down a register.
     unsafe {
         asm!("2:", "subs {rounds}, #1", "bne 2b", rounds = inout(reg) instructions / 2 => _, options(nomem, nostack));
     }
 }
 
-/// Bytes of stack that were used since the start, and that there are. cortex-m-rt has painted all of it.
+/// The bytes of stack used since the start, and the bytes of stack in all. cortex-m-rt has painted all of it at the start.
 pub fn stack() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_end: u32;
@@ -48,7 +47,7 @@ pub fn stack() -> (u32, u32) {
     }
     let (lowest, end) = (addr_of!(_stack_end), addr_of!(_stack_start));
     let mut at = lowest;
-    // SAFETY: the linker script places both symbols, aligned, around memory that is the stack's.
+    // SAFETY: the linker script places both symbols, aligned, at the ends of the stack.
     while at < end && unsafe { at.read_volatile() } == STACK_PAINT_VALUE {
         at = at.wrapping_add(1);
     }

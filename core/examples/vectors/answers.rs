@@ -1,4 +1,4 @@
-//! Answers the vectors of a tracker, at once and in steps.
+//! Runs the vectors of a tracker, at once and in steps.
 
 use super::measure::{Timer, spin, stack};
 use cortex_m::Peripherals;
@@ -7,15 +7,15 @@ use smr_core::Tracker;
 use smr_tests::{Passed, Vectors, follow};
 
 const CALIBRATION: u32 = 2_000_000;
-/// The work of a step: a tenth of an update of the robust tracker.
+/// The work of a step.
 const STEP: u32 = 100_000;
 
-/// Answers them all; says what it took, and true if every answer is right.
+/// Runs all vectors and logs what that took. Returns true if all answers are right.
 pub fn answers<T: Vectors>(name: &str, buffer: &mut [u8]) -> bool {
     let Some(peripherals) = Peripherals::take() else { return false };
     let timer = &mut Timer::new(peripherals.SYST);
     let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-    // Not taken out of the result: a copy of it would be on the stack, too.
+    // A reference: moving the tracker out of the result would put a second copy on the stack.
     let mut made = Tracker::<T>::new(T::default_config());
     let Ok(tracker) = &mut made else { return false };
     let (mut most, mut sum, mut longest) = (0, 0_u32, 0);

@@ -1,8 +1,8 @@
-//! What a tracker says of its target after a frame.
+//! The answer of an update: where the target is, and how far that is to be believed.
 
 use crate::image::{FineRect, Rect};
 
-/// What the tracker holds of its target after a frame.
+/// What the tracker believes about its target after a frame.
 ///
 /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
 /// |---|---|---|
@@ -13,43 +13,72 @@ use crate::image::{FineRect, Rect};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The target is where the box is.
-    Tracking,
-    /// The target is where the box is, partly outside the picture. The template is kept as it is.
-    Leaving,
-    /// The target is partly hidden or changes quickly, or something else is followed.
-    Uncertain,
-    /// The target is not seen. The box of [`Paper`](crate::Paper) is the last one that was believed; that of
-    /// [`Robust`](crate::Robust) is what it follows meanwhile. Nothing is learned, and the search goes on.
-    Lost,
+    /// The target is in the box.
+    Tracking = 0,
+    /// The target is in the box, and the box is partly outside the picture. The template is not updated.
+    Leaving = 1,
+    /// The target is partly hidden or changes quickly, or the tracker follows something else.
+    Uncertain = 2,
+    /// The target is not visible. The box of [`Paper`](crate::Paper) is the last one that it believed; the box of
+    /// [`Robust`](crate::Robust) is its current best guess. Nothing is learned, and the search goes on.
+    Lost = 3,
 }
 
-/// The answer of an update. All integers; ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
+impl State {
+    /// All states, in the order of their codes.
+    pub const ALL: [Self; 4] = [Self::Tracking, Self::Leaving, Self::Uncertain, Self::Lost];
+
+    /// The number that stands for this state in saved targets, in flight records and in the C interface. It never changes.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The state with this [`code`](Self::code).
+    ///
+    /// ```
+    /// use smr_core::State;
+    /// assert_eq!(State::from_code(State::Lost.code()), Some(State::Lost));
+    /// assert_eq!(State::from_code(4), None);
+    /// ```
+    #[must_use]
+    pub const fn from_code(code: u8) -> Option<Self> {
+        match code {
+            0 => Some(Self::Tracking),
+            1 => Some(Self::Leaving),
+            2 => Some(Self::Uncertain),
+            3 => Some(Self::Lost),
+            _ => None,
+        }
+    }
+}
+
+/// The answer of an update. All numbers are integers; ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
     /// The target's box in whole pixels.
     pub bbox: Rect,
-    /// The same in units of 1/256 pixel. That of [`Paper`](crate::Paper) is always whole.
+    /// The same box in units of 1/256 pixel. [`Paper`](crate::Paper) always gives whole pixels.
     pub fine: FineRect,
     /// Whether the box is to be believed.
     pub state: State,
-    /// How much speaks for the box. [`Paper`](crate::Paper): the ratio, and 0 when lost. [`Robust`](crate::Robust): a running mean
-    /// of the early template's agreement, two thirds, and of the filter's response, one third.
+    /// How sure the tracker is of the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
+    /// mean of 2/3 the early template's agreement and 1/3 the filter's response.
     pub confidence: u16,
-    /// How similar what was found is to the template. [`Paper`](crate::Paper): the similarity matching ratio, which is the peak's
-    /// score over the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth least ratio of the 16 parts of the
-    /// early template.
+    /// How similar the target in the box is to the template. [`Paper`](crate::Paper): the similarity matching ratio, which is the
+    /// peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth lowest ratio of the 16 parts
+    /// of the early template.
     pub ratio: u16,
-    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` where nothing depended
-    /// on it ([`RunnerUp`](crate::paper::RunnerUp)), and from [`Robust`](crate::Robust).
+    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no decision depended
+    /// on it ([`RunnerUp`](crate::paper::RunnerUp)), and always from [`Robust`](crate::Robust).
     pub runner_up_ratio: Option<u16>,
-    /// The threshold that this frame was scored with: alpha, rounded up to whole gray levels. A pixel counted if it differed by
-    /// less. `None` from [`Robust`](crate::Robust), which has one for each place.
+    /// The threshold of this frame: alpha, rounded up to whole gray levels. A pixel counted if it differed by less. `None` from
+    /// [`Robust`](crate::Robust), which has a threshold for each place.
     pub alpha: Option<u16>,
-    /// The target's size against that of the box that was locked on, in units of 1/65536. Always 65536 from
+    /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from
     /// [`Paper`](crate::Paper).
     pub scale: u32,
-    /// True if the target was lost before this frame and is not any more.
+    /// True if the target was lost in the frame before and is found in this one.
     pub found_again: bool,
 }

@@ -1,8 +1,8 @@
-//! A flight record: all that a tracker saw and answered, as bytes, so that a desktop can run it again.
+//! A flight record: all that a tracker saw and answered, as bytes. A desktop can run it again.
 //!
-//! Firmware hands each step to a [`Recorder`], which writes bytes to whatever takes them: a file, flash, a serial line, a log.
-//! `host-sim replay FILE` runs the record through this very code and names the first difference. A record that ends anywhere,
-//! because the power failed, is good up to its last whole entry.
+//! Firmware passes each step to a [`Recorder`], which writes bytes to a function of yours: to a file, flash, a serial line, a log.
+//! `host-sim replay FILE` runs the record through the same code and names the first difference. If the power fails, the record is
+//! valid up to its last complete entry.
 //!
 //! ```
 //! use smr_core::{Frame, Image, Paper, Rect, Tracker, paper, record::Recorder};
@@ -15,7 +15,7 @@
 //! tracker.lock(&frame, target)?;
 //! recorder.lock(tracker.target(), &frame, target)?;
 //! // In every further frame:
-//! recorder.window(tracker.target(), &frame)?; // before the update: an update that never ends is in the record, too
+//! recorder.window(tracker.target(), &frame)?; // before the update, so that the record has an update that never ends
 //! let answer = tracker.update(&frame)?;
 //! recorder.answer(&answer)?;
 //! assert_eq!(&file[..4], b"SMRB");
@@ -24,13 +24,17 @@
 //!
 //! # Cost
 //!
-//! A lock takes 36 bytes and the pixels of [`Target::lock_window`]. A frame takes 82 bytes and the pixels of [`Target::window`] (and of
-//! [`Target::sweep_window`], where there is one): the pixels must be in the record, because they are what the tracker saw. With
-//! [`Paper`] that is (box + 2 x radius) in width and height: 9298 bytes for a box of 64x64 with a window of +-16. [`Robust`]
-//! looks at about 16 times the area of its target. The beginning takes 584 bytes ([`Paper`]) or 556.
+//! | entry | bytes |
+//! |---|---|
+//! | begin | 584 ([`Paper`]) or 556 ([`Robust`]) |
+//! | lock | 36 + pixels of [`Target::lock_window`] |
+//! | frame | 82 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
 //!
-//! The recorder gathers 64 bytes on the stack and needs no other memory. Its time is that of a CRC-32 over these bytes, and that of the
-//! writer.
+//! The pixels are in the record because the answer depends on them. The window of [`Paper`] is box + 2 * radius in width and height: a
+//! frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`] is about 16 times the area of its target.
+//!
+//! The recorder keeps 64 bytes on the stack and needs no other memory. It takes the time of a CRC-32 over the bytes, and the time of
+//! the writer.
 //!
 //! # The bytes, version 1
 //!
@@ -38,44 +42,44 @@
 //!
 //! | bytes of an entry | what |
 //! |---|---|
-//! | 0 to 3 | what it is: `SMRB`, `SMRL`, `SMRM`, `SMRW`, `SMRA` or `SMRS` |
-//! | 4 to 7 | its number: 0 for `SMRB`, and one more for each entry after it |
-//! | 8 to 11 | length of what it holds |
-//! | then | what it holds, see below |
-//! | last 4 | CRC-32 (that of Ethernet and zip) of all bytes of the entry before |
+//! | 0 to 3 | the tag: `SMRB`, `SMRL`, `SMRM`, `SMRW`, `SMRA` or `SMRS` |
+//! | 4 to 7 | the number of the entry: 0 for `SMRB`, then 1, 2, 3, ... |
+//! | 8 to 11 | length of the content |
+//! | then | the content, see below |
+//! | last 4 | CRC-32 (the one of Ethernet and zip) of all bytes of the entry before it |
 //!
-//! | entry | what it holds |
+//! | entry | content |
 //! |---|---|
-//! | `SMRB`, begin | version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes a number |
+//! | `SMRB`, begin | version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for each number |
 //! | `SMRL`, lock | frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each); the pixels of the part, row by row |
-//! | `SMRM`, moved | to the right, down, in 1/256 pixel (4 bytes each, signed) |
-//! | `SMRW`, window | frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each; all 0 where there is none); the pixels of the first, those of the second |
-//! | `SMRA`, answer | fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte: 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte: 1 found again, 2 there is a runner-up, 4 there is an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 where there is none); scale (4 bytes) |
-//! | `SMRS`, restored | a saved target ([`Target::save`]) that the tracker went on with |
+//! | `SMRM`, moved | right, down, in 1/256 pixel (4 bytes each, signed) |
+//! | `SMRW`, window | frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each; all 0 if there is no second part); the pixels of the first part, the pixels of the second part |
+//! | `SMRA`, answer | fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte, [`State::code`](super::State::code): 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte, a sum of: 1 found again, 2 has a runner-up, 4 has an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 if there is none); scale (4 bytes) |
+//! | `SMRS`, restored | the saved target ([`Target::save`]) that the tracker continued with |
 //!
 //! | tracker | numbers of the configuration |
 //! |---|---|
-//! | `P` | the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`, `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window` x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if the runner-up is looked for always; `update_zone` left, top, right, bottom |
+//! | `P` | the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`, `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window` x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone` left, top, right, bottom |
 //! | `R` | the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near, verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate` |
 //!
-//! A window without an answer is an update that was given up, or that did not come to its end. A new `SMRB` may follow at any place,
-//! also in the middle of an entry that was cut off: firmware that starts again appends to what is there.
+//! A window without an answer is an update that was given up or did not end. A new `SMRB` may follow anywhere, even in the middle of an
+//! entry that was cut off: firmware that restarts appends to the record.
 
 use super::checksum::Crc;
 use super::saved::Kind;
 use super::update::SEAL;
-use super::{Answer, State, Target, paper, robust};
+use super::{Answer, Target, paper, robust};
 use crate::image::{Frame, Image, Rect};
 use crate::{Paper, Robust};
 
 /// The version of the bytes.
 pub const VERSION: u16 = 1;
-/// Bytes of an entry before what it holds.
+/// Bytes of an entry before its content.
 pub const HEAD: usize = 12;
-/// Bytes of an entry beside what it holds.
+/// Bytes of an entry besides its content.
 pub const AROUND: usize = HEAD + 4;
 
-/// What the first four bytes of an entry say.
+/// The kind of an entry: its first four bytes.
 ///
 /// ```
 /// use smr_core::record::{AROUND, HEAD, Tag, VERSION};
@@ -87,23 +91,23 @@ pub const AROUND: usize = HEAD + 4;
 pub enum Tag {
     /// A tracker and its configuration.
     Begin,
-    /// A box was locked on.
+    /// A lock on a box.
     Lock,
-    /// The camera turned.
+    /// A turn of the camera.
     Moved,
-    /// What an update is about to look at.
+    /// The pixels of an update that is about to begin.
     Window,
-    /// What it answered.
+    /// The answer of an update.
     Answer,
-    /// A saved target was restored.
+    /// A saved target that was restored.
     Restored,
 }
 
 impl Tag {
-    /// All of them.
+    /// All tags.
     pub const ALL: [Self; 6] = [Self::Begin, Self::Lock, Self::Moved, Self::Window, Self::Answer, Self::Restored];
 
-    /// As in the record.
+    /// The bytes of the tag in a record.
     #[must_use]
     pub const fn bytes(self) -> [u8; 4] {
         *match self {
@@ -117,7 +121,7 @@ impl Tag {
     }
 }
 
-/// A target that can be recorded: both trackers'.
+/// A target that can be recorded. Both trackers' targets can.
 ///
 /// ```
 /// use smr_core::record::Recorded;
@@ -127,10 +131,10 @@ impl Tag {
 /// assert_eq!((Robust::TRACKER, numbers.len(), numbers[0]), (b'R', 268, 65535)); // p(0) is 1.0
 /// ```
 pub trait Recorded: Target {
-    /// What stands for it in a record.
+    /// The tracker's letter in a record.
     const TRACKER: u8;
 
-    /// The numbers of its configuration that answers depend on, in the order of the record.
+    /// Calls `add` with each number of the configuration that answers depend on, in the order of the record.
     fn numbers(config: &Self::Config, add: impl FnMut(u16));
 }
 
@@ -153,7 +157,7 @@ impl Recorded for Robust {
 /// Writes a record; see the [module](self).
 ///
 /// Each call writes one entry, in pieces of at most a row of pixels or 64 bytes. If the writer fails, the record ends there: later calls
-/// write nothing, so that nothing follows half an entry. Tracking does not depend on it.
+/// write nothing, so that nothing follows half an entry. Tracking does not depend on the recorder.
 pub struct Recorder<W> {
     write: W,
     entries: u32,
@@ -161,7 +165,7 @@ pub struct Recorder<W> {
 }
 
 impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
-    /// Begins a record of `target`, which may have been locked before only if [`Recorder::restored`] follows.
+    /// Begins a record of `target`. If the target is already locked, call [`Recorder::restored`] next.
     ///
     /// # Errors
     /// The writer's.
@@ -177,14 +181,14 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         Ok(recorder)
     }
 
-    /// `target` was locked on the box `locked` in `frame`: to be called after [`Target::lock`], with the same.
+    /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`], with the same arguments.
     ///
     /// # Errors
     /// The writer's.
     pub fn lock<T: Recorded>(&mut self, target: &T, frame: &Frame<'_>, locked: Rect) -> Result<(), E> {
         let bounds = frame.bounds();
         let window = target.lock_window(bounds, locked);
-        // What could not be locked on has changed nothing.
+        // Without these pixels the lock has failed and changed nothing.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
         self.entry(Tag::Lock, 20 + window.area(), |entry| {
             entry.u16(bounds.width);
@@ -195,7 +199,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// [`Target::moved`] was called.
+    /// Records a call of [`Target::moved`].
     ///
     /// # Errors
     /// The writer's.
@@ -206,9 +210,9 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// `frame` is about to be searched: to be called before [`Target::update`] or [`Target::begin`].
+    /// Records the pixels that the update will read. Call it before [`Target::update`] or [`Target::begin`].
     ///
-    /// Nothing is written if the update will be refused.
+    /// It writes nothing if the update will fail.
     ///
     /// # Errors
     /// The writer's.
@@ -230,25 +234,19 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// The update has answered.
+    /// Records the answer of the update.
     ///
     /// # Errors
     /// The writer's.
     pub fn answer(&mut self, answer: &Answer) -> Result<(), E> {
         let Answer { fine, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
-        let state = match state {
-            State::Tracking => 0,
-            State::Leaving => 1,
-            State::Uncertain => 2,
-            State::Lost => 3,
-        };
         let flag = |is: bool, bit: u8| if is { bit } else { 0 };
         let flags = flag(found_again, 1) | flag(runner_up_ratio.is_some(), 2) | flag(alpha.is_some(), 4);
         self.entry(Tag::Answer, 30, |entry| {
             for side in [fine.x.cast_unsigned(), fine.y.cast_unsigned(), fine.width, fine.height] {
                 entry.put(&side.to_le_bytes());
             }
-            entry.put(&[state, flags]);
+            entry.put(&[state.code(), flags]);
             for number in [confidence, ratio, runner_up_ratio.unwrap_or(0), alpha.unwrap_or(0)] {
                 entry.u16(number);
             }
@@ -256,9 +254,10 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// The tracker goes on with a saved target: to be called after [`Target::restore`], with the same bytes.
+    /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
     ///
-    /// A record that begins so stands alone: long flights can be written as many records, each with the target as it was saved then.
+    /// Such a record needs no earlier one. A long flight can therefore be split into many records, each of which begins with the target
+    /// as it was saved then.
     ///
     /// # Errors
     /// The writer's.
@@ -267,7 +266,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         self.entry(Tag::Restored, length, |entry| entry.put(saved))
     }
 
-    /// True if all was written; false once the writer has failed.
+    /// True if everything was written; false once the writer has failed.
     pub const fn is_whole(&self) -> bool {
         !self.failed
     }
@@ -288,10 +287,10 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     }
 }
 
-/// Bytes that are gathered before they are written.
+/// Bytes that are collected before they are written.
 const HELD: usize = 64;
 
-/// An entry under way. After an error nothing more is written.
+/// The entry that is being written. After an error it writes nothing more.
 struct Entry<'a, E, W> {
     write: &'a mut W,
     sum: Crc,
@@ -306,7 +305,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.hold(bytes);
     }
 
-    /// Without the checksum.
+    /// Adds bytes that do not count for the checksum.
     fn hold(&mut self, bytes: &[u8]) {
         if bytes.len() > HELD - self.used.min(HELD) {
             self.flush();
@@ -340,7 +339,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.put(&number.to_le_bytes());
     }
 
-    /// One inside the frame: no number is negative.
+    /// A rectangle inside the frame, so no number is negative.
     fn rect(&mut self, rect: Rect) {
         for place in [rect.x, rect.y] {
             self.u16(u16::try_from(place).unwrap_or(0));
@@ -355,7 +354,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
     }
 }
 
-/// A writer to the log of defmt: lines that `host-sim replay` finds in the printed log, whatever else is logged.
+/// A writer to the log of defmt. `host-sim replay` finds its lines in the printed log, among all others.
 ///
 /// ```rust,ignore
 /// let Ok(mut recorder) = Recorder::begin(tracker.target(), to_defmt);

@@ -1,17 +1,17 @@
-//! A target as bytes: versioned, checked, and the same on every platform.
+//! A saved target: bytes with a version and a checksum, the same on every platform.
 //!
 //! | bytes | what |
 //! |---|---|
 //! | 0 to 2 | `SMR` |
-//! | 3 | which tracker: `P` or `R` |
-//! | 4, 5 | version of this form |
+//! | 3 | the tracker: `P` or `R` |
+//! | 4, 5 | version of this format |
 //! | 6 to 9 | checksum of the configuration |
-//! | 10 to 13 | length of all |
-//! | then | what the tracker remembers |
+//! | 10 to 13 | length of all bytes |
+//! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
-//! Numbers are little-endian; checksums are CRC-32 (that of Ethernet and zip). The configuration itself is not saved: a table cannot be
-//! rebuilt from its address, and firmware has its configuration anyway.
+//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). The configuration itself is not saved: it refers to a
+//! table by its address, and firmware has its configuration anyway.
 
 use super::checksum::Crc;
 use core::fmt;
@@ -19,10 +19,10 @@ use core::fmt;
 const MAGIC: [u8; 3] = *b"SMR";
 const VERSION: u16 = 2;
 const HEAD: usize = 14;
-/// Bytes beside what a tracker remembers.
+/// Bytes besides the state of the tracker.
 pub(super) const AROUND: usize = HEAD + 4;
 
-/// Which tracker wrote the bytes.
+/// The tracker that wrote the bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Kind {
@@ -30,7 +30,7 @@ pub(super) enum Kind {
     Robust = b'R',
 }
 
-/// The checksum of a configuration, over those of its numbers that answers depend on.
+/// The checksum of the numbers of a configuration that answers depend on.
 pub(super) struct ConfigSum(Crc);
 
 impl ConfigSum {
@@ -47,14 +47,14 @@ impl ConfigSum {
     }
 }
 
-/// Writes numbers one after the other.
+/// Writes a saved target, number by number.
 pub(super) struct Writer<'a> {
     bytes: &'a mut [u8],
     at: usize,
 }
 
 impl<'a> Writer<'a> {
-    /// For a target of so many bytes in all. Nothing is written if there is no room for them.
+    /// For a target of `size` bytes in all. Writes nothing if `bytes` is too small.
     pub(super) fn new(bytes: &'a mut [u8], size: usize, kind: Kind, config: u32) -> Result<Self, SaveError> {
         let bytes = bytes.get_mut(..size).ok_or(SaveError::BufferTooSmall)?;
         let mut writer = Self { bytes, at: 0 };
@@ -91,7 +91,7 @@ impl<'a> Writer<'a> {
         self.put(&number.to_le_bytes());
     }
 
-    /// The checksum; says how many bytes there are in all.
+    /// Writes the checksum and returns the number of bytes in all.
     pub(super) fn finish(mut self) -> usize {
         let sum = Crc::of(self.bytes.get(..self.at).unwrap_or_default());
         self.u32(sum);
@@ -99,13 +99,13 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Reads numbers one after the other; `None` where the bytes end.
+/// Reads a saved target, number by number; `None` at the end of the bytes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
-    /// The part that a tracker of this `kind` has written, if the rest of the bytes is as it should be.
+    /// A reader of the state of a tracker of this `kind`, if everything around it is right.
     pub(super) fn new(bytes: &'a [u8], kind: Kind, config: u32) -> Result<Self, RestoreError> {
         let mut head = Reader { bytes };
         if head.take::<3>() != Some(MAGIC) {
@@ -170,7 +170,7 @@ impl<'a> Reader<'a> {
         self.take().map(i64::from_le_bytes)
     }
 
-    /// True if everything was read.
+    /// True if all bytes were read.
     pub(super) const fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
@@ -183,8 +183,8 @@ impl<'a> Reader<'a> {
 pub enum SaveError {
     /// There is no target yet: lock first.
     NotLocked,
-    /// There is no room for the target: [`Target::saved_size`](crate::Target::saved_size) bytes.
-    /// [`Target::SAVED_SIZE`](crate::Target::SAVED_SIZE) are always enough.
+    /// The buffer is smaller than [`Target::saved_size`](crate::Target::saved_size).
+    /// [`Target::SAVED_SIZE`](crate::Target::SAVED_SIZE) bytes are always enough.
     BufferTooSmall,
 }
 
@@ -199,24 +199,24 @@ impl fmt::Display for SaveError {
 
 impl core::error::Error for SaveError {}
 
-/// Why bytes are not a target to go on with.
+/// Why a target was not restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RestoreError {
     /// The bytes are not those of a saved target.
     NotSaved,
-    /// They were written by another version of the crate.
+    /// Another version of the crate wrote the bytes.
     OtherVersion,
-    /// They end too early.
+    /// The bytes end too early.
     Truncated,
-    /// Some of them have changed since they were written.
+    /// The bytes have changed since they were written.
     Damaged,
-    /// They are those of the other tracker's target.
+    /// The other tracker saved the target.
     OtherTracker,
-    /// They are those of a target with another configuration: answers would differ.
+    /// The target was saved with another configuration, so answers would differ.
     OtherConfig,
-    /// The template has more pixels, or the window more offsets, than there is room for here.
+    /// The template has more pixels, or the window more offsets, than this tracker has room for.
     TooLarge,
 }
 

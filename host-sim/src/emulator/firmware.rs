@@ -58,7 +58,7 @@ pub fn build(example: &str, machine: Machine) -> Result<PathBuf> {
     let sources = sources()?;
     let (target, processor) = machine.target();
     let mut cargo = Command::new(sources.join(CARGO));
-    cargo.args([target, "build", "--package", "smr-core", "--profile", "firmware", "--example", example]);
+    cargo.args([target, "build", "--package", "smr-examples", "--profile", "firmware", "--bin", example]);
     cargo.args(["--quiet", "--message-format", "json-render-diagnostics"]);
     if let Some(processor) = processor {
         let variable = target.replace(['-', '.'], "_").to_uppercase();

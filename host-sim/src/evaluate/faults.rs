@@ -251,10 +251,9 @@ pub fn table(rows: &[Row], layout: Layout) -> Result<String> {
 fn line(row: &Row) -> Vec<String> {
     let percent = |part: usize, whole: usize| (100 * part + whole / 2).checked_div(whole).unwrap_or(0);
     let all = row.states().iter().sum();
-    let states = [State::Tracking, State::Leaving, State::Uncertain, State::Lost];
     let share =
         |(state, &count): (State, &usize)| (count > 0).then(|| format!("{} {} %", name_of(state), percent(count, all)));
-    let states: Vec<String> = states.into_iter().zip(&row.states()).filter_map(share).collect();
+    let states: Vec<String> = State::ALL.into_iter().zip(&row.states()).filter_map(share).collect();
     let until = row.frames_until_right.zip(row.most_frames_until_right);
     vec![
         row.tracker.clone(),

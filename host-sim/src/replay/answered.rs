@@ -1,7 +1,7 @@
 //! An answer as it is compared, with the names that people read: that of a record, and that of firmware.
 
 use crate::evaluate::name_of;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result};
 use smr_core::{Answer, FineRect, State};
 
 /// All that an update answers.
@@ -41,18 +41,13 @@ impl Answered {
     }
 }
 
-/// The state of a number, as records and firmware write it.
+/// The state with this code, as records and firmware write it.
 ///
 /// # Errors
 /// There is none.
-pub fn state(number: u32) -> Result<State> {
-    Ok(match number {
-        0 => State::Tracking,
-        1 => State::Leaving,
-        2 => State::Uncertain,
-        3 => State::Lost,
-        other => bail!("state {other}: expected 0 to 3"),
-    })
+pub fn state(code: u32) -> Result<State> {
+    let state = u8::try_from(code).ok().and_then(State::from_code);
+    state.with_context(|| format!("state {code}: expected 0 to 3"))
 }
 
 /// A box, in the units of the answer.

@@ -106,7 +106,7 @@ impl<R: Read> Entries<R> {
             return Ok(false);
         }
         let (entry, sum) = self.held[self.done..][..AROUND + length].split_at(HEAD + length);
-        Ok(crc32(entry).to_le_bytes() == sum)
+        Ok(crc32fast::hash(entry).to_le_bytes() == sum)
     }
 
     /// True if so many bytes can be held.
@@ -129,27 +129,6 @@ impl<R: Read> Entries<R> {
 
 fn nothing_in(at: u64) -> String {
     format!("no entry in {MOST_BETWEEN} MiB after byte {at}: expected less than that between two of them")
-}
-
-/// That of Ethernet and zip, by a table of 256 entries.
-pub fn crc32(bytes: &[u8]) -> u32 {
-    const TABLE: [u32; 256] = {
-        let mut table = [0; 256];
-        let mut byte = 0_u32;
-        while byte < 256 {
-            let mut sum = byte;
-            let mut bit = 0;
-            while bit < 8 {
-                sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
-                bit += 1;
-            }
-            table[byte as usize] = sum;
-            byte += 1;
-        }
-        table
-    };
-    let step = |sum: u32, byte: &u8| (sum >> 8) ^ TABLE[usize::from(sum.to_le_bytes()[0] ^ byte)];
-    !bytes.iter().fold(u32::MAX, step)
 }
 
 /// The bytes of a record, whether `source` holds them as they are or as lines of a log.
@@ -219,7 +198,7 @@ mod tests {
         bytes.extend(number.to_le_bytes());
         bytes.extend(u32::try_from(holds.len()).unwrap().to_le_bytes());
         bytes.extend(holds);
-        bytes.extend(crc32(&bytes).to_le_bytes());
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
         bytes
     }
 

@@ -15,7 +15,7 @@ use config::Configured;
 use entries::{Entries, Entry, Next};
 use serde::Serialize;
 use smr_core::record::{Recorded, Tag, VERSION};
-use smr_core::{Answer, FineRect, Frame, Image, Rect, Robust, Target, Tracker};
+use smr_core::{Answer, FineRect, Frame, Image, Rect, Robust, State, Target, Tracker};
 use std::io::Read;
 
 /// What a record holds, and whether it was answered alike.
@@ -44,8 +44,8 @@ pub struct Flight {
     pub restored: u64,
     /// Updates that were begun and given up.
     pub given_up: u64,
-    /// Frames after which it was tracking, leaving, uncertain, lost.
-    pub states: [u64; 4],
+    /// The number of frames in each state, by its code.
+    pub states: [u64; State::ALL.len()],
     /// Bytes of all entries, and those of them that are pixels.
     pub bytes: u64,
     pub pixels: u64,
@@ -311,7 +311,7 @@ impl<T: Target> Run<T> {
         };
         let different = pairs.into_iter().find_map(differing);
         if different.is_none() {
-            flight.states[recorded.state as usize] += 1;
+            flight.states[usize::from(recorded.state.code())] += 1;
         }
         Ok(different)
     }

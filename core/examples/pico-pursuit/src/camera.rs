@@ -1,4 +1,4 @@
-//! The camera: a HM01B0 at 162x122 pixels, set up over I2C, its pixels read bit by bit by a PIO state machine.
+//! The camera: a HM01B0 at 162x122 pixels. I2C configures it, and a PIO state machine reads its pixels bit by bit.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::InputPin;
@@ -9,33 +9,33 @@ use rp2040_hal::pio::{
     Buffers, PIO, PIOBuilder, PinDir, Rx, SM0, ShiftDirection, StateMachine, Stopped, UninitStateMachine,
 };
 
-/// QVGA halved in both directions by the sensor.
+/// QVGA, halved in both directions by the sensor.
 pub const WIDTH: u16 = 162;
 pub const HEIGHT: u16 = 122;
 pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
 
 const ADDRESS: u8 = 0x24;
 const D0_PIN: u8 = 6;
-/// Register and value, in the order in which they are written.
+/// Registers and values, in the order of writing.
 const SETTINGS: [(u16, u8); 12] = [
-    (0x3059, 0x22), // one bit a clock
+    (0x3059, 0x22), // one bit per clock
     (0x0383, 0x03), // every second column
     (0x0387, 0x03), // every second row
-    (0x0390, 0x03), // and the mean of the four
-    (0x3010, 0x01), // a window of 4:3
-    (0x0340, 0x00), // rows in a frame, with the blank ones: 128
+    (0x0390, 0x03), // the mean of the four
+    (0x3010, 0x01), // a 4:3 window
+    (0x0340, 0x00), // rows of a frame, including blanking: 128
     (0x0341, 0x80),
-    (0x0342, 0x00), // clocks in a row, with the blank ones: 215
+    (0x0342, 0x00), // clocks of a row, including blanking: 215
     (0x0343, 0xD7),
-    (0x3060, 0x08), // the pixel clock: the sensor's own, divided
-    (0x0104, 0x01), // take over all of these
-    (0x0100, 0x01), // and stream
+    (0x3060, 0x08), // the pixel clock: the sensor's clock, divided
+    (0x0104, 0x01), // apply all of these
+    (0x0100, 0x01), // stream
 ];
 const RESET: (u16, u8) = (0x0103, 0x01);
 /// Longer than any frame.
 const PATIENCE_MICROSECONDS: u64 = 300_000;
 
-/// A camera that streams. VSYNC is any pin; D0, PCLK and HREF are those that the PIO program names.
+/// A streaming camera. VSYNC can be any pin; D0, PCLK and HREF are the pins in the PIO program.
 pub struct Camera<V> {
     vsync: V,
     timer: Timer,
@@ -45,7 +45,7 @@ pub struct Camera<V> {
 }
 
 impl<V: InputPin> Camera<V> {
-    /// Sets the sensor up. `None` if it does not answer.
+    /// Configures the sensor. `None` if it does not answer.
     pub fn start(
         mut bus: impl I2c,
         vsync: V,
@@ -90,14 +90,14 @@ impl<V: InputPin> Camera<V> {
         let mut machine = self.machine.take()?;
         machine.clear_fifos();
         let mut machine = machine.start();
-        // Drops the bits that were left of the last frame.
+        // Drops the remaining bits of the last frame.
         machine.restart();
         let complete = self.read(late);
         self.machine = Some(machine.stop());
         complete.then_some(&self.pixels)
     }
 
-    /// Four pixels a word, faster than they come. False if they stop coming.
+    /// Reads four pixels per word, faster than they arrive. False if they stop arriving.
     fn read(&mut self, late: impl Fn() -> bool) -> bool {
         for four in self.pixels.chunks_exact_mut(4) {
             let word = loop {

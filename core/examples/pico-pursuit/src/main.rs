@@ -1,4 +1,4 @@
-//! A camera on a pan/tilt head that looks after what it was shown: wiring and limits in the README beside this.
+//! A camera on a pan/tilt head that follows a target. See the README beside it for the wiring and the limits.
 
 #![no_std]
 #![no_main]
@@ -18,24 +18,23 @@ use smr_core::paper::{Config, Fraction, Radius};
 use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
 use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 
-/// The second stage of the boot loader. (The attribute is `unsafe` because any section may be named; the memory map
-/// next to this gives this one its place.)
+/// The second stage of the boot loader. (The attribute is `unsafe` because it can name any section; `memory.x` places this one.)
 #[unsafe(link_section = ".boot2")]
 #[unsafe(no_mangle)]
 #[used]
 pub static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_GENERIC_03H;
 
 const CRYSTAL_HERTZ: u32 = 12_000_000;
-/// 125 MHz over 40 counts to 62500 in 20 milliseconds.
+/// 125 MHz / 40 counts to 62500 in 20 milliseconds.
 const PWM_DIVIDER: u8 = 40;
 const PWM_TOP: u16 = 62_499;
 
-/// Depends on the lens. Measure it: an object of width w at distance d that covers n pixels means n * d / w.
+/// Depends on the lens. To measure it, look at an object of width w at distance d: if it covers n pixels, this is n * d / w.
 const FOCAL_LENGTH_PIXELS: f32 = 160.0;
-/// The target is what is in the middle when the button is pressed, this many pixels wide and high.
+/// Width and height of the target in pixels. It is in the middle of the frame when the button is pressed.
 const TARGET_PIXELS: u16 = 24;
 
-/// 60 degrees to each side, from 900 to 2100 microseconds: measure yours.
+/// 60 degrees to each side, from 900 to 2100 microseconds. Measure those of your servos.
 const AXIS: Axis = Axis {
     min_radians: -1.05,
     max_radians: 1.05,
@@ -48,13 +47,13 @@ const AXIS: Axis = Axis {
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
 
-/// For the robust tracker, on a chip with the memory and the time for it, this is `smr_core::Robust`; nothing else changes but
-/// the configuration.
+/// On a chip with enough memory and speed, use the robust tracker, `smr_core::Robust`. Apart from this, only the configuration
+/// changes.
 type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]
 fn main() -> ! {
-    // It only returns if something is missing; the LED is off then.
+    // It returns only if a part is missing. The LED is off then.
     let _ = run();
     loop {
         core::hint::spin_loop();
@@ -78,7 +77,7 @@ fn run() -> Option<Infallible> {
     let sio = Sio::new(chip.SIO);
     let pins = Pins::new(chip.IO_BANK0, chip.PADS_BANK0, sio.gpio_bank0, &mut chip.RESETS);
 
-    // The head: two servos on one PWM slice, the Pico's own LED.
+    // The head: two servos on one PWM slice, and the Pico's own LED.
     let mut slice = Slices::new(chip.PWM, &mut chip.RESETS).pwm2;
     slice.set_div_int(PWM_DIVIDER);
     slice.set_top(PWM_TOP);
@@ -126,7 +125,7 @@ fn run() -> Option<Infallible> {
     }
 }
 
-/// Locks on what is in the middle while the button is pressed; afterwards the frame is to be searched. `None` without a target.
+/// While the button is pressed, locks on the middle of the frame. Otherwise returns the frame for an update; `None` without a target.
 fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pressed: bool) -> Option<Frame<'a>> {
     let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
     if pressed {
@@ -141,7 +140,7 @@ fn tracker_config() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 10, y: 10 };
     config.window_limit = Radius { x: 16, y: 16 };
-    // What comes before the target is not to be followed.
+    // Do not follow what passes in front of the target.
     config.gate.tracking = Fraction::new(5, 4);
     config
 }

@@ -32,7 +32,7 @@ pub(super) fn save<const PIXELS: usize>(
         to.u16(side);
     }
     to.u16(track.lost_for);
-    to.put(&[number_of(track.state), track.edge.into()]);
+    to.put(&[track.state.code(), track.edge.into()]);
     to.u16(track.quality.value());
     to.u16(template.threshold());
     // Not `rows`: there the compiler keeps a division by the stride and its panic.
@@ -62,7 +62,7 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     let target = Rect::new(x, y, from.u16()?, from.u16()?);
     let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
     let lost_for = from.u16()?;
-    let state = state_of(from.u8()?)?;
+    let state = State::from_code(from.u8()?).filter(|&state| state != State::Uncertain)?;
     let edge = match from.u8()? {
         0 => false,
         1 => true,
@@ -73,24 +73,6 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     let fits = !target.is_empty() && target.width <= bounds.width && target.height <= bounds.height;
     let reachable = track.nearest_on(padding) == target;
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))
-}
-
-const fn number_of(state: State) -> u8 {
-    match state {
-        State::Tracking => 0,
-        State::Leaving => 1,
-        State::Uncertain => 2,
-        State::Lost => 3,
-    }
-}
-
-const fn state_of(number: u8) -> Option<State> {
-    match number {
-        0 => Some(State::Tracking),
-        1 => Some(State::Leaving),
-        3 => Some(State::Lost),
-        _ => None,
-    }
 }
 
 /// The checksum of [`numbers`].

@@ -1,0 +1,94 @@
+//! What a tracker knows of its target: the last box, the quality, the templates.
+
+use crate::answer::smr_state;
+use crate::frame::{smr_fine_rect, smr_image};
+use crate::pointer::{self, Out};
+use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
+use crate::tracker::{ask, smr_tracker};
+
+/// How well the target could be told from its surroundings at the lock. A flat target, an edge or a single pixel looks the same beside
+/// its place: the tracker follows it, but may slip along it without noticing.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
+/// @return         As #smr_window.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut u16) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { ask(tracker, quality, |tracker| Ok(tracker.quality().ok_or(SMR_ERROR_NOT_LOCKED)?.value())) })
+}
+
+/// The box and the state of the last answer; also after #smr_lock and #smr_restore.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param bbox     Is set to the box; unchanged after an error.
+/// @param state    Is set to the state; unchanged after an error.
+/// @return         As #smr_window.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_last(
+    tracker: *const smr_tracker,
+    bbox: *mut smr_fine_rect,
+    state: *mut smr_state,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        ask(tracker, bbox, |tracker| {
+            let out = Out::new(state)?;
+            let (bbox, state) = tracker.last().ok_or(SMR_ERROR_NOT_LOCKED)?;
+            out.write(state.into());
+            Ok(bbox.into())
+        })
+    })
+}
+
+/// The template of the paper's tracker: the appearance of the target at the last update of the template.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param image    Is set to the pixels in the tracker's storage. They may only be read, and only until the next call that changes this
+///                 tracker. Unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_NOT_LOCKED or
+///                 #SMR_ERROR_OTHER_METHOD.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_template(tracker: *const smr_tracker, image: *mut smr_image) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { ask(tracker, image, |tracker| tracker.template()?.ok_or(SMR_ERROR_NOT_LOCKED)) })
+}
+
+/// The alpha of the paper's tracker for the next #smr_update.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param alpha    Is set to alpha in gray levels, rounded up (1 to 256); unchanged after an error.
+/// @return         As #smr_template.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_alpha(tracker: *const smr_tracker, alpha: *mut u16) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        ask(tracker, alpha, |tracker| {
+            let alpha = tracker.alpha()?;
+            tracker.window().map(|_| alpha).ok_or(SMR_ERROR_NOT_LOCKED)
+        })
+    })
+}
+
+/// The early template of the robust tracker, which it verifies the target with.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param pixels   Memory outside the tracker's own, for a copy of the pixels, row by row without gaps.
+/// @param size     Bytes at `pixels`; #SMR_ROBUST_PIXELS are always enough.
+/// @param image    Is set to the pixels and their width and height. After an error it and the pixels are unchanged.
+/// @return         As #smr_template, or #SMR_ERROR_BUFFER_TOO_SMALL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_early_template(
+    tracker: *const smr_tracker,
+    pixels: *mut u8,
+    size: usize,
+    image: *mut smr_image,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        ask(tracker, image, |tracker| {
+            pointer::check_bytes(pixels, size, &tracker.memory())?;
+            tracker.early_template(pixels, size)
+        })
+    })
+}

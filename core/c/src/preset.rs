@@ -1,0 +1,55 @@
+//! The calls that fill a configuration: the presets of both trackers.
+
+use crate::capacity::PaperTarget;
+use crate::config::smr_config;
+use crate::method::method_of;
+use crate::pointer::Out;
+use crate::status::{smr_status, status_of};
+use smr_core::{Robust, paper, robust};
+
+/// Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
+///
+/// It differs from #smr_config_paper in this: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
+/// 161 is enough), the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
+/// is at least 10 gray levels, and a peak with a ratio below 1/20 is not believed.
+///
+/// @param config  Memory for the configuration.
+/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &paper::Config::camera())) })
+}
+
+/// Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of about
+/// 320x240.
+///
+/// The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each axis; otherwise
+/// #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
+///
+/// @param config  Memory for the configuration.
+/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &paper::Config::paper())) })
+}
+
+/// Fills a configuration of the robust tracker. It goes beyond the paper: it copes with changes of light, size and view, reports
+/// when the target is not visible, and searches for it then. It takes more memory and time.
+///
+/// @param config  Memory for the configuration.
+/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { fill(config, || smr_config::of_robust(method_of::<Robust>(), &robust::Config::robust())) })
+}
+
+/// # Safety
+/// A `config` that passes `pointer::check` points to memory for one.
+unsafe fn fill(config: *mut smr_config, values: impl FnOnce() -> smr_config) -> Result<(), smr_status> {
+    // SAFETY: as the caller ensures.
+    unsafe { Out::new(config)? }.write(values());
+    Ok(())
+}

@@ -1,0 +1,65 @@
+//! Saving a target as bytes, and restoring it.
+
+use crate::pointer;
+use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, smr_status, status_of};
+use crate::tracker::{ask, borrow, smr_tracker};
+
+/// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was built.
+///
+/// @param tracker  Made by #smr_init.
+/// @param size     Is set to the number of bytes; unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut usize) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { ask(tracker, size, |tracker| Ok(tracker.most_saved_size())) })
+}
+
+/// Writes the target to memory: what the tracker remembers of it, and a checksum of the configuration. The bytes are the same on every
+/// platform.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param bytes    Memory outside the tracker's own; unchanged after an error.
+/// @param size     Bytes there; #smr_saved_size are always enough.
+/// @param written  Is set to the number of bytes written; unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
+///                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_NOT_LOCKED or #SMR_ERROR_BUFFER_TOO_SMALL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_save(
+    tracker: *const smr_tracker,
+    bytes: *mut u8,
+    size: usize,
+    written: *mut usize,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller: nobody else uses the `size` bytes.
+    status_of(unsafe {
+        ask(tracker, written, |tracker| {
+            pointer::check_bytes(bytes, size, &tracker.memory())?;
+            let needed = tracker.saved_size()?;
+            if size < needed {
+                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
+            }
+            bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
+            tracker.save(core::slice::from_raw_parts_mut(bytes, needed))
+        })
+    })
+}
+
+/// Continues with a target that #smr_save wrote. Its answers are then identical to those of the saved tracker.
+///
+/// @param tracker  Made by #smr_init with the same configuration.
+/// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
+/// @param size     Bytes there; there may be more than were written.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
+///                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_OTHER_METHOD or an error of the bytes (#SMR_ERROR_NOT_SAVED to
+///                 #SMR_ERROR_SAVED_TOO_LARGE). After an error the tracker is unchanged.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8, size: usize) -> smr_status {
+    // SAFETY: as the header demands of the caller: there are `size` bytes, and nobody writes them.
+    status_of(unsafe {
+        borrow(tracker).and_then(|tracker| {
+            pointer::check_bytes(bytes, size, &tracker.memory())?;
+            tracker.restore(core::slice::from_raw_parts(bytes, size))
+        })
+    })
+}

@@ -1,0 +1,141 @@
+//! Following the target from frame to frame, at once and in steps.
+
+use crate::answer::smr_answer;
+use crate::frame::{smr_frame, smr_rect};
+use crate::pointer::Out;
+use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
+use crate::tracker::{ask, borrow, smr_tracker, with_frame};
+
+/// Finds the target in the next frame.
+///
+/// It reads only the pixels in #smr_window and #smr_sweep_window; the rest of the frame need not be in memory.
+///
+/// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets in the window) *
+/// (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame in which a tracked target begins
+/// to leave the picture it is at most twice that. Cost of the robust tracker: about the same in every frame, at most 894 products for
+/// each of at most 2000 weights. #smr_begin, #smr_step and #smr_finish do the same in steps.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
+/// @param answer   Is set to the answer; unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
+///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED, #SMR_ERROR_FRAME_SIZE_CHANGED or
+///                 #SMR_ERROR_WINDOW_NOT_IN_MEMORY. After an error the tracker is unchanged.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_update(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    answer: *mut smr_answer,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::new(answer)?;
+            tracker.begin(frame)?;
+            tracker.finish(frame, out)
+        })
+    })
+}
+
+/// Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish. The
+/// answer is that of #smr_update, whatever the size of the steps. An unfinished update in this workspace is given up.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
+/// @return         As #smr_update.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_begin(tracker: *mut smr_tracker, frame: *const smr_frame) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { with_frame(tracker, frame, |tracker, frame| tracker.begin(frame)) })
+}
+
+/// Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
+///
+/// The unit of work depends on the tracker:
+/// - The paper's: a comparison of two bytes. A step may exceed `work` to come to a stop: by at most the pixels of the template or twice
+///   the pixels of a row of #smr_window, whichever is more, and seven for each of #SMR_SPAN offsets.
+/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5 million. A step may
+///   exceed `work` by at most 128,000.
+///
+/// @param tracker  As for #smr_begin or #smr_begin_lock.
+/// @param frame    The same frame with the same pixels.
+/// @param work     Units of work to do; 0 means 1.
+/// @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left to call, else to 0; unchanged after an error.
+/// @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_step(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    work: u32,
+    done: *mut u8,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::new(done)?;
+            out.write(tracker.step(frame, work)?.into());
+            Ok(())
+        })
+    })
+}
+
+/// Does the rest of the update that #smr_begin has begun, and gives its answer.
+///
+/// @param tracker  As for #smr_begin.
+/// @param frame    The same frame with the same pixels.
+/// @param answer   Is set to the answer; unchanged after an error.
+/// @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_finish(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    answer: *mut smr_answer,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { with_frame(tracker, frame, |tracker, frame| tracker.finish(frame, Out::new(answer)?)) })
+}
+
+/// The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in
+/// #smr_sweep_window.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param window   Is set to a rectangle, always inside the frame and never empty; unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { ask(tracker, window, |tracker| Ok(tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?.into())) })
+}
+
+/// A second place that the next #smr_update may read, where the robust tracker searches for a lost target. In most frames, and always
+/// for the paper's tracker, it is empty.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param window   Is set to a rectangle, always inside the frame; width and height are 0 if it is empty. Unchanged after an error.
+/// @return         As #smr_window.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        ask(tracker, window, |tracker| {
+            tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
+            Ok(tracker.sweep_window().unwrap_or_default().into())
+        })
+    })
+}
+
+/// Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
+/// (x + right, y + down). An update that is under way is given up.
+///
+/// The search window moves along, so that a turn does not take the target out of it. The box stays within reach of the frame. The
+/// paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
+///
+/// @param tracker  Made by #smr_init.
+/// @param right    In units of 1/256 pixel.
+/// @param down     In units of 1/256 pixel.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { borrow(tracker) }.map(|tracker| tracker.moved(right, down)))
+}

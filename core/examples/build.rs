@@ -1,0 +1,13 @@
+//! The linker scripts of the firmware.
+//!
+//! They are not in `.cargo/config.toml`, because its flags apply to all firmware in this repository.
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let is = |key: &str, value: &str| std::env::var(key).is_ok_and(|found| found == value);
+    if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
+        // The script of cortex-m-rt includes memory.x, which the linker finds in its working folder, the workspace's.
+        println!("cargo::rustc-link-arg-bins=-Tlink.x");
+        println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
+    }
+}
