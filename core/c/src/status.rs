@@ -134,9 +134,9 @@ called! {
     ImageError {
         Empty => SMR_ERROR_FRAME_EMPTY,
         StrideTooSmall => SMR_ERROR_STRIDE_TOO_SMALL,
-        SliceTooShort => SMR_ERROR_FRAME_TOO_SHORT
+        SliceTooShort => SMR_ERROR_FRAME_TOO_SHORT, .._
     }
-    FrameError { OutsideFrame => SMR_ERROR_OUTSIDE_FRAME }
+    FrameError { OutsideFrame => SMR_ERROR_OUTSIDE_FRAME, .._ }
     ConfigError {
         ZeroDenominator => SMR_ERROR_ZERO_DENOMINATOR,
         NothingCounts => SMR_ERROR_NOTHING_COUNTS,
