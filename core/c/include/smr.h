@@ -2,8 +2,8 @@
  * @file smr.h
  * @brief Follows one target through 8-bit gray frames by the Similarity Matching Ratio (SMR).
  *
- * The tracker keeps the target's last appearance, the template. It compares it with every offset in a search window around
- * the last box. The best offset is the new box, and its pixels are the next template.
+ * The paper's tracker keeps the target's last appearance, the template, and compares it with every offset in a search window
+ * around the last box. The best offset is the new box, and its pixels are the next template.
  *
  * @code
  * static smr_paper_target storage;       // all that is remembered; nothing is allocated
