@@ -1,7 +1,7 @@
 //! The instruction sets that kernels are written for, and which of them this machine has.
 
 #[cfg(target_arch = "x86_64")]
-use super::x86;
+use super::x86::{avx2::scores as avx2, sse2};
 
 /// An instruction set that computes scores and sums of products. All give the same integers.
 ///
@@ -62,9 +62,9 @@ impl Backend {
         match self {
             Self::Scalar => true,
             #[cfg(target_arch = "x86_64")]
-            Self::Sse2 => x86::sse2::is_available(),
+            Self::Sse2 => sse2::is_available(),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => x86::avx2::scores::is_available(),
+            Self::Avx2 => avx2::is_available(),
             Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
             #[cfg(not(target_arch = "x86_64"))]
             Self::Sse2 | Self::Avx2 => false,

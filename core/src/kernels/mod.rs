@@ -103,6 +103,7 @@ mod x86 {
 
 #[cfg(test)]
 mod tests {
+    mod backends;
     mod guard;
     mod products;
     mod scores;

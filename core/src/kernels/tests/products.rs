@@ -1,11 +1,11 @@
-//! Every backend against `plain/products.rs`. One macro makes the same tests for each.
+//! Every backend against `plain/products.rs`.
 
+use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
 use crate::kernels::backend::Backend;
 use crate::kernels::layout::{Layout, ROOM};
 use crate::kernels::plain::products::{gather, responses};
 use crate::kernels::products::Products;
-use std::io::Write;
 use std::vec::Vec;
 
 /// Numbers that look random, the same in every run.
@@ -100,29 +100,4 @@ fn extremes(backend: Backend) {
     }
 }
 
-macro_rules! stamp {
-    ($($module:ident: $backend:ident;)*) => {$(
-        mod $module {
-            use super::*;
-            stamp!(@tests $backend: all_shapes, odd_shapes, extremes);
-        }
-    )*};
-    (@tests $backend:ident: $($test:ident),*) => {$(
-        #[test]
-        fn $test() {
-            if Backend::$backend.is_available() {
-                super::$test(Backend::$backend);
-            } else {
-                // Not `println!`, which is not shown for a test that passes.
-                let _ = writeln!(std::io::stderr(), "skipped: products, {}: this machine has no {:?}", stringify!($test), Backend::$backend);
-            }
-        }
-    )*};
-}
-
-stamp! {
-    scalar_loop: Scalar;
-    sse2: Sse2;
-    avx2: Avx2;
-    neon: Neon;
-}
+for_each_backend!(all_shapes, odd_shapes, extremes);

@@ -1,5 +1,6 @@
-//! Every backend against `plain/scores.rs`. One macro makes the same tests for each.
+//! Every backend against `plain/scores.rs`.
 
+use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
 use super::table::{cut, similarity};
 use crate::image::Image;
@@ -7,7 +8,6 @@ use crate::kernels::backend::Backend;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::scorer::Scorer;
 use std::boxed::Box;
-use std::io::Write;
 use std::vec::Vec;
 
 /// All sizes up to this edge are tried. Miri is thousands of times slower: there it is a little more than the narrowest vector.
@@ -206,30 +206,12 @@ fn all_ranges(backend: Backend) {
     }
 }
 
-macro_rules! stamp {
-    ($($module:ident: $backend:ident;)*) => {$(
-        mod $module {
-            use super::*;
-            stamp!(@tests $backend: all_sizes, all_thresholds_and_alignments, all_differences, extremes, bound,
-                all_lengths_of_ranges, all_ranges);
-        }
-    )*};
-    (@tests $backend:ident: $($test:ident),*) => {$(
-        #[test]
-        fn $test() {
-            if Backend::$backend.is_available() {
-                super::$test(Backend::$backend);
-            } else {
-                // Not `println!`, which is not shown for a test that passes.
-                let _ = writeln!(std::io::stderr(), "skipped: {}: this machine has no {:?}", stringify!($test), Backend::$backend);
-            }
-        }
-    )*};
-}
-
-stamp! {
-    scalar_loop: Scalar;
-    sse2: Sse2;
-    avx2: Avx2;
-    neon: Neon;
-}
+for_each_backend!(
+    all_sizes,
+    all_thresholds_and_alignments,
+    all_differences,
+    extremes,
+    bound,
+    all_lengths_of_ranges,
+    all_ranges
+);

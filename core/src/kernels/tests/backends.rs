@@ -1,0 +1,29 @@
+//! The same tests for every backend, by one macro.
+
+/// A module of tests for each backend; `$test` is a function that takes it. A backend that the machine does not have is skipped by name.
+macro_rules! for_each_backend {
+    ($($test:ident),*) => {
+        for_each_backend! { @modules ($($test),*) scalar_loop: Scalar, sse2: Sse2, avx2: Avx2, neon: Neon }
+    };
+    (@modules $tests:tt $($module:ident: $backend:ident),*) => {$(
+        mod $module {
+            use super::*;
+            for_each_backend! { @tests $backend $tests }
+        }
+    )*};
+    (@tests $backend:ident ($($test:ident),*)) => {$(
+        #[test]
+        fn $test() {
+            use std::io::Write;
+            let backend = $crate::kernels::backend::Backend::$backend;
+            if backend.is_available() {
+                super::$test(backend);
+            } else {
+                // Not `println!`, which is not shown for a test that passes.
+                let _ = writeln!(std::io::stderr(), "skipped: {}::{}: no {backend:?} here", module_path!(), stringify!($test));
+            }
+        }
+    )*};
+}
+
+pub(super) use for_each_backend;
