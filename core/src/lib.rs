@@ -70,6 +70,7 @@
 //! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
 //! - `verify`: runs the plain loops beside every call of a faster backend, and panics if they differ. For tests.
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
+//! - `unstable`: the module `unstable` shows what is inside the trackers, to host-sim and the tests. It may change in any version.
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]
@@ -88,6 +89,8 @@ pub mod pursuit;
 pub mod search;
 pub mod similarity;
 mod track;
+#[cfg(feature = "unstable")]
+pub mod unstable;
 
 /// Runs the examples of the README as tests.
 #[cfg(doctest)]

@@ -2,6 +2,7 @@
 
 use crate::{Vectors, Words, fnv};
 use smr_core::robust::Config;
+use smr_core::unstable::{response, weights};
 use smr_core::{Answer, FineRect, Robust, State, Tracker};
 
 /// The vectors.
@@ -61,13 +62,13 @@ impl Vectors for Robust {
 
     fn answered(answer: &Answer, tracker: &Tracker<Self>) -> Expected {
         let target = tracker.target();
-        let weights = target.weights().iter().flat_map(|weight| weight.to_le_bytes());
+        let weights = weights(target).iter().flat_map(|weight| weight.to_le_bytes());
         Expected {
             fine: answer.fine,
             state: answer.state,
             confidence: answer.confidence,
             ratio: answer.ratio,
-            response: tracker.workspace().response(),
+            response: response(tracker.workspace()),
             scale: answer.scale,
             found_again: answer.found_again,
             hashes: (fnv(target.early_template().into_iter().flatten()), fnv(weights)),

@@ -3,6 +3,7 @@
 use crate::memory::{Memory, ROOM};
 use smr_core::Image;
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
+use smr_core::unstable::spread;
 
 /// The steepest table, one in between, and the paper's.
 static TABLES: [Table; 3] = [table(1), table(40), Table::PAPER];
@@ -157,12 +158,14 @@ impl Checks {
             let mut low: [u8; 256] = memory.start.first_chunk().copied().ok_or(wrong("no room"))?;
             let mut high: [u8; 256] = memory.start.last_chunk().copied().ok_or(wrong("no room"))?;
             let (lows, highs) = memory.start.split_at_mut_checked(ROOM - 256).ok_or(wrong("no room"))?;
-            plain.spread(
+            spread(
+                &plain,
                 &rows,
                 low.get_mut(..columns).unwrap_or_default(),
                 high.get_mut(..columns).unwrap_or_default(),
             );
-            scorer.spread(
+            spread(
+                &scorer,
                 &rows,
                 lows.get_mut(..columns).unwrap_or_default(),
                 highs.get_mut(..columns).unwrap_or_default(),

@@ -30,11 +30,6 @@ use crate::image::{Image, Rect};
 /// assert_eq!(scorer.score_at_least(patch, template, 3 * 65535), None);
 /// assert_eq!(scorer.distance(patch, template, u32::MAX), Some(1 + 12 + 13));
 /// assert!(scorer.score_between_at_least(patch, patch, template, 0) >= scorer.score(patch, template));
-///
-/// let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
-/// let (mut low, mut high) = ([0; 2], [0; 2]);
-/// scorer.spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
-/// assert_eq!((low, high), ([1, 5], [9, 9]));
 /// # Ok::<(), smr_core::ImageError>(())
 /// ```
 pub struct Scorer<'a> {
@@ -154,7 +149,7 @@ impl<'a> Scorer<'a> {
     /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more
     /// pixels than `low` and `high`.
     #[inline(always)]
-    pub fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));
         #[cfg(feature = "verify")]
         verify::spread(rows, low, high);

@@ -67,7 +67,7 @@
 
 use super::checksum::Crc;
 use super::saved::Kind;
-use super::update::SEAL;
+use super::update::{SEAL, Seal};
 use super::{Answer, Target, paper, robust};
 use crate::image::{Frame, Image, Rect};
 use crate::{Paper, Robust};
@@ -122,26 +122,19 @@ impl Tag {
 }
 
 /// A target that can be recorded. Both trackers' targets can.
-///
-/// ```
-/// use smr_core::record::Recorded;
-/// use smr_core::{Robust, robust::Config};
-/// let mut numbers = Vec::new();
-/// Robust::numbers(&Config::robust(), |number| numbers.push(number));
-/// assert_eq!((Robust::TRACKER, numbers.len(), numbers[0]), (b'R', 268, 65535)); // p(0) is 1.0
-/// ```
 pub trait Recorded: Target {
     /// The tracker's letter in a record.
     const TRACKER: u8;
 
     /// Calls `add` with each number of the configuration that answers depend on, in the order of the record.
-    fn numbers(config: &Self::Config, add: impl FnMut(u16));
+    #[doc(hidden)]
+    fn numbers(config: &Self::Config, add: impl FnMut(u16), _: &Seal);
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Recorded for Paper<PIXELS, SPAN> {
     const TRACKER: u8 = Kind::Paper as u8;
 
-    fn numbers(config: &paper::Config, add: impl FnMut(u16)) {
+    fn numbers(config: &paper::Config, add: impl FnMut(u16), _: &Seal) {
         paper::numbers(config, add);
     }
 }
@@ -149,7 +142,7 @@ impl<const PIXELS: usize, const SPAN: usize> Recorded for Paper<PIXELS, SPAN> {
 impl Recorded for Robust {
     const TRACKER: u8 = Kind::Robust as u8;
 
-    fn numbers(config: &robust::Config, add: impl FnMut(u16)) {
+    fn numbers(config: &robust::Config, add: impl FnMut(u16), _: &Seal) {
         robust::numbers(config, add);
     }
 }
@@ -172,11 +165,11 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     pub fn begin<T: Recorded>(target: &T, write: W) -> Result<Self, E> {
         let mut recorder = Self { write, entries: 0, failed: false };
         let mut numbers = 0;
-        T::numbers(target.config(), |_| numbers += 1);
+        T::numbers(target.config(), |_| numbers += 1, SEAL);
         recorder.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
             entry.u16(VERSION);
             entry.put(&[T::TRACKER, 0]);
-            T::numbers(target.config(), |number| entry.u16(number));
+            T::numbers(target.config(), |number| entry.u16(number), SEAL);
         })?;
         Ok(recorder)
     }

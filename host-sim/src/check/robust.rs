@@ -10,7 +10,7 @@ use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_core::robust::{CHANNELS, REACH};
-use smr_core::{Answer, Frame, Image, Rect, Robust, State, Target, Tracker};
+use smr_core::{Answer, Frame, Image, Rect, Robust, State, Target, Tracker, unstable};
 
 /// What was compared.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -55,14 +55,14 @@ impl Checked for Robust {
         let before = before(sides.core.target(), &sides.reference);
         let part = asked_for(&sides.core, frame)?;
         let (target, workspace) = sides.core.parts();
-        let cells: Vec<f64> = target.features(workspace, &part)?.iter().map(|&byte| byte.into()).collect();
-        let responses = target.response_map(workspace, &part)?;
+        let cells: Vec<f64> = unstable::features(target, workspace, &part)?.iter().map(|&byte| byte.into()).collect();
+        let responses = unstable::response_map(target, workspace, &part)?;
         let span = 2 * usize::from(target.config().reach) + 1;
         let responses = responses.iter().take(span).flat_map(|row| row.iter().take(span));
         let responses: Vec<f64> = responses.map(|&of| of.into()).collect();
         let columns = window_columns(target);
         let answer = sides.update(&part)?;
-        let response = sides.core.workspace().response();
+        let response = unstable::response(sides.core.workspace());
         let step = sides.reference.update(&frame.pixels);
         sides.counts.add(&step);
         Ok(before
@@ -115,7 +115,7 @@ fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -
 /// What the next frame will be compared with.
 fn learned(core: &Robust, reference: &Reference) -> Option<Mismatch> {
     let shape = reference.shape();
-    let weights: Vec<f64> = core.weights().iter().map(|&weight| weight.into()).collect();
+    let weights: Vec<f64> = unstable::weights(core).iter().map(|&weight| weight.into()).collect();
     let early: Vec<f64> = core.early_template().into_iter().flatten().map(f64::from).collect();
     let columns = |columns: i64| usize::try_from(columns).unwrap_or(1);
     numbers_differ("weight", &weights, reference.weights(), columns(shape.across) * CHANNELS)
@@ -149,7 +149,8 @@ mod tests {
     use super::*;
     use crate::check::{self, Check};
     use crate::sequence::{self, CHECKED, OpenOptions};
-    use smr_core::robust::{Config, Part};
+    use smr_core::robust::Config;
+    use smr_core::unstable::{Part, has, without};
     use std::path::Path;
 
     type Report = check::Report<Counts>;
@@ -181,11 +182,11 @@ mod tests {
     fn numbers(config: &Config) -> Numbers {
         let mut numbers = Numbers::robust();
         let parts = &mut numbers.parts;
-        parts.velocity = config.has(Part::Velocity);
-        parts.distance_penalty = config.has(Part::DistancePenalty);
+        parts.velocity = has(config, Part::Velocity);
+        parts.distance_penalty = has(config, Part::DistancePenalty);
         parts.size = config.size;
-        parts.verification = config.has(Part::Verification);
-        parts.gated_learning = config.has(Part::GatedLearning);
+        parts.verification = has(config, Part::Verification);
+        parts.gated_learning = has(config, Part::GatedLearning);
         parts.sweep = config.sweep;
         numbers
     }
@@ -193,11 +194,11 @@ mod tests {
     type Change<T> = (&'static str, fn(&mut T));
 
     const WITHOUT: [Change<Config>; 6] = [
-        ("velocity", |config| *config = config.without(Part::Velocity)),
-        ("distance penalty", |config| *config = config.without(Part::DistancePenalty)),
+        ("velocity", |config| *config = without(*config, Part::Velocity)),
+        ("distance penalty", |config| *config = without(*config, Part::DistancePenalty)),
         ("size", |config| config.size = false),
-        ("verification", |config| *config = config.without(Part::Verification)),
-        ("gated learning", |config| *config = config.without(Part::GatedLearning)),
+        ("verification", |config| *config = without(*config, Part::Verification)),
+        ("gated learning", |config| *config = without(*config, Part::GatedLearning)),
         ("sweep", |config| config.sweep = false),
     ];
 

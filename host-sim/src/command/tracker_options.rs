@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 use smr_core::paper::{Config, Fraction, Radius, RunnerUp};
 use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
+use smr_core::unstable::{self, without};
 use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
@@ -149,11 +150,11 @@ impl Part {
     /// Leaves it out of `config`.
     pub fn leave_out(self, config: &mut robust::Config) {
         match self {
-            Self::Velocity => *config = config.without(robust::Part::Velocity),
-            Self::DistancePenalty => *config = config.without(robust::Part::DistancePenalty),
+            Self::Velocity => *config = without(*config, unstable::Part::Velocity),
+            Self::DistancePenalty => *config = without(*config, unstable::Part::DistancePenalty),
             Self::Size => config.size = false,
-            Self::Verification => *config = config.without(robust::Part::Verification),
-            Self::GatedLearning => *config = config.without(robust::Part::GatedLearning),
+            Self::Verification => *config = without(*config, unstable::Part::Verification),
+            Self::GatedLearning => *config = without(*config, unstable::Part::GatedLearning),
             Self::Sweep => config.sweep = false,
         }
     }

@@ -3,8 +3,9 @@
 use anyhow::{Context, Result, bail, ensure};
 use smr_core::paper::{self, Fraction, Margins, Radius, RunnerUp};
 use smr_core::record::Recorded;
-use smr_core::robust::{self, Part};
+use smr_core::robust;
 use smr_core::similarity::Table;
+use smr_core::unstable::{Part, without};
 use std::sync::LazyLock;
 
 /// A tracker whose configuration can be read from a record.
@@ -98,7 +99,7 @@ impl Configured for smr_core::Robust {
         ];
         for (has, part) in parts {
             if !flag(has)? {
-                config = config.without(part);
+                config = without(config, part);
             }
         }
         (config.reach, config.patience) = (byte(reach)?, byte(patience)?);

@@ -6,6 +6,7 @@ use super::{hash, hex, pixels};
 use crate::evaluate::name_of;
 use smr_core::robust::Config;
 use smr_core::similarity::Backend;
+use smr_core::unstable::weights;
 use smr_core::{Answer, Frame, Image, Rect, Robust, Tracker};
 
 /// Frames of one size, and what the tracker that follows a box through them consists of.
@@ -201,9 +202,9 @@ fn lines(config: &Config) -> impl Iterator<Item = String> {
 
 fn words(answer: &Answer, tracker: &Tracker<Robust>) -> String {
     let Answer { fine, confidence, ratio, scale, found_again, .. } = answer;
-    let (state, response) = (name_of(answer.state), tracker.workspace().response());
+    let (state, response) = (name_of(answer.state), smr_core::unstable::response(tracker.workspace()));
     let early = fnv(tracker.target().early_template().into_iter().flatten());
-    let weights = fnv(tracker.target().weights().iter().flat_map(|weight| weight.to_le_bytes()));
+    let weights = fnv(weights(tracker.target()).iter().flat_map(|weight| weight.to_le_bytes()));
     let [x, y, width, height] = [fine.x.into(), fine.y.into(), fine.width.into(), fine.height.into()] as [i64; 4];
     let found_again = u8::from(*found_again);
     format!(

@@ -55,8 +55,8 @@ pub(super) struct Parts {
     pub(super) gated_learning: bool,
 }
 
-/// A part of the tracker that [`Config::without`] leaves out.
-#[cfg(feature = "ablation")]
+/// A part of the robust tracker that [`without`](crate::unstable::without) leaves out.
+#[cfg(feature = "unstable")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// A moving target is expected to go on.
@@ -89,9 +89,9 @@ impl Config {
     }
 
     /// The same without a part.
-    #[cfg(feature = "ablation")]
+    #[cfg(feature = "unstable")]
     #[must_use]
-    pub const fn without(mut self, part: Part) -> Self {
+    pub(crate) const fn without(mut self, part: Part) -> Self {
         match part {
             Part::Velocity => self.parts.velocity = false,
             Part::DistancePenalty => self.parts.distance_penalty = false,
@@ -102,9 +102,9 @@ impl Config {
     }
 
     /// Whether it has a part.
-    #[cfg(feature = "ablation")]
+    #[cfg(feature = "unstable")]
     #[must_use]
-    pub const fn has(&self, part: Part) -> bool {
+    pub(crate) const fn has(&self, part: Part) -> bool {
         match part {
             Part::Velocity => self.parts.velocity,
             Part::DistancePenalty => self.parts.distance_penalty,

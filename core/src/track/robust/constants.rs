@@ -19,7 +19,7 @@ pub use crate::kernels::{CELL, CHANNELS};
 /// The most that the filter searches to each side, in cells: see `Config::reach`.
 pub const REACH: u16 = 8;
 /// Offsets on an axis of the largest search.
-pub(super) const SPAN: usize = 2 * REACH as usize + 1;
+pub(crate) const SPAN: usize = 2 * REACH as usize + 1;
 /// Pixels of the largest template. The grid's step is chosen so that a target has about as many.
 pub(super) const MOST_PIXELS: usize = 1600;
 /// Cells of the largest filter.

@@ -129,6 +129,7 @@ impl Extractor {
         row >= down
     }
 
+    #[cfg(any(test, feature = "unstable"))]
     /// All features at once. False if pixels that are read are not in memory, or if there is no room.
     pub(super) fn features<const N: usize>(
         &mut self,

@@ -60,8 +60,10 @@ mod verification;
 mod workspace;
 
 pub use config::Config;
-#[cfg(feature = "ablation")]
+#[cfg(feature = "unstable")]
 pub use config::Part;
+#[cfg(feature = "unstable")]
+pub(crate) use constants::SPAN;
 pub use constants::{CELL, CHANNELS, REACH};
 pub use grid::Grid;
 pub(super) use state::numbers;

@@ -12,7 +12,7 @@
 use super::buffers::Buffers;
 use super::confidence::Confidence;
 use super::config::{Config, Parts};
-use super::constants::{CELL, FIRST_RATE, FIRST_STEPS, SPAN};
+use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
 use super::cost::{CODED, REFINED, weights};
 use super::displacement::Displacement;
 use super::grid::Grid;
@@ -344,6 +344,7 @@ impl Model<'_> {
         Products::new(self.config.backend())
     }
 
+    #[cfg(feature = "unstable")]
     /// The features of the window where the target is expected, as the next update will see them. False if it is not in memory.
     pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
         let place = self.centre(Purpose::Follow);
@@ -351,11 +352,12 @@ impl Model<'_> {
         buffers.extractor.features(frame, &lattice, &mut buffers.cells)
     }
 
+    #[cfg(feature = "unstable")]
     /// The filter's responses to these features.
-    pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
+    pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; super::SPAN]; super::SPAN] {
         self.memory.filter.code(&mut buffers.coded);
         let Buffers { extractor, cells, coded, responses, .. } = buffers;
-        responses.rows = [[0; SPAN]; SPAN];
+        responses.rows = [[0; super::SPAN]; super::SPAN];
         let mut parts = 0..;
         while !responses.advance(
             coded,

@@ -1,7 +1,9 @@
 //! The robust tracker's target: locked on, updated, shown and saved.
 
 use super::config::Config;
-use super::constants::{MARGIN_CELLS, QUALITY_ALPHA, SCALE, SCALE_REACH, SPAN};
+#[cfg(feature = "unstable")]
+use super::constants::SPAN;
+use super::constants::{MARGIN_CELLS, QUALITY_ALPHA, SCALE, SCALE_REACH};
 use super::grid::Grid;
 use super::motion::Place;
 use super::pipeline::Model;
@@ -72,19 +74,17 @@ impl Robust {
         self.memory.track.map(|track| track.grid)
     }
 
-    /// The filter's weights, cell by cell and [`CHANNELS`](super::CHANNELS) in each, in units of 2^-16 of a response's 1/16384; none before
-    /// the first lock.
-    #[must_use]
-    pub fn weights(&self) -> &[i32] {
+    #[cfg(feature = "unstable")]
+    pub(crate) fn weights(&self) -> &[i32] {
         self.memory.filter.weights()
     }
 
-    /// The cells of the search window as the next update will see them in this frame, row by row and
-    /// [`CHANNELS`](super::CHANNELS) bytes in each: the filter's and `Config::reach` more on each side.
-    ///
-    /// # Errors
-    /// Those of [`Target::update`]. An update under way in this workspace is given up.
-    pub fn features<'a>(&self, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
+    #[cfg(feature = "unstable")]
+    pub(crate) fn features<'a>(
+        &self,
+        workspace: &'a mut Workspace,
+        frame: &Frame<'_>,
+    ) -> Result<&'a [i8], UpdateError> {
         self.check(frame, SEAL)?;
         let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
         workspace.under_way.end();
@@ -94,12 +94,8 @@ impl Robust {
         Ok(&workspace.buffers.cells)
     }
 
-    /// The filter's responses to those cells, in units of 1/16384, row by row: up to `Config::reach` cells from the middle to each
-    /// side, without distance penalty; the rest is 0.
-    ///
-    /// # Errors
-    /// As [`Robust::features`].
-    pub fn response_map(
+    #[cfg(feature = "unstable")]
+    pub(crate) fn response_map(
         &self,
         workspace: &mut Workspace,
         frame: &Frame<'_>,

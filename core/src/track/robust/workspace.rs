@@ -26,10 +26,8 @@ impl Workspace {
         Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's response where the last finished update found the target, in units of 1/16384: about 1 where the target looks as it
-    /// did. For checking; see [`Answer::confidence`](crate::Answer::confidence).
-    #[must_use]
-    pub const fn response(&self) -> i32 {
+    /// The filter's response where the last finished update found the target, in units of 1/16384.
+    pub(crate) const fn response(&self) -> i32 {
         self.pipeline.response()
     }
 }

@@ -1,0 +1,79 @@
+//! **Unstable**: what `host-sim` and the tests look at inside the trackers, behind the feature `unstable`. It may change in any version.
+//! Firmware needs none of it.
+
+use crate::image::Frame;
+use crate::similarity::Scorer;
+use crate::track::robust::{Config, Robust, Workspace};
+use crate::track::{UpdateError, robust};
+
+pub use robust::Part;
+
+/// `config` without one part of the robust tracker.
+///
+/// ```
+/// use smr_core::robust::Config;
+/// use smr_core::unstable::{Part, has, without};
+/// assert!(!has(&without(Config::robust(), Part::Velocity), Part::Velocity));
+/// ```
+#[must_use]
+pub const fn without(config: Config, part: Part) -> Config {
+    config.without(part)
+}
+
+/// Whether `config` has a part.
+#[must_use]
+pub const fn has(config: &Config, part: Part) -> bool {
+    config.has(part)
+}
+
+/// The filter's weights, cell by cell and [`CHANNELS`](crate::robust::CHANNELS) in each, in units of 2^-16 of a response's 1/16384; none
+/// before the first lock.
+#[must_use]
+pub fn weights(target: &Robust) -> &[i32] {
+    target.weights()
+}
+
+/// The features of the search window as the next update will see them in this frame: cell by cell, row by row,
+/// [`CHANNELS`](crate::robust::CHANNELS) bytes in each. The window has the filter's cells and `Config::reach` more on each side.
+///
+/// # Errors
+/// Those of [`Target::update`](crate::Target::update). An update under way in this workspace is given up.
+pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
+    target.features(workspace, frame)
+}
+
+/// The filter's responses to these features, in units of 1/16384, row by row: up to `Config::reach` cells from the middle to each side,
+/// without the distance penalty. The rest is 0.
+///
+/// # Errors
+/// As [`features`].
+pub fn response_map(
+    target: &Robust,
+    workspace: &mut Workspace,
+    frame: &Frame<'_>,
+) -> Result<[[i32; robust::SPAN]; robust::SPAN], UpdateError> {
+    target.response_map(workspace, frame)
+}
+
+/// The filter's response where the last finished update found the target, in units of 1/16384: about 1 where the target looks as it did.
+#[must_use]
+pub const fn response(workspace: &Workspace) -> i32 {
+    workspace.response()
+}
+
+/// The lowest and the highest pixel of each 4x4 block, by the backend of `scorer`. The block at index `i` begins in column `i`; the rows
+/// have three more pixels than `low` and `high`.
+///
+/// ```
+/// use smr_core::similarity::{Backend, CutTable, Scorer, Table};
+/// use smr_core::unstable::spread;
+/// let table = CutTable::new(&Table::PAPER, 13);
+/// let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
+/// let (mut low, mut high) = ([0; 2], [0; 2]);
+/// spread(&Scorer::new(Backend::best(), &table), &rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
+/// assert_eq!((low, high), ([1, 5], [9, 9]));
+/// ```
+#[inline(always)] // measured on its own
+pub fn spread(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    scorer.spread(rows, low, high);
+}
