@@ -140,7 +140,7 @@ impl Model<'_> {
         buffers.verification.begin(&self.reference());
         work.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
         pipeline.outcome = Outcome::new(Some(self.track));
-        pipeline.stage = self.search(buffers, Purpose::Follow);
+        self.search(pipeline, buffers, Purpose::Follow);
     }
 
     /// Begins a lock.
@@ -149,9 +149,11 @@ impl Model<'_> {
         pipeline.stage = Stage::Template(self.view(buffers, self.track.motion.place));
     }
 
-    /// Begins another step of learning from the same window.
+    /// Begins a step of a lock's learning: the responses to the weights as they are now.
     pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
-        pipeline.stage = self.respond_first(buffers, work);
+        self.memory.filter.code(&mut buffers.coded);
+        work.spend(CODED * weights(&self.track.grid));
+        pipeline.stage = Stage::Response(Purpose::Lock, 0);
     }
 
     /// Goes on until what is granted is spent; true at the end.
@@ -164,60 +166,63 @@ impl Model<'_> {
         frame: &Frame<'_>,
     ) -> bool {
         while !matches!(pipeline.stage, Stage::Done) && !work.is_spent() {
-            if let Some(next) = self.advance_stage(pipeline, buffers, work, frame) {
-                pipeline.stage = next;
-            }
+            self.advance_stage(pipeline, buffers, work, frame);
         }
         matches!(pipeline.stage, Stage::Done)
     }
 
-    /// One unit of work; the next stage after the last one.
-    fn advance_stage(
-        &self,
-        Pipeline { stage, outcome }: &mut Pipeline,
-        buffers: &mut Buffers,
-        work: &mut UnderWay,
-        frame: &Frame<'_>,
-    ) -> Option<Stage> {
-        match stage {
-            Stage::Done => None,
+    /// One unit of work. After the last one of a stage the next one begins, in a function of its own: its stack is then not that of every
+    /// unit.
+    fn advance_stage(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
+        match &mut pipeline.stage {
+            Stage::Done => {}
             Stage::Template(view) => {
                 let Buffers { extractor, verification, .. } = buffers;
-                let done = view.advance(frame, extractor.sampling(), verification, work);
-                done.then(|| self.search(buffers, Purpose::Lock))
+                if view.advance(frame, extractor.sampling(), verification, work) {
+                    self.search(pipeline, buffers, Purpose::Lock);
+                }
             }
             Stage::Features(purpose, lattice) => {
                 let Buffers { extractor, cells, .. } = buffers;
-                let done = extractor.advance(frame, lattice, cells, work);
-                done.then(|| match purpose {
-                    Purpose::Lock => self.respond_first(buffers, work),
-                    _ => Stage::Response(*purpose, 0),
-                })
+                if extractor.advance(frame, lattice, cells, work) {
+                    match *purpose {
+                        Purpose::Lock => self.begin_step(pipeline, buffers, work),
+                        purpose => pipeline.stage = Stage::Response(purpose, 0),
+                    }
+                }
             }
             Stage::Response(purpose, part) => {
                 let Buffers { extractor, cells, coded, responses, .. } = buffers;
                 let window = self.window(cells);
                 let done = responses.advance(coded, self.products(), extractor.packed(), window, *part, work);
                 *part += 1;
-                done.then(|| match purpose {
-                    Purpose::Lock => Stage::Learning(Learning::begin((0, 0), FIRST_RATE)),
-                    _ => self.verify(buffers, *purpose),
-                })
+                match *purpose {
+                    _ if !done => {}
+                    Purpose::Lock => pipeline.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE)),
+                    purpose => self.verify(pipeline, buffers, purpose),
+                }
             }
             Stage::Verification(purpose, verification) => {
                 let Buffers { extractor, verification: scratch, .. } = buffers;
-                let verified = verification.advance(&self.reference(), frame, extractor.sampling(), scratch, work)?;
-                Some(match purpose {
-                    Purpose::Redetect => redetect(outcome, verified),
-                    _ => Stage::Refinement(verified),
-                })
+                let reference = self.reference();
+                if let Some(verified) = verification.advance(&reference, frame, extractor.sampling(), scratch, work) {
+                    match *purpose {
+                        Purpose::Redetect => redetect(pipeline, verified),
+                        _ => pipeline.stage = Stage::Refinement(verified),
+                    }
+                }
             }
-            Stage::Refinement(verified) => Some(self.refine(outcome, *verified, buffers, work)),
+            Stage::Refinement(verified) => {
+                let verified = *verified;
+                self.refine(pipeline, verified, buffers, work);
+            }
             Stage::Scale(search, growth) => {
                 let (tools, mut scratch) = self.scale_search(buffers);
-                let scale = search.advance(&tools, frame, &mut scratch, work)?;
-                let scale = growth.map_or(scale, |growth| scale::grown(outcome.candidate.place.scale, growth));
-                Some(self.decide(outcome, scale, buffers))
+                if let Some(scale) = search.advance(&tools, frame, &mut scratch, work) {
+                    let last = pipeline.outcome.candidate.place.scale;
+                    let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
+                    self.decide(pipeline, scale, buffers);
+                }
             }
             Stage::Learning(learning) => {
                 let Buffers { cells, responses, extractor, coded, learning: scratch, .. } = buffers;
@@ -228,17 +233,20 @@ impl Model<'_> {
                     responses,
                     products: self.products(),
                 };
-                outcome.step = Some(learning.advance(&training, coded, scratch, extractor.packed(), work)?);
-                Some(Stage::Done)
+                let length = learning.advance(&training, coded, scratch, extractor.packed(), work);
+                if length.is_some() {
+                    (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
+                }
             }
         }
     }
 
     /// Begins the search of a window.
-    fn search(&self, buffers: &mut Buffers, purpose: Purpose) -> Stage {
+    #[inline(never)] // see `advance_stage`
+    fn search(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
         let lattice = Lattice::search_window(self.centre(purpose), &self.track.grid, self.config.reach());
         buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.cells);
-        Stage::Features(purpose, lattice)
+        pipeline.stage = Stage::Features(purpose, lattice);
     }
 
     fn centre(&self, purpose: Purpose) -> Place {
@@ -249,20 +257,15 @@ impl Model<'_> {
         }
     }
 
-    /// Begins the responses of a lock, to the weights as they are now.
-    fn respond_first(&self, buffers: &mut Buffers, work: &mut UnderWay) -> Stage {
-        self.memory.filter.code(&mut buffers.coded);
-        work.spend(CODED * weights(&self.track.grid));
-        Stage::Response(Purpose::Lock, 0)
-    }
-
     /// Begins the verification of the peak.
-    fn verify(&self, buffers: &mut Buffers, purpose: Purpose) -> Stage {
+    #[inline(never)] // see `advance_stage`
+    fn verify(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
         let peak = buffers.responses.peak(self.config.parts.distance_penalty);
         // 1/256 cell is 1/64 pixel of the grid.
         let place = self.centre(purpose).moved(&self.track.grid, (peak.x, peak.y)).inside(self.track.bounds);
         let candidate = Candidate::new(place, peak.response);
-        Stage::Verification(purpose, Verification::begin(candidate, self.view(buffers, place)))
+        let view = self.view(buffers, place);
+        pipeline.stage = Stage::Verification(purpose, Verification::begin(candidate, view));
     }
 
     /// Begins the view of a place.
@@ -272,13 +275,14 @@ impl Model<'_> {
     }
 
     /// Refines a verified candidate, and begins the scale search.
+    #[inline(never)] // see `advance_stage`
     fn refine(
         &self,
-        outcome: &mut Outcome,
+        pipeline: &mut Pipeline,
         Verified { mut candidate, displacement }: Verified,
         buffers: &mut Buffers,
         work: &mut UnderWay,
-    ) -> Stage {
+    ) {
         let (grid, scratch) = (&self.track.grid, &buffers.verification);
         let refined = match (scratch.patch(grid, displacement), scratch.relit(grid)) {
             (Some(patch), Some(relit)) => refine(candidate.agreement, displacement, patch, relit, scratch.alpha()),
@@ -288,19 +292,21 @@ impl Model<'_> {
             candidate.place = candidate.place.moved(grid, (x, y)).inside(self.track.bounds);
         }
         work.spend(REFINED * grid.pixels());
-        (outcome.candidate, outcome.displacement) = (candidate, displacement);
+        (pipeline.outcome.candidate, pipeline.outcome.displacement) = (candidate, displacement);
         if self.config.size {
             let (tools, mut scratch) = self.scale_search(buffers);
             let search = ScaleSearch::begin(candidate.place, &tools, &mut scratch);
-            Stage::Scale(search, refined.map(|refined| refined.growth))
+            pipeline.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
         } else {
-            self.decide(outcome, candidate.place.scale, buffers)
+            self.decide(pipeline, candidate.place.scale, buffers);
         }
     }
 
     /// Place and scale are known: decides what is believed, and what comes next.
-    fn decide(&self, outcome: &mut Outcome, scale: u32, buffers: &mut Buffers) -> Stage {
-        let Outcome { track: Some(track), candidate, template_learns, .. } = outcome else { return Stage::Done };
+    #[inline(never)] // see `advance_stage`
+    fn decide(&self, pipeline: &mut Pipeline, scale: u32, buffers: &mut Buffers) {
+        pipeline.stage = Stage::Done;
+        let Outcome { track: Some(track), candidate, template_learns, .. } = &mut pipeline.outcome else { return };
         let Parts { gated_learning, verification, .. } = self.config.parts;
         candidate.place.scale = scale;
         if verification {
@@ -312,15 +318,17 @@ impl Model<'_> {
             track.motion.hold();
         }
         if track.confidence.state(self.config) == State::Lost {
-            return if self.config.sweep { self.search(buffers, Purpose::Redetect) } else { Stage::Done };
+            if self.config.sweep {
+                self.search(pipeline, buffers, Purpose::Redetect);
+            }
+            return;
         }
         *template_learns = candidate.evidence().may_be_learned() || !gated_learning || !verification;
-        if !*template_learns {
-            return Stage::Done;
+        if *template_learns {
+            // Cells and responses are still those of the window where the target was expected.
+            let target = offset(&self.track.grid, self.centre(Purpose::Follow), candidate.place);
+            pipeline.stage = Stage::Learning(Learning::begin(target, self.config.learning_rate));
         }
-        // Cells and responses are still those of the window where the target was expected.
-        let target = offset(&self.track.grid, self.centre(Purpose::Follow), candidate.place);
-        Stage::Learning(Learning::begin(target, self.config.learning_rate))
     }
 
     fn reference(&self) -> Reference<'_> {
@@ -372,16 +380,15 @@ impl Model<'_> {
 }
 
 /// Follows a candidate elsewhere if it is the lost target.
-fn redetect(outcome: &mut Outcome, Verified { candidate, .. }: Verified) -> Stage {
-    if let Some(track) = &mut outcome.track {
-        track.sweep.advance();
-        if candidate.evidence().finds(outcome.candidate.evidence()) {
-            track.motion = Motion::at(candidate.place);
-            track.confidence = Confidence::found(candidate.evidence());
-            outcome.candidate = candidate;
-        }
+fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
+    *stage = Stage::Done;
+    let Some(track) = &mut outcome.track else { return };
+    track.sweep.advance();
+    if candidate.evidence().finds(outcome.candidate.evidence()) {
+        track.motion = Motion::at(candidate.place);
+        track.confidence = Confidence::found(candidate.evidence());
+        outcome.candidate = candidate;
     }
-    Stage::Done
 }
 
 /// Where the target is in a window, from its middle, in units of 1/256 cell.
