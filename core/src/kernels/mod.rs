@@ -101,15 +101,6 @@ mod x86 {
     pub(super) mod sse2;
 }
 
-#[cfg(test)]
-mod tests {
-    mod backends;
-    mod guard;
-    mod products;
-    mod scores;
-    pub(super) mod table;
-}
-
 pub use backend::Backend;
 pub(crate) use bilinear::Columns;
 pub(crate) use cells::SIDE;
@@ -125,3 +116,12 @@ pub(crate) use unrolling::rolled;
 #[cfg(feature = "verify")]
 pub use verify::filter::verify_filter;
 pub(crate) use weights::{Move, Numbers, lessen_by};
+
+#[cfg(test)]
+mod tests {
+    mod backends;
+    mod guard;
+    mod products;
+    mod scores;
+    pub(super) mod table;
+}
