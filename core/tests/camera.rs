@@ -38,7 +38,7 @@ fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
 
 /// Without a least alpha hardly any pixel matches. A peak by chance is not accepted.
 #[test]
-fn a_peak_of_a_few_pixels_is_not_believed() {
+fn a_peak_of_a_few_pixels_is_not_accepted() {
     let mut config = Config::camera();
     config.least_threshold = 0;
     assert_eq!(states(config)[1], (TARGET, State::Lost));

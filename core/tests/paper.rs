@@ -114,7 +114,7 @@ fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() 
 }
 
 #[test]
-fn a_peak_that_is_no_larger_than_the_runner_up_is_not_believed() {
+fn a_peak_that_is_no_larger_than_the_runner_up_is_not_accepted() {
     let twins = [(30, 30), (42, 30)];
     let answer = update(&mut locked(Config::paper(), (30, 30)), 1, &twins);
     assert_eq!((answer.state, answer.runner_up_ratio), (State::Lost, Some(answer.ratio)));

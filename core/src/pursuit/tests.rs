@@ -124,7 +124,7 @@ fn the_hold_ends_within_a_frame_and_starts_anew() {
 }
 
 #[test]
-fn a_time_that_is_none_touches_no_pin() {
+fn an_invalid_time_writes_no_pin() {
     writes(&[], &[], &[], |pursuit| {
         for elapsed in [f32::NAN, f32::INFINITY, -0.001, f32::NEG_INFINITY] {
             let tracking = pursuit.steer(&answer(State::Tracking, 0, 0), elapsed);

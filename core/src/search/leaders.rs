@@ -18,7 +18,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// What is looked for in addition to the peak, and what is known about it.
+/// What is searched in addition to the peak, and its progress.
 #[derive(Clone, Copy)]
 enum Beside {
     Nothing,

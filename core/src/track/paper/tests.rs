@@ -143,7 +143,7 @@ fn a_step_does_no_more_than_it_promises() {
                     if done {
                         break;
                     }
-                    assert!(made > 0, "it goes on");
+                    assert!(made > 0, "every step makes progress");
                 }
             }
         }
@@ -246,7 +246,7 @@ fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
 }
 
 #[test]
-fn a_patch_without_contrast_is_not_believed() {
+fn a_patch_without_contrast_is_not_accepted() {
     let contrast = |by: u8| plain_but(100, move |at| if at % 2 == 0 { 100 - by } else { 100 + by });
     let target = contrast(40);
     assert_eq!(seen_after(&target, &contrast(10), 1), State::Tracking, "a quarter is enough");
@@ -257,7 +257,7 @@ fn a_patch_without_contrast_is_not_believed() {
 }
 
 #[test]
-fn a_patch_that_is_mostly_cut_off_is_not_believed() {
+fn a_patch_that_is_mostly_cut_off_is_not_accepted() {
     let target = plain_but(100, |at| if at % 2 == 0 { 60 } else { 140 });
     let cut_off = |pixels: usize| plain_but(100, move |at| if at < pixels { 255 * (at % 2) as u8 } else { 100 });
     assert_eq!(seen_after(&target, &cut_off(72), 1), State::Tracking, "half of 144");
