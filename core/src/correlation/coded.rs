@@ -1,7 +1,7 @@
 //! Numbers as they are multiplied: 16 bits each, and one power of two for all (block floating point).
 
 use super::Window;
-use crate::kernels::{Numbers, Products, Room, rolled};
+use crate::kernels::{Packed, Products, ScaledSums, rolled};
 use heapless::Vec;
 
 /// The largest coded number: 2000 of them times a byte stay below 2^31.
@@ -33,7 +33,7 @@ impl<const N: usize> Coded<N> {
 
     /// Takes `count` numbers, whose largest is `largest`, in units of 2^`unit`.
     #[inline(always)] // into its two callers
-    pub(crate) fn set(&mut self, numbers: Numbers<'_>, count: usize, largest: u32, unit: u32) {
+    pub(crate) fn set(&mut self, numbers: ScaledSums<'_>, count: usize, largest: u32, unit: u32) {
         let shift = shift_below(largest, LARGEST);
         // Cannot fail: no caller has more than `N`.
         let _ = self.numbers.resize_default(count);
@@ -45,7 +45,7 @@ impl<const N: usize> Coded<N> {
     pub(crate) fn respond<const S: usize>(
         &self,
         products: Products,
-        packed: &mut Room,
+        packed: &mut Packed,
         Window { cells, layout }: Window<'_>,
         part: usize,
         out: &mut [[i32; S]; S],
@@ -82,7 +82,7 @@ mod tests {
     fn coded_numbers_are_bounded() {
         for largest in [0, 1, 8190, 8191, 8192, 1 << 30, i32::MAX] {
             let (mut coded, numbers) = (Coded::<2>::new(), [largest, -largest]);
-            let numbers = Numbers::of(&numbers);
+            let numbers = ScaledSums::of(&numbers);
             coded.set(numbers, 2, numbers.largest(), 0);
             assert!(coded.numbers.iter().all(|coded| u32::from(coded.unsigned_abs()) <= LARGEST), "{largest}");
             assert!(coded.shift == 0 || coded.numbers[0] > 4000, "{largest}");

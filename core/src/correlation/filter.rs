@@ -1,7 +1,7 @@
 //! The filter: a weight for each channel of each cell on the target and around it.
 
 use super::Coded;
-use crate::kernels::{Move, Numbers};
+use crate::kernels::{GradientStep, ScaledSums};
 use heapless::Vec;
 
 /// Up to `N` weights, cell by cell, in units of 2^-16 of a response's 1/16384.
@@ -35,7 +35,7 @@ impl<const N: usize> Filter<N> {
     /// Codes the weights.
     #[inline(never)] // one copy in flash
     pub(crate) fn code(&self, coded: &mut Coded<N>) {
-        let numbers = Numbers::of(&self.weights);
+        let numbers = ScaledSums::of(&self.weights);
         coded.set(numbers, self.weights.len(), numbers.largest(), 0);
     }
 
@@ -43,6 +43,7 @@ impl<const N: usize> Filter<N> {
     /// leave an `i32` stays as it is.
     #[inline(never)] // one copy in flash
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<N>) {
-        Move { length, back: 44u32.saturating_sub(direction.shift()) }.apply(&mut self.weights, direction.numbers());
+        GradientStep { length, back: 44u32.saturating_sub(direction.shift()) }
+            .apply(&mut self.weights, direction.numbers());
     }
 }

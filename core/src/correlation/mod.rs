@@ -19,7 +19,7 @@ mod filter;
 pub(crate) use coded::{Coded, LARGEST, shift_below};
 pub(crate) use filter::Filter;
 
-use crate::kernels::{Layout, Products, Room};
+use crate::kernels::{Layout, Packed, Products};
 
 /// Cells, and how the filter lies on them.
 #[derive(Clone, Copy)]
@@ -31,7 +31,7 @@ pub(crate) struct Window<'a> {
 /// Adds one part of the gradient; true after the last part. `packed` is scratch memory.
 pub(crate) fn add_gradient<const S: usize>(
     products: Products,
-    packed: &mut Room,
+    packed: &mut Packed,
     Window { cells, layout }: Window<'_>,
     errors: &[[i16; S]],
     part: usize,

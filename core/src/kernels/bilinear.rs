@@ -6,18 +6,18 @@ use super::arm::dsp::bilinear as fast;
 use super::arm::helium::bilinear as fast;
 #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
 use super::plain::bilinear::levels;
-use super::plain::bilinear::{Mixed, PLACES};
+use super::plain::bilinear::{MixedRow, PLACES};
 use heapless::Vec;
 
 /// Where up to `N` columns lie in a row.
-pub(crate) struct Columns<const N: usize> {
+pub(crate) struct Interpolation<const N: usize> {
     /// The byte in the row where a column's first number begins.
     from: Vec<u16, N>,
     /// The parts of the first and of the second number, 256 together.
     parts: Vec<[u16; 2], N>,
 }
 
-impl<const N: usize> Columns<N> {
+impl<const N: usize> Interpolation<N> {
     /// A column begins at a number before this one.
     pub(crate) const PLACES: usize = PLACES as usize;
 
@@ -44,7 +44,7 @@ impl<const N: usize> Columns<N> {
 
     /// The rounded gray levels of the columns in `row`, as many as `out` has room for.
     #[inline(always)] // into its one caller
-    pub(crate) fn mix(&self, row: &Mixed, out: &mut [u8]) {
+    pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;
         #[cfg(any(smr_dsp, smr_helium))]
         {
@@ -62,18 +62,18 @@ impl<const N: usize> Columns<N> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plain::bilinear::LESS;
+    use super::super::plain::bilinear::BIAS;
     use super::*;
 
     #[test]
     fn columns_are_rounded_means() {
-        let mut columns = Columns::<5>::new();
+        let mut columns = Interpolation::<5>::new();
         for (place, part) in [(0, 0), (0, 128), (1, 255), (511, 0), (511, 0), (0, 0)] {
             columns.push(place, part);
         }
-        let mut row: Mixed = [0; PLACES as usize + 4];
+        let mut row: MixedRow = [0; PLACES as usize + 4];
         (row[1], row[2], row[511]) = (1 << 8, 255 << 8, 255 << 8);
-        row.iter_mut().for_each(|level| *level = level.wrapping_sub(LESS));
+        row.iter_mut().for_each(|level| *level = level.wrapping_sub(BIAS));
         let mut out = [7; 7];
         columns.mix(&row, &mut out);
         assert_eq!(out, [0, 1, 254, 255, 255, 7, 7]);

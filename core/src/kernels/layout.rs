@@ -1,8 +1,8 @@
 //! How the weights of a filter lie on the bytes of cells, and the scratch memory for sums of products.
 
 /// Scratch numbers: a backend may unpack bytes here before it multiplies. Room for two numbers for each byte of a row of 48 cells.
-pub(crate) const ROOM: usize = 960;
-pub(crate) type Room = [u16; ROOM];
+pub(crate) const PACKED: usize = 960;
+pub(crate) type Packed = [u16; PACKED];
 
 /// How a filter lies on the bytes of cells.
 #[derive(Clone, Copy, Debug)]

@@ -102,20 +102,20 @@ mod x86 {
 }
 
 pub use backend::Backend;
-pub(crate) use bilinear::Columns;
+pub(crate) use bilinear::Interpolation;
 pub(crate) use cells::SIDE;
 pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub(crate) use gradients::{gradients, scale};
-pub(crate) use layout::{Layout, ROOM, Room};
-pub(crate) use plain::bilinear::{LESS, Mixed};
+pub(crate) use layout::{Layout, PACKED, Packed};
+pub(crate) use plain::bilinear::{BIAS, MixedRow};
 pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use unrolling::rolled;
 #[cfg(feature = "verify")]
 pub use verify::filter::verify_filter;
-pub(crate) use weights::{Move, Numbers, lessen_by};
+pub(crate) use weights::{GradientStep, ScaledSums, scale_by};
 
 #[cfg(test)]
 mod tests {

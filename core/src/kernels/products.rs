@@ -8,7 +8,7 @@ use super::arm::dsp::products as dsp;
 #[cfg(smr_helium)]
 use super::arm::helium::products as helium;
 use super::backend::Backend;
-use super::layout::{Layout, Room};
+use super::layout::{Layout, Packed};
 use super::plain::products as plain;
 #[cfg(target_arch = "x86_64")]
 use super::x86::avx2::products as avx2;
@@ -67,7 +67,7 @@ impl Products {
     pub(crate) fn responses<const N: usize>(
         self,
         parts: Range<usize>,
-        #[cfg_attr(not(smr_dsp), allow(unused))] room: &mut Room,
+        #[cfg_attr(not(smr_dsp), allow(unused))] room: &mut Packed,
         cells: &[i8],
         layout: Layout,
         weights: &[i16],
@@ -101,7 +101,7 @@ impl Products {
     pub(crate) fn gather<const N: usize>(
         self,
         parts: Range<usize>,
-        #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))] room: &mut Room,
+        #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))] room: &mut Packed,
         cells: &[i8],
         layout: Layout,
         errors: &[[i16; N]],

@@ -9,14 +9,14 @@ use super::unrolling::rolled_if_spare;
 ///
 /// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
 #[derive(Clone, Copy)]
-pub(crate) struct Numbers<'a> {
+pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],
     pub(crate) factor: i64,
     pub(crate) sums: &'a [i32],
     pub(crate) left: u32,
 }
 
-impl<'a> Numbers<'a> {
+impl<'a> ScaledSums<'a> {
     /// The sums alone; they may be -2^31.
     pub(crate) fn of(sums: &'a [i32]) -> Self {
         Self { weights: sums, factor: 0, sums, left: 0 }
@@ -54,12 +54,12 @@ impl<'a> Numbers<'a> {
 
 /// A step against a gradient: each weight loses `slope * length / 2^back`, rounded. `back` is 0 to 62, and no product reaches 2^62.
 #[derive(Clone, Copy)]
-pub(crate) struct Move {
+pub(crate) struct GradientStep {
     pub(crate) length: i64,
     pub(crate) back: u32,
 }
 
-impl Move {
+impl GradientStep {
     /// Takes the step. A weight that would leave an `i32` stays.
     #[inline(never)] // one copy in flash
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
@@ -83,16 +83,16 @@ impl Move {
 /// Multiplies up to 16 numbers (each at most 8191) by `part / 16384`, rounded. `part` is at most 16384. Returns the sum of the products
 /// of old and new numbers, which is below 2^31.
 #[inline(always)] // into its one caller
-pub(crate) fn lessen_by(numbers: &mut [i16], part: i32) -> i32 {
+pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     #[cfg(not(smr_helium))]
-    return plain::lessen_by(numbers, part);
+    return plain::scale_by(numbers, part);
     #[cfg(smr_helium)]
     {
         #[cfg(feature = "verify")]
         let mut wanted: heapless::Vec<i16, 16> = numbers.iter().copied().collect();
-        let sum = helium::lessen_by(numbers, part);
+        let sum = helium::scale_by(numbers, part);
         #[cfg(feature = "verify")]
-        assert_eq!((plain::lessen_by(&mut wanted, part), &*wanted), (sum, &*numbers), "scaled numbers");
+        assert_eq!((plain::scale_by(&mut wanted, part), &*wanted), (sum, &*numbers), "scaled numbers");
         sum
     }
 }

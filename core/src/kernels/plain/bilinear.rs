@@ -3,21 +3,21 @@
 /// A column can begin at so many numbers of a row.
 pub(crate) const PLACES: u16 = 512;
 
-/// A row that columns are mixed from: 256 times a gray level, less [`LESS`] (in two's complement). One number may follow the last
+/// A row that columns are mixed from: 256 times a gray level, less [`BIAS`] (in two's complement). One number may follow the last
 /// place.
-pub(crate) type Mixed = [u16; PLACES as usize + 4];
+pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
-/// Each number of a [`Mixed`] row is lower by this: the DSP extension multiplies signed numbers.
-pub(crate) const LESS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
+/// Each number of a [`MixedRow`] row is lower by this: the DSP extension multiplies signed numbers.
+pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 
 /// The rounded level of each column. `from` is the byte in the row where its first number begins; `parts` are the parts of the
 /// first and of the second number, 256 together.
 #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
 #[inline(always)] // into its one caller
-pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &Mixed) -> impl Iterator<Item = u8> {
+pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
         let pair = row.get(usize::from(from / 2)..).and_then(|row| row.first_chunk()).copied().unwrap_or([0; 2]);
-        let [first, second] = pair.map(|number| u32::from(number.wrapping_add(LESS)));
+        let [first, second] = pair.map(|number| u32::from(number.wrapping_add(BIAS)));
         let [rest, part] = parts.map(u32::from);
         let [_, _, level, _] = (first * rest + second * part + (1 << 15)).to_le_bytes();
         level

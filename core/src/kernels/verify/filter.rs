@@ -3,11 +3,11 @@
 //! The unit tests of the crate do not run on a microcontroller. There `examples/conformance_robust` calls this.
 
 use super::super::backend::Backend;
-use super::super::bilinear::Columns;
-use super::super::layout::{Layout, ROOM};
-use super::super::plain::bilinear::{LESS, Mixed};
+use super::super::bilinear::Interpolation;
+use super::super::layout::{Layout, PACKED};
+use super::super::plain::bilinear::{BIAS, MixedRow};
 use super::super::products::Products;
-use super::super::weights::{Move, Numbers, lessen_by};
+use super::super::weights::{GradientStep, ScaledSums, scale_by};
 
 /// Features of a cell.
 const STEP: usize = 10;
@@ -60,7 +60,7 @@ fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut 
     let stride = (across + span - 1) * STEP;
     let layout = Layout { row: across * STEP, stride, step: STEP, span };
     let mut small = |most: u32, least: i16| if extreme { least } else { i16::try_from(noise.next(most)).unwrap_or(0) };
-    let mut room = [0; ROOM];
+    let mut room = [0; PACKED];
     let cells: heapless::Vec<i8, 12_000> =
         (0..stride * (down + span - 1)).map(|_| i8::try_from(small(127, -128)).unwrap_or(0)).collect();
     let filter: heapless::Vec<i16, WEIGHTS> = (0..across * down * STEP).map(|_| small(8191, -8191)).collect();
@@ -81,30 +81,30 @@ fn weights(noise: &mut Noise) {
         let any = |noise: &mut Noise| *EXTREMES.get(noise.next(11).unsigned_abs() as usize).unwrap_or(&0);
         let weights: heapless::Vec<i32, 20> = (0..count).map(|_| any(noise)).collect();
         let mut out = [0; 21];
-        let mut code = |numbers: Numbers<'_>| {
+        let mut code = |numbers: ScaledSums<'_>| {
             let largest = numbers.largest();
             let least = (0..32).find(|shift| largest >> shift < 8191).unwrap_or(0);
             (least..32).for_each(|shift| numbers.code(shift, &mut out));
         };
-        code(Numbers::of(&weights));
+        code(ScaledSums::of(&weights));
         for (unit, left) in [(14, 2), (14, 5), (16, 0), (17, 0), (19, 0)] {
             // The largest sums that `left` places leave room for, and sums so small that rounding drops them.
             for most in [(1 << 30) >> left, 1] {
                 let sums: heapless::Vec<i32, 20> = (0..count).map(|_| noise.next(most)).collect();
                 let weights: heapless::Vec<i32, 20> = sums.iter().rev().copied().collect();
-                code(Numbers { weights: &weights, factor: 5056 << (32 - unit), sums: &sums, left });
+                code(ScaledSums { weights: &weights, factor: 5056 << (32 - unit), sums: &sums, left });
             }
         }
         let slopes: heapless::Vec<i16, 20> =
             (0..count).map(|at| if at % 3 == 0 { i16::MIN } else { low(noise.next(i16::MAX as u32)) }).collect();
         for length in [0, 1, -1, (1 << 32) - 1, 1 << 40, (1 << 47) - 1, -(1 << 46), 0x1234_5678_9ABC] {
             for back in 0..48 {
-                Move { length, back }.apply(&mut weights.clone(), &slopes);
+                GradientStep { length, back }.apply(&mut weights.clone(), &slopes);
             }
         }
         let mut slopes: heapless::Vec<i16, 20> = (0..count.min(16)).map(|_| low(noise.next(8191))).collect();
         for part in [16_384, 16_383, 8192, 1, 0] {
-            lessen_by(&mut slopes, part);
+            scale_by(&mut slopes, part);
             slopes.iter_mut().for_each(|slope| *slope = if *slope % 2 == 0 { 8191 } else { -8191 });
         }
     }
@@ -117,15 +117,15 @@ fn low(number: i32) -> i16 {
 /// Columns of a resampled row.
 #[inline(never)] // keeps its stack out of the caller's frame
 fn columns(noise: &mut Noise) {
-    let mut columns = Columns::<40>::new();
+    let mut columns = Interpolation::<40>::new();
     for column in 0..40 {
         columns.push(u16::try_from(noise.next(255).unsigned_abs()).unwrap_or(0), 255 - column * 6);
     }
-    let mut row: Mixed = [0; Columns::<40>::PLACES + 4];
+    let mut row: MixedRow = [0; Interpolation::<40>::PLACES + 4];
     for extreme in [true, false] {
         for level in &mut row {
             let noise = u16::try_from(noise.next(255 * 256).unsigned_abs()).unwrap_or(0);
-            *level = (if extreme { noise % 2 * 255 * 256 } else { noise }).wrapping_sub(LESS);
+            *level = (if extreme { noise % 2 * 255 * 256 } else { noise }).wrapping_sub(BIAS);
         }
         (0..41).for_each(|count| columns.mix(&row, [0; 40].get_mut(..count.min(40)).unwrap_or_default()));
     }

@@ -10,6 +10,7 @@
 
 use super::config::Config;
 use super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
+use super::verification::Candidate;
 use crate::track::State;
 
 /// What one frame, or one window, says for the target.
@@ -17,11 +18,12 @@ use crate::track::State;
 pub(super) struct Evidence(i32);
 
 impl Evidence {
-    /// No target can be seen.
-    pub(super) const NONE: Self = Self(0);
+    /// None where no target can be seen.
+    pub(super) fn of(candidate: &Candidate) -> Self {
+        if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
+    }
 
-    /// From the early template's agreement, in units of 1/65535, and the filter's response.
-    pub(super) fn new(agreement: u16, response: i32) -> Self {
+    fn new(agreement: u16, response: i32) -> Self {
         Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
     }
 

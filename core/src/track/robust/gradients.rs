@@ -19,7 +19,7 @@ use super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::cost::SAMPLED;
 use super::sampling::{COLUMNS, Lattice, Scratch};
 use crate::image::{Frame, Rect};
-use crate::kernels::{ROOM, Room, SIDE, gradients, rolled, scale};
+use crate::kernels::{PACKED, Packed, SIDE, gradients, rolled, scale};
 use crate::track::update::UnderWay;
 use core::cell::Cell;
 use heapless::Vec;
@@ -29,14 +29,14 @@ pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
 /// Sums over the samples of each cell in a row, channel by channel: gradients by orientation, and gray (at most 4,080).
 pub(super) type Row = [[u16; ROW]];
-const _: () = assert!(2 * ROW * CHANNELS <= ROOM);
+const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
 /// Makes features row by row: scratch memory for as many lines and rows of cells as it needs at a time.
 pub(super) struct Extractor {
     sampling: Scratch,
     lines: [[u8; COLUMNS]; SIDE],
     /// Sums of the last two rows of cells. Between two windows the filter's products use this memory.
-    sums: Room,
+    sums: Packed,
     /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
     /// The row of cells that comes next.
@@ -49,14 +49,14 @@ impl Extractor {
         Self {
             sampling: Scratch::new(),
             lines: [[0; COLUMNS]; SIDE],
-            sums: [0; ROOM],
+            sums: [0; PACKED],
             energies: [[0; ROW]; 3],
             next: 0,
         }
     }
 
     /// Scratch memory for the filter's products.
-    pub(super) fn packed(&mut self) -> &mut Room {
+    pub(super) fn packed(&mut self) -> &mut Packed {
         &mut self.sums
     }
 

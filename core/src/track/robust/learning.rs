@@ -26,7 +26,7 @@ use super::gaussian::Gaussian;
 use super::grid::Grid;
 use super::response::Responses;
 use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
-use crate::kernels::{Numbers, Products, Room, lessen_by, rolled};
+use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
 use crate::track::update::UnderWay;
 use heapless::Vec;
 
@@ -59,7 +59,7 @@ impl Scratch {
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
         let Self { gradient, responses: errors, errors: coded } = self;
         let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
-        Numbers::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
+        ScaledSums::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
         gradient.clear();
         let _ = gradient.resize_default(training.filter.weights().len());
         shift
@@ -79,7 +79,7 @@ impl Scratch {
     fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
         let weights = training.filter.weights();
         for unit in [16 + error_shift, 14, 0] {
-            let slopes = Numbers {
+            let slopes = ScaledSums {
                 weights,
                 factor: REGULARISATION << (32 - unit),
                 sums: &self.gradient,
@@ -139,7 +139,7 @@ fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
         let down = down.at(from_middle(y, grid.down));
         for (x, cell) in row.chunks_mut(CHANNELS).enumerate() {
             let part = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
-            descent += i64::from(lessen_by(cell, part));
+            descent += i64::from(scale_by(cell, part));
         }
     }
     descent
@@ -177,7 +177,7 @@ impl Learning {
         training: &Training<'_>,
         direction: &mut Coded<WEIGHTS>,
         scratch: &mut Scratch,
-        packed: &mut Room,
+        packed: &mut Packed,
         work: &mut UnderWay,
     ) -> Option<i64> {
         let Training { filter, grid, window, products, .. } = training;
@@ -219,8 +219,8 @@ impl Learning {
 mod tests {
     use super::super::response::layout;
     use super::*;
-    use crate::kernels::{Backend, ROOM};
-    use std::vec::Vec as Numbers64;
+    use crate::kernels::{Backend, PACKED};
+    use std::vec::Vec as Many;
 
     /// Against 64 bits, in which all units are 1.
     #[test]
@@ -244,11 +244,11 @@ mod tests {
                 let slope = |(&weight, &sum): (&i32, &i32)| {
                     REGULARISATION * i64::from(weight) + (i64::from(sum) << (16 + shift))
                 };
-                let slopes: Numbers64<i64> = sums.map(slope).collect();
+                let slopes: Many<i64> = sums.map(slope).collect();
                 let steepest = slopes.iter().map(|slope| slope.unsigned_abs()).max().unwrap();
                 let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
                 let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
-                let mut wanted: Numbers64<i16> = slopes.iter().map(round).collect();
+                let mut wanted: Many<i16> = slopes.iter().map(round).collect();
                 let descent = apply_window(&grid, &mut wanted);
                 let window = Window { cells: &[], layout: layout(&grid, SPAN) };
                 let products = Products::new(Backend::Scalar);
@@ -263,12 +263,12 @@ mod tests {
     #[test]
     fn the_filter_answers_where_it_learned() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
-        let cells: Numbers64<i8> = (0..30 * 30 * CHANNELS as u32)
+        let cells: Many<i8> = (0..30 * 30 * CHANNELS as u32)
             .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
             .collect();
         let (mut filter, mut scratch, mut coded) = (Filter::new(), Scratch::new(), Coded::new());
         filter.start(grid.weights());
-        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), [0; ROOM], UnderWay::NOTHING);
+        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), [0; PACKED], UnderWay::NOTHING);
         let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
         let mut responses = Responses { span: SPAN, ..Responses::new() };
         for _ in 0..25 {

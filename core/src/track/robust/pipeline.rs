@@ -10,7 +10,7 @@
 //! the workspace changes.
 
 use super::buffers::Buffers;
-use super::confidence::Confidence;
+use super::confidence::{Confidence, Evidence};
 use super::config::{Config, Parts};
 use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
 use super::cost::{CODED, REFINED, weights};
@@ -310,7 +310,7 @@ impl Model<'_> {
         let Parts { gated_learning, verification, .. } = self.config.parts;
         candidate.place.scale = scale;
         if verification {
-            track.confidence = track.confidence.after(candidate.evidence(), self.config.patience);
+            track.confidence = track.confidence.after(Evidence::of(candidate), self.config.patience);
         }
         if candidate.visible || !verification {
             track.motion.follow(candidate.place);
@@ -323,7 +323,7 @@ impl Model<'_> {
             }
             return;
         }
-        *template_learns = candidate.evidence().may_be_learned() || !gated_learning || !verification;
+        *template_learns = Evidence::of(candidate).may_be_learned() || !gated_learning || !verification;
         if *template_learns {
             // Cells and responses are still those of the window where the target was expected.
             let target = offset(&self.track.grid, self.centre(Purpose::Follow), candidate.place);
@@ -384,9 +384,10 @@ fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, ..
     *stage = Stage::Done;
     let Some(track) = &mut outcome.track else { return };
     track.sweep.advance();
-    if candidate.evidence().finds(outcome.candidate.evidence()) {
+    let evidence = Evidence::of(&candidate);
+    if evidence.finds(Evidence::of(&outcome.candidate)) {
         track.motion = Motion::at(candidate.place);
-        track.confidence = Confidence::found(candidate.evidence());
+        track.confidence = Confidence::found(evidence);
         outcome.candidate = candidate;
     }
 }

@@ -15,7 +15,7 @@ use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::cost::units;
 use super::grid::Grid;
 use crate::correlation::{Coded, Window};
-use crate::kernels::{Layout, Products, Room};
+use crate::kernels::{Layout, Packed, Products};
 use crate::track::update::UnderWay;
 
 /// Responses, row by row.
@@ -53,7 +53,7 @@ impl Responses {
         &mut self,
         weights: &Coded<WEIGHTS>,
         products: Products,
-        packed: &mut Room,
+        packed: &mut Packed,
         window: Window<'_>,
         part: usize,
         work: &mut UnderWay,

@@ -17,7 +17,7 @@ use super::constants::{CELL, MARGIN, MOST_SIDE, PIXEL, PIXEL_BITS, REACH};
 use super::grid::Grid;
 use super::motion::Place;
 use crate::image::{Frame, Image, Rect};
-use crate::kernels::{Columns, LESS, Mixed, rolled};
+use crate::kernels::{BIAS, Interpolation, MixedRow, rolled};
 use heapless::Vec;
 
 /// Columns of the largest lattice: a search window, and the pixel on each side that gradients need.
@@ -165,11 +165,11 @@ impl Lattice {
     }
 }
 
-const _: () = assert!(ROW < Columns::<COLUMNS>::PLACES);
+const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 
 /// Scratch memory of sampling: the lattice that is sampled, on its reduced frame, and rows of it.
 pub(super) struct Scratch {
-    columns: Columns<COLUMNS>,
+    columns: Interpolation<COLUMNS>,
     down: Axis,
     /// How often the frame is halved.
     halvings: u32,
@@ -183,14 +183,14 @@ pub(super) struct Scratch {
     read: u32,
     sampled: u32,
     /// Sums of blocks while a row of means is made; then a row that is mixed from two.
-    mixed: Mixed,
+    mixed: MixedRow,
 }
 
 impl Scratch {
     #[inline(always)] // made in place
     pub(super) const fn new() -> Self {
         Self {
-            columns: Columns::new(),
+            columns: Interpolation::new(),
             down: Axis { first: 0, step: 0, end: 0 },
             halvings: 0,
             pixels: Rect::new(0, 0, 0, 0),
@@ -198,7 +198,7 @@ impl Scratch {
             made: [None; 2],
             read: 0,
             sampled: 0,
-            mixed: [0; Columns::<COLUMNS>::PLACES + 4],
+            mixed: [0; Interpolation::<COLUMNS>::PLACES + 4],
         }
     }
 
@@ -256,12 +256,12 @@ impl Sampler<'_> {
     }
 }
 
-/// Mixes two rows: upper * (256 - part) + lower * part, less `LESS`. At most 255 * 256.
+/// Mixes two rows: upper * (256 - part) + lower * part, less `BIAS`. At most 255 * 256.
 #[cfg(not(smr_helium))]
-fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
+fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
     // Two numbers of 16 bits are mixed at a time. To subtract 2^15 inverts the highest bit.
     const EVEN: u32 = 0x00FF_00FF;
-    const BOTH: u32 = (LESS as u32) << 16 | LESS as u32;
+    const BOTH: u32 = (BIAS as u32) << 16 | BIAS as u32;
     let part = u32::from(part);
     let rest = 256 - part;
     let (uppers, upper) = upper.as_chunks::<4>();
@@ -275,17 +275,17 @@ fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
         *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
     }
     for ((mixed, &upper), &lower) in rolled(end.iter_mut().zip(upper).zip(lower)) {
-        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ LESS;
+        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ BIAS;
     }
 }
 
 /// The same, as a loop that the compiler turns into vectors of eight.
 #[cfg(smr_helium)]
 #[inline(never)] // inlined, it would not be turned into vectors
-fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut Mixed) {
+fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
     let part = u16::from(part);
     for ((mixed, &upper), &lower) in mixed.iter_mut().zip(upper).zip(lower) {
-        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ LESS;
+        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ BIAS;
     }
 }
 

@@ -11,7 +11,6 @@
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
-use super::confidence::Evidence;
 use super::config::Config;
 use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK};
 use super::cost::{COMPARED, RELIT, VIEWED};
@@ -54,10 +53,6 @@ impl Candidate {
 
     pub(super) const fn new(place: Place, response: i32) -> Self {
         Self { place, response, agreement: 0, visible: false }
-    }
-
-    pub(super) fn evidence(&self) -> Evidence {
-        if self.visible { Evidence::new(self.agreement, self.response) } else { Evidence::NONE }
     }
 }
 

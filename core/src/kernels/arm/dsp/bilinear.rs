@@ -1,7 +1,7 @@
 //! Columns of a resampled row by the DSP extension: `smlad` mixes two numbers in one instruction. It takes signed numbers, so those of a
 //! row are lower by 2^15. The plain loop is in `plain/bilinear.rs`.
 
-use crate::kernels::plain::bilinear::Mixed;
+use crate::kernels::plain::bilinear::MixedRow;
 use core::arch::asm;
 
 /// One column.
@@ -23,7 +23,7 @@ macro_rules! column {
 /// # Safety
 /// Each of `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
 #[inline(always)] // into its one caller
-pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &Mixed, out: &mut [u8]) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     if count == 0 {
         return;

@@ -6,7 +6,7 @@
 //! - Responses: two channels of a cell. Features are unpacked to 16 bits, row by row.
 //! - Gradient: the errors at an offset and at the one below it. The features of two rows of cells are unpacked as pairs.
 
-use crate::kernels::layout::{Layout, ROOM, Room};
+use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
@@ -21,7 +21,7 @@ const SPAN: usize = 17;
 /// See [`plain::responses`]. A part is two rows of cells.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
-    room: &mut Room,
+    room: &mut Packed,
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
@@ -33,7 +33,7 @@ pub(crate) fn responses<const N: usize>(
     let down = weights.len().checked_div(row).unwrap_or(0);
     let rows = layout.rows(weights.len());
     let needed = rows.saturating_sub(1) * stride + used;
-    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > ROOM || cells.len() < needed {
+    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > PACKED || cells.len() < needed {
         return plain::responses(whole_of(parts, span), cells, layout, weights, out);
     }
     if parts.start == 0 {
@@ -69,7 +69,7 @@ pub(crate) fn responses<const N: usize>(
 /// See [`plain::gather`]. A part is two rows of cells.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
-    room: &mut Room,
+    room: &mut Packed,
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
@@ -81,7 +81,7 @@ pub(crate) fn gather<const N: usize>(
     let down = sums.len().checked_div(row).unwrap_or(0);
     let rows = layout.rows(sums.len());
     let needed = rows.saturating_sub(1) * stride + used;
-    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && 2 * used <= ROOM;
+    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && 2 * used <= PACKED;
     if !whole || !fits || down == 0 || cells.len() < needed {
         return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
     }

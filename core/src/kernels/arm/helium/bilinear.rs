@@ -1,6 +1,6 @@
 //! Columns of a resampled row by Helium: four at a time. The plain loop is in `plain/bilinear.rs`.
 
-use crate::kernels::plain::bilinear::Mixed;
+use crate::kernels::plain::bilinear::MixedRow;
 use core::arch::asm;
 
 /// The levels of columns, as `plain::levels` gives them.
@@ -8,7 +8,7 @@ use core::arch::asm;
 /// # Safety
 /// Each of `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
 #[inline(always)] // into its one caller
-pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &Mixed, out: &mut [u8]) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     if count == 0 {
         return;

@@ -5,7 +5,7 @@
 //! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a filter of errors, at
 //!   the offset of each weight.
 
-use crate::kernels::layout::{Layout, Room};
+use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::arch::asm;
 use core::ops::Range;
@@ -303,7 +303,7 @@ static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 /// See [`plain::gather`]. A part is a channel.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
-    room: &mut Room,
+    room: &mut Packed,
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],

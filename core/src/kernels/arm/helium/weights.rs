@@ -147,7 +147,7 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
 
 /// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
 #[inline(always)]
-pub(crate) fn lessen_by(numbers: &mut [i16], part: i32) -> i32 {
+pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     let mut sum = 0;
     if numbers.is_empty() {
         return sum;
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn numbers_are_rounded() {
         for number in [i32::MIN, i32::MIN + 1, -70_000, -3, -2, -1, 0, 1, 2, 3, 70_000, i32::MAX - 1, i32::MAX] {
-            let numbers = Numbers::of(core::slice::from_ref(&number));
+            let numbers = ScaledSums::of(core::slice::from_ref(&number));
             assert_eq!(numbers.largest(), number.unsigned_abs());
             for shift in 0..32 {
                 let rounded = (i64::from(number) + (1 << shift >> 1)) >> shift;
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn the_largest_is_rounded_down_without_its_sign() {
         let largest = |weight, factor: i64, sum, left| {
-            Numbers { weights: &[weight], factor: factor << 16, sums: &[sum], left }.largest()
+            ScaledSums { weights: &[weight], factor: factor << 16, sums: &[sum], left }.largest()
         };
         assert_eq!([largest(1, 1 << 15, 3, 1), largest(-1, 1 << 15, -3, 1), largest(-1, 1 << 16, -3, 1)], [6, 6, 7]);
         assert_eq!(largest(-1, 1 << 15, 0, 0), 0);
@@ -210,7 +210,7 @@ mod tests {
         for part in [0, 1, 8191, 8192, 16_383, 16_384] {
             let before = [-8191, -4097, -2, -1, 0, 1, 2, 3, 4097, 8191];
             let mut numbers = before;
-            let sum = lessen_by(&mut numbers, part);
+            let sum = scale_by(&mut numbers, part);
             let wanted = before.map(|number| (f64::from(number) * f64::from(part) / 16_384.0 + 0.5).floor());
             assert_eq!(numbers.map(f64::from), wanted, "{part}");
             assert_eq!(f64::from(sum), wanted.iter().zip(before).map(|(a, b)| a * f64::from(b)).sum::<f64>());
@@ -221,7 +221,7 @@ mod tests {
     fn weights_stay_where_there_is_no_room() {
         let moved = |weight, slope, length, back| {
             let mut weights = [weight];
-            Move { length, back }.apply(&mut weights, &[slope]);
+            GradientStep { length, back }.apply(&mut weights, &[slope]);
             weights[0]
         };
         assert_eq!([moved(100, 3, 1 << 20, 20), moved(100, -3, 3 << 19, 20), moved(5, 1, -1, 1)], [97, 104, 5]);
