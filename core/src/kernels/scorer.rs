@@ -37,6 +37,12 @@ pub struct Scorer<'a> {
     ready: Ready<'a>,
 }
 
+impl core::fmt::Debug for Scorer<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Scorer").field("threshold", &self.plain.table.threshold()).finish_non_exhaustive()
+    }
+}
+
 #[allow(clippy::large_enum_variant)] // one at a time, on the stack
 enum Ready<'a> {
     Scalar(Plain<'a>),

@@ -157,6 +157,12 @@ pub struct Recorder<W> {
     failed: bool,
 }
 
+impl<W> core::fmt::Debug for Recorder<W> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Recorder").field("entries", &self.entries).field("failed", &self.failed).finish_non_exhaustive()
+    }
+}
+
 impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// Begins a record of `target`. If the target is already locked, call [`Recorder::restored`] next.
     ///

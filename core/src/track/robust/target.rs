@@ -13,7 +13,9 @@ use super::state::{self, Memory, Track};
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::target::{lock_goes_on, lockable};
-use crate::track::update::{SEAL, Seal, Steps, Ticket, UnderWay};
+#[cfg(feature = "unstable")]
+use crate::track::update::SEAL;
+use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
