@@ -23,7 +23,7 @@ const PAPER: [Mutant; 22] = [
     ("padding", "kernels/plain/scores.rs", "pixel(0, g, table)", "pixel(1, g, table)"),
     ("rounding of alpha", "track/paper/config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "track/paper/template.rs", "if largest > 0", "if true"),
-    ("the peak's neighbourhood", "search/maxima.rs", "usize::from(neighbourhood) + 1", "usize::from(neighbourhood)"),
+    ("the peak's neighbourhood", "search/runner_up.rs", "usize::from(neighbourhood) + 1", "usize::from(neighbourhood)"),
     (
         "the state of a leaving target",
         "track/paper/gate.rs",

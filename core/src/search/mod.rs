@@ -7,17 +7,17 @@
 //! |---|---|
 //! | `window.rs` | which offsets there are |
 //! | `peak.rs` | what a search returns, and the tie rule |
-//! | `maxima.rs` | the maximum of each row and column of scores, for the runner-up |
-//! | `leaders.rs` | the peak so far, and the score an offset needs to change the result |
+//! | `runner_up.rs` | the runner-up, from the maximum of each row and column of scores |
+//! | `floor.rs` | the peak so far, and the floor: the least score that can change the result |
 //! | `ranges.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
 //! | `scan.rs` | the order in which offsets are scored, in steps |
 //! | `bound.rs` | the most comparisons of a search |
 
 mod bound;
-mod leaders;
-mod maxima;
+mod floor;
 mod peak;
 mod ranges;
+mod runner_up;
 mod scan;
 mod window;
 

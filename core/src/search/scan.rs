@@ -7,7 +7,7 @@
 //!
 //! The result does not depend on the order, nor on how the work is divided into steps.
 
-use super::leaders::Leaders;
+use super::floor::Leaders;
 use super::peak::{Found, Peak, Wanted};
 use super::ranges::{Ranges, SIDE, Tile};
 use super::window::Window;

@@ -1,6 +1,6 @@
 //! The search against a map of all scores: the result must be the same with any pruning, backend and step size.
 
-use super::leaders::Leaders;
+use super::floor::Leaders;
 use super::*;
 use crate::similarity::{Backend, CutTable, Scorer, Table, score_at};
 use crate::{Frame, Image, Rect};

@@ -7,8 +7,8 @@
 //!    floor.
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
-use super::maxima::Maxima;
 use super::peak::{Found, Peak, Wanted};
+use super::runner_up::Maxima;
 use super::window::Window;
 use core::cmp::Ordering;
 
