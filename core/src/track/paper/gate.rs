@@ -27,6 +27,7 @@ impl Track {
     }
 
     /// Refuses a target for which `pixels` of template and `span` offsets on an axis are too few.
+    #[inline(always)] // two copies with known numbers are smaller than one without
     pub(super) fn check_room(&self, pixels: usize, span: usize, config: &Config) -> Result<(), LockError> {
         if !usize::try_from(self.target.area()).is_ok_and(|area| area <= pixels) {
             return Err(LockError::BoxTooLarge);

@@ -76,7 +76,7 @@ impl Robust {
         self.memory.track.map(|track| track.grid)
     }
 
-    #[cfg(feature = "unstable")]
+    #[cfg(any(test, feature = "unstable"))]
     pub(crate) fn weights(&self) -> &[i32] {
         self.memory.filter.weights()
     }
