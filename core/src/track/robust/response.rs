@@ -43,6 +43,7 @@ pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
 }
 
 impl Responses {
+    #[inline(always)] // made in place
     pub(super) const fn new() -> Self {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
