@@ -21,7 +21,7 @@ pub(crate) use filter::Filter;
 
 use crate::kernels::{Layout, Packed, Products};
 
-/// Cells, and how the filter lies on them.
+/// Cells, and the layout of the filter on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Window<'a> {
     pub(crate) cells: &'a [i8],

@@ -60,7 +60,7 @@ impl Equals {
 }
 
 impl<const SPAN: usize> Leaders<SPAN> {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }

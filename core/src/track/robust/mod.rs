@@ -1,8 +1,8 @@
-//! Beyond the paper: a tracker that holds when light, size and view change, and says so when it does not.
+//! Beyond the paper: a tracker for targets that change in light, size and view. It reports when it is uncertain.
 //!
-//! A correlation filter finds the target: it learns in every frame what the target looks like, and what its surroundings look like. SMR
-//! verifies it: an early template, which hardly learns, is compared part by part. All numbers are integers. Every frame costs about the
-//! same.
+//! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough evidence. SMR verifies
+//! the target: an early template, which learns very slowly, is compared part by part. All numbers are integers. Every frame costs about
+//! the same.
 //!
 //! ```text
 //!   frame
@@ -15,7 +15,7 @@
 //!     |
 //!  response      the filter at all offsets, its peak
 //!     |
-//!  verification  the view of the peak; the early template (template) is displaced (displacement) and relit (lighting), and agrees or not
+//!  verification  the agreement with the early template (template), displaced (displacement) and relit (lighting)
 //!     |
 //!  refinement    place and size to a fraction of a pixel
 //!     |
@@ -23,15 +23,15 @@
 //!     |
 //!  confidence    the state: tracking, uncertain, lost
 //!     |       \
-//!     |        redetection   if it is lost: a second window, searched and verified like the first
+//!     |        redetection   if the target is lost: a second window, searched and verified like the first
 //!     |
 //!  learning      ridge regression on a Gaussian label (gaussian), if there is enough evidence
 //!     |
 //!   answer
 //! ```
 //!
-//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what is remembered, `cost.rs` counts the work,
-//! `constants.rs` holds the numbers of the method that are not in [`Config`].
+//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs` counts the work,
+//! `constants.rs` holds the constants of the method that are not in [`Config`].
 
 mod buffers;
 mod confidence;

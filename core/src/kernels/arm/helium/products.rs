@@ -322,7 +322,7 @@ pub(crate) fn gather<const N: usize>(
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
-    // Whatever takes fewer instructions: a block of seven sums costs 9/8 of a block of six.
+    // The choice with fewer instructions: a block of seven sums costs 9/8 of a block of six.
     let cells_across = row / STEP;
     let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {

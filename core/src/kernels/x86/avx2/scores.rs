@@ -58,7 +58,7 @@ impl Neighbours for __m256i {
     }
 }
 
-/// A mask of the lanes that hold the pixels of a row of up to 31, each once, as [`narrow`] loads them.
+/// A mask of the lanes in which [`narrow`] loads a row of up to 31 pixels, each pixel once.
 ///
 /// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they overlap, only the
 /// first is valid.
@@ -78,7 +78,7 @@ unsafe fn narrow_lanes(width: usize) -> __m256i {
     unsafe { _mm256_cmpgt_epi8(__m256i::load(lanes.as_ptr()), _mm256_set1_epi8(31 - new)) }
 }
 
-/// Numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31, and lanes that never are
+/// Numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31, and lanes that are never
 /// valid.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
@@ -155,7 +155,7 @@ impl Lookup {
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
-        // Beyond four, the loop goes through eight or all, also those beyond the threshold.
+        // Beyond four, the loop goes through eight or all segments, also those beyond the threshold.
         let segments = match usize::from(threshold).div_ceil(SEGMENT) {
             live @ 0..=4 => live.max(1),
             5..=8 => 8,
