@@ -222,7 +222,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Scores the scouts: if two of them are far enough apart, they give the runner-up a floor. Only in windows of at least 288
-    /// offsets, of which nine are 1/32.
+    /// offsets: nine scouts are 1/32 of them.
     fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
         let (columns, rows) = scene.window.size();
         if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 288 {

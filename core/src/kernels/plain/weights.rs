@@ -22,7 +22,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
-/// `weight * factor / 2^32 + sum`, of which the product is rounded down.
+/// `weight * factor / 2^32 + sum`; the quotient is rounded down.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
 fn number(weight: i32, factor: i64, sum: i32) -> i32 {

@@ -306,7 +306,7 @@ fn every_reach_follows() {
     }
 }
 
-/// Where nothing can be told apart the target stays, and is not lost.
+/// In a frame without contrast the target keeps its place and is not lost.
 #[test]
 fn a_plain_frame_holds_the_box() {
     let target = Rect::new(40, 30, 20, 20);

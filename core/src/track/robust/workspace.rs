@@ -39,7 +39,7 @@ impl core::fmt::Debug for Workspace {
 }
 
 impl Default for Workspace {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     fn default() -> Self {
         Self::new()
     }

@@ -36,7 +36,7 @@ pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
     /// The number of scores to compute next without the bound. Atomic, so that a scorer can be shared; no result depends on it.
     without: AtomicU8,
-    /// One 1-bit for each successive time that the bound excluded nothing. Atomic for the same reason.
+    /// One set bit for each successive time that the bound excluded nothing. Atomic for the same reason.
     in_vain: AtomicU8,
 }
 
