@@ -1,4 +1,4 @@
-//! What a tracker knows of its target: the last box, the quality, the templates.
+//! What a tracker knows about its target: the last box, the quality, the templates.
 
 use crate::answer::smr_state;
 use crate::frame::{smr_fine_rect, smr_image};

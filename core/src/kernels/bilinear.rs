@@ -42,7 +42,7 @@ impl<const N: usize> Interpolation<N> {
         let _ = self.parts.push([256 - u16::from(part), part.into()]);
     }
 
-    /// The rounded gray levels of the columns in `row`, as many as `out` has room for.
+    /// The rounded gray levels of the columns in `row`, up to the length of `out`.
     #[inline(always)] // into its one caller
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;

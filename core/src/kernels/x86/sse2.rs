@@ -188,7 +188,7 @@ impl Sums {
     /// Adds the differences of the `valid` pixels that count.
     ///
     /// # Safety
-    /// SSE2 is there.
+    /// The processor has SSE2.
     #[inline(always)]
     unsafe fn add(&mut self, difference: __m128i, valid: __m128i) {
         // SAFETY: as the caller guarantees.
@@ -202,7 +202,7 @@ impl Sums {
     /// An upper bound of the score. It fits in a `u32` for every template.
     ///
     /// # Safety
-    /// SSE2 is there.
+    /// The processor has SSE2.
     #[inline(always)]
     unsafe fn most(&self, chord: u32) -> u32 {
         const COUNTED: u32 = ONE as u32 / 255;

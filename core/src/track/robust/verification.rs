@@ -44,7 +44,7 @@ pub(super) struct Candidate {
     pub(super) response: i32,
     /// The early template's agreement; 0 until it is computed.
     pub(super) agreement: u16,
-    /// Whether a target can be seen there at all.
+    /// Whether the patch there can show the target at all.
     pub(super) visible: bool,
 }
 

@@ -351,7 +351,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The features of a row of cells, as many as `out` has room for: for each cell nine times `min(sum * inverse >> 16, 127)`, and
+/// The features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >> 16, 127)`, and
 /// `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };

@@ -64,7 +64,7 @@ impl Neighbours for __m256i {
 /// first is valid.
 ///
 /// # Safety
-/// AVX2 is there.
+/// The processor has AVX2.
 #[inline(always)]
 unsafe fn narrow_lanes(width: usize) -> __m256i {
     let (lanes, new) = match width {
@@ -94,10 +94,10 @@ const fn lanes(first: usize, second: usize) -> [u8; 32] {
 /// A row of up to 31 pixels.
 ///
 /// # Safety
-/// AVX2 is there.
+/// The processor has AVX2.
 #[inline(always)]
 unsafe fn narrow(row: &[u8]) -> __m256i {
-    // SAFETY: as the caller guarantees; where 16 bytes are loaded they are there.
+    // SAFETY: as the caller guarantees; 16 bytes are loaded only if the row has them.
     unsafe {
         if let (Some(first), Some(last)) = (row.first_chunk::<16>(), row.last_chunk::<16>()) {
             return _mm256_set_m128i(__m128i::load(last.as_ptr()), __m128i::load(first.as_ptr()));
@@ -109,7 +109,7 @@ unsafe fn narrow(row: &[u8]) -> __m256i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Shifts pixels in from the top of four bytes, so that the last one is there.
+            // Shifts pixels in from the top of four bytes, so that the last one is included.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm256_set_epi64x(0, 0, 0, both)
@@ -213,7 +213,7 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
     /// The entries that `COUNT` segments (at most 8) from `first` on hold.
     ///
     /// # Safety
-    /// AVX2 is there.
+    /// The processor has AVX2.
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // all below 16 * 8
     unsafe fn look_up_half<const COUNT: usize>(&self, first: usize, difference: __m256i) -> (__m256i, __m256i) {
