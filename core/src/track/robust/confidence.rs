@@ -1,8 +1,10 @@
 //! Confidence: is it still the target? A running mean of the evidence of each frame. It gives the state.
 //!
-//!     evidence   = agreement + min(response, 1/2)
-//!     mean'      = min(mean + (1 - patience / 256) * (evidence - mean), evidence + lead)
-//!     confidence = 2/3 mean
+//! ```text
+//! evidence   = agreement + min(response, 1/2)
+//! mean'      = min(mean + (1 - patience / 256) * (evidence - mean), evidence + lead)
+//! confidence = 2/3 mean
+//! ```
 //!
 //! A filter that learns from its own answers responds well to anything it follows, so its response is weak evidence. The early template
 //! hardly learns, so its agreement counts twice as much. A response above 1/2 counts as 1/2.

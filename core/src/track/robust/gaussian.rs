@@ -1,6 +1,8 @@
 //! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's cells.
 //!
-//!     exp(-(d / sigma)^2 / 2) in units of 1/16384, from a table of 32 entries per sigma; 0 from 5 sigma on
+//! ```text
+//! exp(-(d / sigma)^2 / 2) in units of 1/16384, from a table of 32 entries per sigma; 0 from 5 sigma on
+//! ```
 //!
 //! In two dimensions it is the product of those of both axes. Distances are in units of 1/256 cell.
 

@@ -1,7 +1,9 @@
 //! Cells of gradient orientations (HOG; Dalal and Triggs, 2005) and gray: ten features for each cell of 4x4 samples.
 //!
-//!     x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients at 20 k or 20 k + 180 degrees
-//!     x[c, 9] = mean gray of the cell - 128
+//! ```text
+//! x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients at 20 k or 20 k + 180 degrees
+//! x[c, 9] = mean gray of the cell - 128
+//! ```
 //!
 //! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and contrast. A gradient g is
 //! split between the two orientations u and v next to it: g = a u + b v. That is linear, so it takes no root, angle or division.

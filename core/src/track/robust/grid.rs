@@ -1,6 +1,8 @@
 //! The target's grid: how finely the frame is resampled, and the shapes of template and filter on it.
 //!
-//!     step = sqrt(area / 1600) pixels of the frame, at least half a pixel
+//! ```text
+//! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
+//! ```
 //!
 //! A target of any size has about 1600 pixels on its grid, so every frame costs about the same.
 

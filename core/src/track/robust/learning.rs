@@ -1,9 +1,11 @@
 //! Learning: one step of ridge regression on a Gaussian label, in each frame with enough evidence.
 //!
-//!     minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
-//!     error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
-//!     direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
-//!     step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! ```text
+//! minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
+//! error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
+//! direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
+//! step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! ```
 //!
 //! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in ATOM; Danelljan et
 //! al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the

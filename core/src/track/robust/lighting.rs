@@ -1,8 +1,10 @@
 //! Lighting: adapts the template to the light of a patch, so that a lamp or a shadow does not lower the agreement.
 //!
-//!     relit(p) = mean(patch) + gain * (template(p) - mean(template)), clamped to 0 to 255
-//!     gain     = deviation(patch) / deviation(template), clamped to 1/2 to 2
-//!     alpha    = deviation(patch), clamped to 8 to 100 gray levels
+//! ```text
+//! relit(p) = mean(patch) + gain * (template(p) - mean(template)), clamped to 0 to 255
+//! gain     = deviation(patch) / deviation(template), clamped to 1/2 to 2
+//! alpha    = deviation(patch), clamped to 8 to 100 gray levels
+//! ```
 //!
 //! `deviation` is the mean absolute deviation from the mean. The gain is in units of 1/256.
 

@@ -1,7 +1,9 @@
 //! Where the target is expected, from its place and velocity.
 //!
-//!     expected  = place + velocity / 2
-//!     velocity' = (velocity + place' - place) / 2
+//! ```text
+//! expected  = place + velocity / 2
+//! velocity' = (velocity + place' - place) / 2
+//! ```
 //!
 //! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of 1/65536. Positions lie
 //! within the frame, so both coordinates are below 2^28.

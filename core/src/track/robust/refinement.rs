@@ -2,8 +2,10 @@
 //!
 //! One Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best displacement:
 //!
-//!     minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
-//!     (x, y, g) = -(S + D)^-1 * sum s(p) e(p),    S = sum s(p) s(p)^T,    D = diagonal of S / 64
+//! ```text
+//! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
+//! (x, y, g) = -(S + D)^-1 * sum s(p) e(p),    S = sum s(p) s(p)^T,    D = diagonal of S / 64
+//! ```
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|

@@ -1,7 +1,9 @@
 //! The filter's responses at all offsets of a search window, and their peak.
 //!
-//!     r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
-//!     counted(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
+//! ```text
+//! r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
+//! counted(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
+//! ```
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|

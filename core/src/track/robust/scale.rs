@@ -1,7 +1,9 @@
 //! The scale search: is the target a little smaller or larger? The filter's response at the last scale, and at 1/1.02 and 1.02 times it
 //! (as in DSST; Danelljan et al., 2014).
 //!
-//!     scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
+//! ```text
+//! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
+//! ```
 //!
 //! All three are sampled around the same place, so that none has an advantage by its place. Offsets of up to one cell are searched.
 //! The search runs even if refinement has found the exact growth, which then wins. So every frame costs the same.

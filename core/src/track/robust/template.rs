@@ -1,6 +1,8 @@
 //! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong target first.
 //!
-//!     t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
+//! ```text
+//! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
+//! ```
 
 use super::constants::MOST_PIXELS;
 use crate::image::Image;

@@ -3,7 +3,9 @@
 //! The view around the peak is sampled, the early template is displaced to where it fits best ([`displacement`](super::displacement)), and
 //! both are compared part by part:
 //!
-//!     agreement = the fourth lowest of the SMR ratios of 4x4 parts, in units of 1/65535
+//! ```text
+//! agreement = the fourth lowest of the SMR ratios of 4x4 parts, in units of 1/65535
+//! ```
 //!
 //! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. By the fourth lowest part, three parts
 //! may be hidden or turned away, but not four. The template is first adapted to the light of the patch

@@ -424,7 +424,9 @@ impl Limit {
     /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences of the others sum to
     /// M - (M - M') t. So
     ///
-    ///     loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'
+    /// ```text
+    /// loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'
+    /// ```
     fn of_threshold(&self) -> u32 {
         u32::from(ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
     }
