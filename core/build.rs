@@ -14,7 +14,7 @@ fn main() {
     }
 }
 
-/// The processor that is compiled for. A stable compiler does not report features that it considers unstable, so the name of the
+/// The processor that the crate is compiled for. A stable compiler does not report features that it considers unstable, so the name of the
 /// processor or of the target decides, unless a flag names the feature.
 struct Processor {
     target: String,

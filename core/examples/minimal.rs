@@ -36,8 +36,8 @@ mod firmware {
 
     #[entry]
     fn main() -> ! {
-        // A smaller window, because the work is offsets times pixels. It must not grow when the target is lost: for that SPAN would
-        // have to be larger.
+        // A smaller window, because the work is offsets times pixels. It does not grow while the target is lost: that would need a
+        // larger SPAN.
         let mut config = Config::camera();
         config.window = Radius { x: 8, y: 8 };
         config.window_limit = config.window;
@@ -71,7 +71,7 @@ mod firmware {
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
                 // Partly outside the frame: the template is not updated.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
-                // The box is the last one that the tracker believed. Keep updating: it may find the target again. (Only the robust
+                // The box is the last one that the tracker accepted. Keep updating: it may find the target again. (Only the robust
                 // tracker is ever uncertain.)
                 State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }

@@ -68,9 +68,9 @@
 //! # Features
 //!
 //! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
-//! - `verify`: runs the plain loops beside every call of a faster backend, and panics if they differ. For tests.
+//! - `verify`: compares every call of a faster backend with the plain loops, and panics if they differ. For tests.
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
-//! - `unstable`: the module `unstable` shows what is inside the trackers, to host-sim and the tests. It may change in any version.
+//! - `unstable`: the module `unstable` gives host-sim and the tests access to the inside of the trackers. It may change in any version.
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]

@@ -1,5 +1,5 @@
-//! **Unstable**: what `host-sim` and the tests look at inside the trackers, behind the feature `unstable`. It may change in any version.
-//! Firmware needs none of it.
+//! **Unstable**: gives `host-sim` and the tests access to the inside of the trackers. It is behind the feature `unstable` and may change in
+//! any version. Firmware does not need it.
 
 use crate::image::Frame;
 use crate::similarity::Scorer;
@@ -37,7 +37,7 @@ pub fn weights(target: &Robust) -> &[i32] {
 /// [`CHANNELS`](crate::robust::CHANNELS) bytes in each. The window has the filter's cells and `Config::reach` more on each side.
 ///
 /// # Errors
-/// Those of [`Target::update`](crate::Target::update). An update under way in this workspace is given up.
+/// Those of [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
 pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
     target.features(workspace, frame)
 }
@@ -55,7 +55,7 @@ pub fn response_map(
     target.response_map(workspace, frame)
 }
 
-/// The filter's response where the last finished update found the target, in units of 1/16384: about 1 where the target looks as it did.
+/// The filter's response where the last finished update found the target, in units of 1/16384: about 1 if the target looks as before.
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
@@ -73,7 +73,7 @@ pub const fn response(workspace: &Workspace) -> i32 {
 /// spread(&Scorer::new(Backend::best(), &table), &rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
 /// assert_eq!((low, high), ([1, 5], [9, 9]));
 /// ```
-#[inline(always)] // measured on its own
+#[inline(always)] // benchmarks measure it alone
 pub fn spread(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     scorer.spread(rows, low, high);
 }

@@ -45,7 +45,7 @@ pub trait Vectors: Target {
     fn answered(answer: &Answer, tracker: &Tracker<Self>) -> Self::Expected;
 }
 
-/// How many cases and answers were right.
+/// The number of correct cases and answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passed {
     pub cases: u32,
@@ -90,7 +90,7 @@ pub fn follow<'a, T: Vectors>(
             "lock" => {
                 let target = words.rect().ok_or_else(misread)?;
                 let frame = frame(words.hex().ok_or_else(misread)?, buffer, size).map_err(failure)?;
-                // Only the target: a whole tracker would be made on the stack and copied.
+                // Only the target: a whole tracker would be built on the stack and copied.
                 *tracker.parts().0 = T::new(config).map_err(|_| failure("the configuration is refused"))?;
                 tracker.lock(&frame, target).map_err(|_| failure("no lock"))?;
             }

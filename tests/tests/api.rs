@@ -1,4 +1,4 @@
-//! The public interface of smr-core, item by item: a change of it is a change of `api/smr-core.txt`, and so is seen.
+//! The public interface of smr-core, item by item. If it changes, `api/smr-core.txt` must change with it.
 //!
 //! Record it with `SMR_RECORD=1 cargo test -p smr-tests --test api`.
 
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The one compiler whose description of a crate the library `public-api` reads.
+/// The only compiler whose crate description the library `public-api` reads.
 fn compiler_is_read() -> bool {
     let Ok(version) = Command::new("rustc").arg("--version").output() else { return false };
     String::from_utf8_lossy(&version.stdout).starts_with(concat!("rustc ", env!("CARGO_PKG_RUST_VERSION")))

@@ -1,4 +1,4 @@
-//! `host-sim` as its user meets it: exit codes, one clear line on errors, JSON, and nothing lost.
+//! `host-sim` from its user's view: exit codes, one clear line on errors, JSON, complete output.
 
 mod program;
 
@@ -46,7 +46,7 @@ fn check_reports_as_json() {
     assert!(text.contains("templates; the runner-up in 13 frames, where it is asked for\n"), "{text}");
 }
 
-/// As little as can be timed.
+/// The least work that can be timed.
 const SHORT: [&str; 12] = [
     "bench",
     "synthetic",
@@ -188,7 +188,7 @@ fn eval_from_many_starts_says_what_it_cannot_do() {
     host_sim(&["eval", "synthetic", "--robustness", "--init", "500,0,9,9"]).refuses(&["synthetic", "inside the frame"]);
 }
 
-/// On the five recordings that are generated.
+/// On the five generated recordings.
 #[test]
 fn eval_of_a_covered_lens_reports_as_json() {
     let said = host_sim(&["eval", "--covered", "--method", "robust", "--json"]);
@@ -208,7 +208,7 @@ fn eval_of_a_covered_lens_reports_as_json() {
     }
 }
 
-/// Every method by its name, wherever a tracker runs.
+/// Every command that runs a tracker takes every method by its name.
 const METHODS: [&str; 6] = ["smr", "robust", "sad", "ssd", "ncc", "lk"];
 
 #[test]
@@ -263,7 +263,7 @@ fn every_method_answers_with_the_same_fields() {
         }
         let quality = lines.iter().map(|line| !line["quality"].is_null());
         assert!(quality.eq((0..19).map(|number| number == 0 && METHODS[..2].contains(&method))), "{method}");
-        // Of the first frame nothing else is known but the box.
+        // For the first frame only the box is known.
         assert_eq!((&lines[0]["confidence"], &lines[0]["state"]), (&Value::Null, &"tracking".into()));
         let known = |key: &str| lines[1..].iter().all(|line| !line[key].is_null());
         for key in ["confidence", "ratio", "scale", "found_again", "work"] {
@@ -342,7 +342,7 @@ fn options_of_another_method_are_refused() {
         }
     }
     assert!(!page.exists());
-    // Where several run, one of them has to take it.
+    // If several trackers run, it is enough that one of them takes the option.
     assert_eq!(host_sim(&["eval", "synthetic", "--method", "robust,smr", "--k", "1/2"]).code, Some(0));
     for command in ["target", "bench", "check"] {
         let said = host_sim(&[command, "synthetic", "--method", "sad"]);
@@ -497,7 +497,7 @@ fn track_writes_a_json_object_a_frame() {
     assert_eq!((&lines[6]["state"], &lines[6]["box"]), (&Value::from("lost"), &Value::Null));
 }
 
-/// The recordings are not part of the project: `host-sim/README.md` says where they are looked for.
+/// The recordings are not part of the project: `host-sim/README.md` says where the tests expect them.
 #[test]
 fn the_recorded_sequences_are_followed_as_the_readme_says() {
     let Some(tld) = recordings("the_recorded_sequences_are_followed_as_the_readme_says", "tld") else { return };

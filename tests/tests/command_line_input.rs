@@ -1,4 +1,4 @@
-//! `host-sim` and input that is not as it should be: damage, options that do not fit, files that cannot be written.
+//! `host-sim` with bad input: damaged files, options that do not fit, files that cannot be written.
 
 mod program;
 
@@ -29,7 +29,7 @@ fn a_picture_without_pixels_is_bad_input() {
     }
 }
 
-/// It is followed all the same.
+/// The target is followed in spite of it.
 #[test]
 fn a_target_that_cannot_be_told_from_its_surroundings_is_said_to_be_so() {
     let folder = tempfile::tempdir().unwrap();
@@ -57,7 +57,7 @@ fn a_target_that_cannot_be_told_from_its_surroundings_is_said_to_be_so() {
     }
 }
 
-/// A video as `arguments` of ffmpeg make it; `None`, and a word about it, without ffmpeg.
+/// A video that ffmpeg makes with `arguments`; `None`, with a note, if there is no ffmpeg.
 fn film(test: &str, file: &Path, arguments: &[&str]) -> Option<()> {
     let source = ["-v", "error", "-f", "lavfi", "-i"];
     let made = Command::new("ffmpeg").args(source).args(arguments).arg(file).status();
@@ -70,7 +70,7 @@ fn film(test: &str, file: &Path, arguments: &[&str]) -> Option<()> {
     Some(())
 }
 
-/// What phones make: turned by a note in the file, and frames as they come.
+/// A video as phones make it: rotated by metadata, with a varying frame rate.
 #[test]
 fn videos_of_phones_are_shown_upright_and_whole() {
     const TEST: &str = "videos_of_phones_are_shown_upright_and_whole";
@@ -90,7 +90,7 @@ fn videos_of_phones_are_shown_upright_and_whole() {
     };
     assert_eq!((size(&plain), size(&turned)), ((320, 240), (240, 320)));
 
-    // Two of three frames are left out, those that stay keep their times: none is invented to fill the gaps.
+    // Two of three frames are left out and the others keep their times. No frame is invented to fill the gaps.
     let some = ["testsrc=size=321x241:rate=30:duration=1", "-vf", "select=not(mod(n\\,3))", "-vsync", "vfr"];
     film(TEST, &uneven, &[&some[..], &["-pix_fmt", "yuv444p"]].concat()).unwrap();
     let said = host_sim(&["track", utf8(&uneven), "--init", "100,100,40,40"]);
@@ -112,7 +112,7 @@ fn the_smallest_recording_can_be_shown() {
         let said = host_sim(&[command, &["--init", "0,0,1,1"]].concat());
         assert_eq!(said.code, Some(0), "{command:?}: {}", said.err);
     }
-    // Who does not know the box yet is told how to find it.
+    // The message says how to find the box.
     host_sim(&["track", one]).refuses(&["no box to start from", "--init X,Y,W,H", "host-sim frame"]);
 }
 
@@ -145,7 +145,7 @@ fn what_cannot_be_written_is_said_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("no").join("such").join("file.svg");
     let file = utf8(&file);
-    // None of them comes to its frames, which are not there.
+    // Each fails before it reads its frames, which do not exist.
     let missing = folder.path().join("empty.y4m");
     fs::write(&missing, "YUV4MPEG2 W9 H9 Cmono\n").unwrap();
     let recording = utf8(&missing);
@@ -268,7 +268,7 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
         .refuses(&["--out", &settings, "is read"]);
     assert_eq!(files(), before);
     assert!(!Path::new(&one).exists());
-    // A device takes as much as there is.
+    // A device accepts any amount.
     assert_eq!(host_sim(&["track", &frames, "--out", "/dev/null"]).code, Some(0));
 }
 
@@ -291,7 +291,7 @@ fn what_never_ends_is_refused_with_its_limit() {
     host_sim(&["run", "/dev/zero"]).refuses(&["/dev/zero", "256 MiB", "ELF"]);
     host_sim(&["track", "/dev/zero", "--size", "60000x60000", "--init", "0,0,2,2"])
         .refuses(&["60000x60000", "at most 268435456"]);
-    // One that is longer than its kind can be is not even opened.
+    // A file that is too long for its kind is not opened.
     fs::File::create(path("long.toml")).unwrap().set_len(1 << 40).unwrap();
     host_sim(&["track", "synthetic", "--settings", utf8(&path("long.toml"))]).refuses(&["long.toml", "1 MiB"]);
     let pipe = path("pipe");
@@ -308,7 +308,7 @@ fn an_ffmpeg_that_hangs_while_it_writes_is_ended() {
     let path = std::env::join_paths(
         std::iter::once(folder.path().to_owned()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
     );
-    // It takes no frame, or all of them and does not end.
+    // It reads no frame, or reads all of them and does not end.
     for script in ["exec sleep 60", "cat > /dev/null; exec sleep 60"] {
         fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
         fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
@@ -350,7 +350,7 @@ fn a_box_that_is_refused_has_the_same_words_everywhere() {
             "--init",
         ]);
     }
-    // It has no option for the tracker; the others of its trackers are measured.
+    // It has no option for the tracker; the other trackers are measured.
     let ablate = host_sim(&[&["ablate", &large], &size[..]].concat());
     assert_eq!(ablate.code, Some(2));
     assert!(said.iter().all(|word| ablate.err.contains(word)) && !ablate.err.contains("--method"), "{}", ablate.err);
@@ -369,7 +369,7 @@ fn a_box_that_is_refused_has_the_same_words_everywhere() {
     .refuses(&["0,0,9,9", "4096", "--window-limit", "--padding"]);
 }
 
-/// Nothing that only who wrote a library understands.
+/// No message contains words that only the author of a library understands.
 #[test]
 fn messages_are_in_peoples_words() {
     let folder = tempfile::tempdir().unwrap();
@@ -419,7 +419,7 @@ fn messages_are_in_peoples_words() {
         let path = file(name, holds);
         let said = host_sim(&["track", &path, "--init", "0,0,1,1"]);
         said.refuses(&[name, expected]);
-        // In the first frame there is nothing to go on with.
+        // --lenient cannot help: without a first frame there is no target.
         assert!(!said.err.contains("--lenient"), "{}", said.err);
     }
     let former = file("former.json", b"{\"recordings\":[{\"tracker\":1}]}");

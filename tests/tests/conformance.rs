@@ -1,5 +1,5 @@
-//! The conformance vectors are those of the reference, and smr-core answers as they say: at once, in steps, and saved and restored
-//! on the way.
+//! The conformance vectors are those of the reference, and smr-core gives their answers: at once, in steps, and saved and restored in
+//! between.
 
 use smr_core::{Answer, Frame, Robust, Tracker};
 use smr_tests::{FRAME_PIXELS, PAPER, Passed, ROBUST, SmallPaper, Vectors, follow};
@@ -52,7 +52,7 @@ fn passes<T: Vectors>(update: fn(&mut Tracker<T>, &Frame<'_>) -> Option<Answer>)
     assert!(cases >= 6 && answers >= 60, "{}: {cases} cases, {answers} answers", T::FORM);
 }
 
-/// With an update begun and dropped before, and taken up again in the middle.
+/// First begins an update and drops it, then resumes an update in the middle.
 fn stepwise<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<Answer> {
     tracker.begin(frame).ok()?.step(100);
     tracker.begin(frame).ok()?.step(5000);
@@ -61,7 +61,7 @@ fn stepwise<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<A
     Some(update.finish())
 }
 
-/// Every frame goes to a new tracker, that knows what was saved.
+/// Every frame goes to a new tracker, restored from the saved one.
 fn restored<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<Answer> {
     let mut saved = vec![0; T::SAVED_SIZE];
     let size = tracker.save(&mut saved).ok()?;

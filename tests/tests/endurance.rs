@@ -1,4 +1,4 @@
-//! Long runs and bad ends: memory stays bounded, and what was written before a full disk, a closed pipe or a kill is whole.
+//! Long runs and sudden ends: memory stays bounded, and the output written before a full disk, a closed pipe or a kill is complete.
 
 #![cfg(unix)]
 
@@ -18,7 +18,7 @@ fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// `track -` with the first frames of the built-in recording on their way to it.
+/// `track -`, which is being sent the first frames of the built-in recording.
 struct Live {
     process: Child,
     input: ChildStdin,
@@ -92,7 +92,7 @@ fn live_input_takes_no_more_memory_with_time() {
         };
         let early = answered(&mut live, 100);
         let late = answered(&mut live, 2000);
-        // A frame is 19 KiB: kept, these would be 37 MiB.
+        // A frame is 19 KiB: if all were kept, they would take 37 MiB.
         assert!(late <= early + 2048, "{method}: {early} KiB after 100 frames, {late} KiB after 2100");
         assert!(late < 128 * 1024, "{method}: {late} KiB");
         live.kill();
@@ -138,7 +138,7 @@ fn a_full_disk_is_said_and_leaves_nothing_half_written() {
     }
 }
 
-/// A disk that fills up on the way: files of this process may not grow beyond 16 KiB.
+/// A disk that fills up during the run: files of this process may not grow beyond 16 KiB.
 #[test]
 fn a_disk_that_fills_up_leaves_the_former_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -157,7 +157,7 @@ fn a_disk_that_fills_up_leaves_the_former_file() {
     assert_eq!(parts(folder.path()), 0, "nothing is left behind");
 }
 
-/// Files and folders under way.
+/// Unfinished files and folders.
 fn parts(folder: &Path) -> usize {
     let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     names.filter(|name| name.starts_with(".smr-")).count()
@@ -186,7 +186,7 @@ fn what_was_printed_before_a_kill_is_whole() {
     live.send(7);
     let lines = || fs::read_to_string(&printed).unwrap().lines().count();
     wait_until("seven lines", || lines() == 7);
-    // Half a frame is under way.
+    // Half a frame has been sent.
     live.input.write_all(b"FRAME\nhalf").unwrap();
     live.kill();
     let text = fs::read_to_string(&printed).unwrap();
@@ -242,7 +242,7 @@ fn a_closed_pipe_does_not_cost_the_video() {
     assert!(fs::read(piped).unwrap() == fs::read(whole).unwrap(), "the whole video is there");
 }
 
-/// Whether a program of this name was started by the process and runs.
+/// Whether the process has started a program of this name that still runs.
 fn started(name: &str, process: &Child) -> Option<String> {
     let found = Command::new("pgrep").args(["-P", &process.id().to_string(), name]).output().ok()?;
     String::from_utf8(found.stdout).ok()?.lines().next().map(str::to_owned)

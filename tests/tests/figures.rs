@@ -1,4 +1,4 @@
-//! `host-sim figures` as its user meets it.
+//! `host-sim figures` from its user's view.
 
 mod program;
 
@@ -24,8 +24,8 @@ fn all_five_as_png_and_svg() {
     assert_eq!(fs::read_dir(&out).unwrap().count(), 10);
 }
 
-/// `host-sim/FIGURES.md` shows them; this is how they are made anew: `host-sim figures synthetic -o DIR --form png`, each with `synthetic-`
-/// before its name.
+/// `host-sim/FIGURES.md` shows them. To make them again: `host-sim figures synthetic -o DIR --form png`, then add `synthetic-` before each
+/// name.
 #[test]
 fn the_documentation_shows_what_the_command_draws() {
     let folder = tempfile::tempdir().unwrap();
@@ -53,7 +53,7 @@ fn what_cannot_be_drawn_is_left_out_or_refused() {
     let figures = |more: &[&str]| {
         host_sim(&[&["figures", utf8(&film), "--init", "36,24,24,28", "-o", utf8(&out)], more].concat())
     };
-    // Without ground truth there are the boxes.
+    // Without ground truth only the figure of the boxes is drawn.
     let said = figures(&["--form", "svg"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(said.out.matches("left out: blind: no figure ").count(), 4, "{}", said.out);

@@ -1,13 +1,13 @@
 //! `host-sim check` notices when smr-core is wrong.
 //!
-//! Each mutant is the project with one place of `core` changed, built and run on the built-in recordings. A check that
-//! stays content with a mutant checks nothing there.
+//! Each mutant is the project with one change in `core`, built and run on the built-in recordings. A check that passes with a mutant does
+//! not test that place.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// What is changed: its name, the file in `core/src`, the text that stands there once, and what replaces it.
+/// A mutant: its name, the file in `core/src`, a text that occurs there once, and its replacement.
 type Mutant = (&'static str, &'static str, &'static str, &'static str);
 
 const PAPER: [Mutant; 22] = [
@@ -148,15 +148,15 @@ const ROBUST: [Mutant; 24] = [
     ("gated learning", "track/robust/constants.rs", "LEARNED_FROM: i32 = 37_500;", "LEARNED_FROM: i32 = 98_304;"),
 ];
 
-/// What only a target shows that is lost and comes back: the built-in recordings have none that the robust tracker loses. The tests
-/// beside `check` have.
+/// Mutants that only a lost and returning target shows. The robust tracker loses none of the targets in the built-in recordings; the
+/// tests of `check` have such a target.
 const LOST: [Mutant; 3] = [
     ("how much is enough", "track/robust/constants.rs", "FOUND_FROM: i32 = 52_000;", "FOUND_FROM: i32 = 104_000;"),
     ("where a lost target is searched", "track/robust/redetection.rs", "(2 * number + 1)", "(2 * number)"),
     ("what is asked for", "track/robust/target.rs", "reach + 2 * SCALE_REACH", "reach"),
 ];
 
-/// What no recording shows yet, but smr-core's own tests.
+/// Mutants that no recording shows yet, but smr-core's own tests.
 const OWN: [Mutant; 2] = [
     ("how much better", "track/robust/constants.rs", "FOUND_LEAD: i32 = 16_000;", "FOUND_LEAD: i32 = 0;"),
     (
@@ -167,7 +167,7 @@ const OWN: [Mutant; 2] = [
     ),
 ];
 
-/// How a mutant is met: what follows `cargo`.
+/// How a mutant is tested: the arguments of `cargo`.
 const CHECK_PAPER: [&str; 7] = ["run", "--quiet", "--package", "host-sim", "--", "check", "--method=smr"];
 const CHECK_ROBUST: [&str; 7] = ["run", "--quiet", "--package", "host-sim", "--", "check", "--method=robust"];
 const TEST_CORE: [&str; 6] = ["test", "--quiet", "--package=smr-core", "--lib", "--", "track::robust::confidence"];
@@ -193,7 +193,7 @@ fn check_fails_on_every_mutant() {
     assert!(unnoticed.is_empty(), "check is content with: {unnoticed:?}");
 }
 
-/// Every mutation has its place: the test above is not run every day.
+/// Every mutant can still be made: the test above does not run every day.
 #[test]
 fn every_mutant_can_be_made() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ is in the project");
@@ -212,7 +212,7 @@ fn is_noticed(copy: &Path, command: &[&str], &(name, file, from, to): &Mutant) -
     fs::write(&path, original).expect("the copy can be written");
     println!("{name}: {}", output.status);
     match output.status.code() {
-        // 101 is a failed test; what does not build is not a mutant.
+        // 101 is a failed test. A change that does not build is not a mutant.
         Some(1) => true,
         Some(101) => {
             let said = text(&output);
@@ -224,7 +224,7 @@ fn is_noticed(copy: &Path, command: &[&str], &(name, file, from, to): &Mutant) -
     }
 }
 
-/// Builds the copy in a folder of its own, so that its dependencies are built once, and runs it.
+/// Builds and runs the copy. It has a target folder of its own, so that its dependencies are built once.
 fn cargo(project: &Path, command: &[&str]) -> Output {
     let cargo = option_env!("CARGO").unwrap_or("cargo");
     Command::new(cargo)

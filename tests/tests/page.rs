@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// Headless Chromium under one of its names; `None`, and a word about it, where there is none.
+/// Headless Chromium under one of its names; `None`, with a note, if there is none.
 fn browser(test: &str) -> Option<&'static str> {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
@@ -19,7 +19,7 @@ fn browser(test: &str) -> Option<&'static str> {
     found
 }
 
-/// What a person does, and what is then to be seen; every failure becomes a line of the list that is read by the test.
+/// The actions of a user, and what the page must then show. Every failure becomes a line of the list that the test reads.
 const SCRIPT: &str = r##"
 <script>
 const problems = [];

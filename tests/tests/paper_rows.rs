@@ -1,4 +1,4 @@
-//! `Config::paper()` on the paper's recordings, against the boxes that a prototype of the method has written, frame by frame.
+//! `Config::paper()` on the paper's recordings, against the boxes of a prototype of the method, frame by frame.
 
 use host_sim::Paper;
 use host_sim::sequence::{self, OpenOptions, Sequence};
@@ -21,7 +21,7 @@ fn recordings(test: &str) -> Option<PathBuf> {
     there.then_some(root)
 }
 
-/// A line a frame: left, top, right, bottom; `None` where the target is lost.
+/// A line for each frame: left, top, right, bottom; `None` if the target is lost.
 type Boxes = Vec<Option<[i32; 4]>>;
 
 fn read(path: &Path) -> Boxes {
@@ -51,7 +51,7 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     [Some(corners(start))].into_iter().chain(rest).collect()
 }
 
-/// `rows` tells the set: `larger` is 1 where the lower right corner of the first box belongs to it.
+/// `rows` chooses the set: `larger` is 1 if the first box includes its lower right corner.
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(root) = recordings(test) else { return };
     for name in RECORDINGS {
@@ -59,7 +59,7 @@ fn compare(test: &str, rows: &str, config: Config, larger: u16) {
         let (ours, expected) =
             (follow(sequence, config, larger), read(&root.join(format!("paper-rows/{name}.{rows}.txt"))));
         assert_eq!(ours.len(), expected.len(), "{name}: frames");
-        // The first row is the box as it was given.
+        // The first row is the given box.
         let differs = (1..ours.len()).find(|&frame| ours[frame] != expected[frame]);
         if let Some(frame) = differs {
             panic!("{name}, frame {}: {:?}, expected {:?}", frame + 1, ours[frame], expected[frame]);

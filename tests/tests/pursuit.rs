@@ -1,10 +1,10 @@
-//! The closed loop: a simulated head and camera look at a rendered scene, the tracker follows, the pursuit steers.
+//! The closed loop: a simulated camera on a head sees a rendered scene, the tracker follows the target, the pursuit turns the head.
 //!
-//! The camera has 160x120 pixels, a focal length of 160 pixels (53 degrees across) and 30 frames a second. Each frame is
-//! rendered from the angles that the head has at that time, ray by ray through the same pinhole: a textured target of
-//! 17 by 17 degrees (48x48 pixels at the centre) before a textured background. A command reaches the servos one frame
-//! after the picture that it answers; they turn at no more than 300 degrees a second, and resolve a microsecond of pulse.
-//! Everything is deterministic.
+//! The camera has 160x120 pixels, a focal length of 160 pixels (53 degrees across) and 30 frames per second. Each frame is
+//! rendered ray by ray from the present angles of the head: a textured target of 17 by 17 degrees (48x48 pixels at the
+//! centre) in front of a textured background. A command reaches the servos one frame after the frame that caused it. The
+//! servos turn at up to 300 degrees per second, with a resolution of one microsecond of pulse. Everything is
+//! deterministic.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "gray levels and grid places, all small")]
 
@@ -20,7 +20,7 @@ const WIDTH: u16 = 160;
 const HEIGHT: u16 = 120;
 const FOCAL_LENGTH_PIXELS: f64 = 160.0;
 const FRAME_SECONDS: f64 = 1.0 / 30.0;
-/// Length of the target's sides, in pixels where it is centred.
+/// Length of the target's sides, in pixels at the centre.
 const TARGET_PIXELS: u16 = 48;
 const SERVO_DEGREES_PER_SECOND: f64 = 300.0;
 const HOLD_SECONDS: f32 = 1.0;
@@ -37,11 +37,11 @@ const AXIS: Axis = Axis {
 };
 const PAN_SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
-/// Mounted the other way round.
+/// A servo that is mounted the other way round.
 const TILT_SERVO: Servo =
     Servo { pulse_at_min_microseconds: 2100, pulse_at_max_microseconds: 900, period_microseconds: 20_000 };
 
-/// Where something is: angles to the right and up, in radians.
+/// A direction: angles to the right and up, in radians.
 #[derive(Clone, Copy, Debug)]
 struct Direction {
     pan: f64,
@@ -54,10 +54,10 @@ impl Direction {
     }
 }
 
-/// What the camera looks at, at one time.
+/// The scene at one time.
 struct Scene {
     target: Direction,
-    /// Where something stands before it: a texture of its own, half as large again as the target.
+    /// The direction of an occluder: it has its own texture and 1.5 times the size of the target.
     hidden_by: Option<Direction>,
 }
 
@@ -83,7 +83,7 @@ impl Scene {
     }
 }
 
-/// Where on a square of `side` around `place` a ray meets it.
+/// The point where a ray meets a square of `side` around `place`.
 fn within(ray: Direction, place: Direction, side: f64) -> Option<(f64, f64)> {
     let (right, up) = (ray.pan - place.pan, ray.tilt - place.tilt);
     (right.abs() < side / 2.0 && up.abs() < side / 2.0).then_some((right, up))
@@ -107,7 +107,7 @@ fn offset_pixels(head: Direction, point: Direction) -> (f64, f64) {
     (FOCAL_LENGTH_PIXELS * right / forward, FOCAL_LENGTH_PIXELS * up / forward)
 }
 
-/// Random gray levels, 4 pixels apart where they are centred, blended in between.
+/// Random gray levels, 4 pixels apart at the centre, interpolated in between.
 fn texture(seed: u32, pan: f64, tilt: f64, (darkest, brightest): (f64, f64)) -> u8 {
     let (x, y) = (pan * FOCAL_LENGTH_PIXELS / 4.0, tilt * FOCAL_LENGTH_PIXELS / 4.0);
     let (column, row) = (x.floor(), y.floor());
@@ -127,7 +127,7 @@ fn grain(seed: u32, column: i32, row: i32) -> f64 {
     f64::from((mixed ^ (mixed >> 16)) >> 8) / f64::from(1 << 24)
 }
 
-/// A PWM pin of one microsecond of resolution, or a LED: what was last written to it can be seen from outside.
+/// A PWM pin with a resolution of one microsecond, or an LED. The test can read the value last written to it.
 #[derive(Clone, Default)]
 struct Pin(Rc<Cell<u16>>);
 
@@ -162,7 +162,7 @@ impl digital::OutputPin for Pin {
     }
 }
 
-/// A servo on a pin: where it stands, and the pulse it was given one frame ago.
+/// A servo on a pin: its angle, and the pulse of the frame before.
 struct Motor {
     pin: Pin,
     servo: Servo,
@@ -176,7 +176,7 @@ impl Motor {
         Self { pin: pin.clone(), servo, pulse: home, radians: 0.0 }
     }
 
-    /// One frame of time passes: the servo turns to the former pulse, and then hears of the new one.
+    /// One frame passes: the servo turns toward the pulse of the frame before, then takes the new one.
     fn turn(&mut self) {
         let (at_min, at_max) =
             (f64::from(self.servo.pulse_at_min_microseconds), f64::from(self.servo.pulse_at_max_microseconds));
@@ -188,7 +188,7 @@ impl Motor {
     }
 }
 
-/// The whole of it: scene, camera, tracker, pursuit, head.
+/// The whole loop: scene, camera, tracker, pursuit, head.
 struct Loop<T: Target> {
     tracker: Box<Tracker<T>>,
     pursuit: Pursuit<Pin, Pin, Pin>,
@@ -197,22 +197,22 @@ struct Loop<T: Target> {
     lamp: Pin,
 }
 
-/// The paper's tracker, with a window of which the target stays clear.
+/// The paper's tracker, with a window that the target does not leave.
 type Small = Paper<4096, 65>;
 
 fn small() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 12, y: 12 };
     config.window_limit = Radius { x: 32, y: 32 };
-    // The paper's gate of 1.0 believes whatever is inside the frame. Something that hides the target is to be told
-    // from it here.
+    // The paper's gate of 1.0 accepts every peak inside the frame. Here the tracker must distinguish the target from
+    // the occluder.
     config.gate.tracking = Fraction::new(5, 4);
-    // A lead of 100 pixels is nothing among the target's 2304: only the ratio counts.
+    // A lead of 100 pixels is easy to reach with the target's 2304. So only the ratio decides here.
     config.gate.lead = u16::MAX;
     config
 }
 
-/// One frame: what the tracker said, and how far the target then was from the middle of the picture.
+/// One frame: the tracker's answer, and the distance of the target from the middle of the picture.
 struct Step {
     answer: Answer,
     error_pixels: f64,
@@ -262,8 +262,8 @@ fn frame(pixels: &[u8]) -> Frame<'_> {
     Frame::whole(Image::new(pixels, WIDTH, HEIGHT).expect("as many pixels as that"))
 }
 
-/// The largest error, in pixels, in 10 seconds in which the target goes to and fro between 40 degrees left and right at a
-/// constant speed, and up and down by `tilt_per_pan` of that.
+/// The largest error in pixels during 10 seconds. The target moves between 40 degrees left and right at a constant speed,
+/// and `tilt_per_pan` times as far up and down.
 fn sweep<T: Target>(config: T::Config, degrees_per_second: f64, tilt_per_pan: f64) -> f64 {
     let mut head = Loop::<T>::locked(config);
     let errors = (1..=300).map(|frame| {
@@ -278,11 +278,11 @@ fn sweep<T: Target>(config: T::Config, degrees_per_second: f64, tilt_per_pan: f6
     errors.fold(0.0, f64::max)
 }
 
-/// Measured at 30, 40 and 60 degrees a second: 12.3, 16.0 and 32.0 pixels on the level, 12.8, 27.1 and 30.9 aslant. Speed
-/// over gain, what a controller without an integral leaves behind, is 8.4, 11.2 and 16.8 of it.
+/// Measured at 30, 40 and 60 degrees per second: 12.3, 16.0 and 32.0 pixels horizontally, 12.8, 27.1 and 30.9 diagonally.
+/// Of this, 8.4, 11.2 and 16.8 are speed / gain, the steady error of a proportional controller.
 ///
-/// Slow targets are not promised: at 10 and 20 degrees a second on the level it is 4.5 and 21.4 pixels, aslant the box
-/// slips off the target (91 pixels). A template that is replaced every frame loses fractions of a pixel.
+/// Slow targets are not promised: at 10 and 20 degrees per second it is 4.5 and 21.4 pixels horizontally; diagonally the
+/// box slips off the target (91 pixels). A template that is replaced in every frame accumulates sub-pixel errors.
 #[test]
 fn a_moving_target_stays_near_the_centre() {
     for (speed, tilt_per_pan, most) in [
@@ -299,7 +299,7 @@ fn a_moving_target_stays_near_the_centre() {
     }
 }
 
-/// The robust tracker also holds slow targets, and on a slant. Measured: 3.9, 5.4, 7.9, 9.8, 13.9 and 18.8 pixels.
+/// The robust tracker also keeps slow targets and diagonal ones. Measured: 3.9, 5.4, 7.9, 9.8, 13.9 and 18.8 pixels.
 #[test]
 fn the_robust_tracker_holds_at_every_speed() {
     for (speed, tilt_per_pan, most) in [
@@ -318,7 +318,7 @@ fn the_robust_tracker_holds_at_every_speed() {
     }
 }
 
-/// Follows a target that moves 20 degrees to the right at 30 degrees a second, and then for a second stands still.
+/// Follows a target that moves 20 degrees to the right at 30 degrees per second and then stands still for a second.
 fn at_20_degrees() -> (Loop<Small>, Direction) {
     let mut head = Loop::<Small>::locked(small());
     for frame in 1..=50 {
@@ -332,15 +332,15 @@ fn turned_degrees(from: Direction, to: Direction) -> f64 {
     (to.pan - from.pan).abs().max((to.tilt - from.tilt).abs()).to_degrees()
 }
 
-/// Measured: found in the first frame it is seen again, 8.9 pixels away; at most 5.3 pixels from the third on, 0.3 in
-/// the fifth. What the tracker then loses in fractions of a pixel adds up to 7.0 within a second.
+/// Measured: found in the first frame in which it is visible again, 8.9 pixels away; at most 5.3 pixels from the third
+/// frame on, 0.3 in the fifth. Sub-pixel errors of the tracker then add up to 7.0 within a second.
 #[test]
 fn a_target_that_was_hidden_is_centred_again() {
     let (mut head, place) = at_20_degrees();
     let held = head.head();
     let moved = |frame| Direction::degrees(20.0 + 0.15 * f64::from(frame), 0.0);
     for frame in 1..=25 {
-        // Behind the thing that hides it, it moves on.
+        // It keeps moving behind the occluder.
         let step = head.step(&Scene { target: moved(frame), hidden_by: Some(place) });
         assert_eq!((step.answer.state, step.lamp), (State::Lost, false), "frame {frame}");
         assert!(turned_degrees(held, head.head()) < 0.1, "the head holds still in frame {frame}");
@@ -354,7 +354,7 @@ fn a_target_that_was_hidden_is_centred_again() {
     }
 }
 
-/// Measured: 20.55 degrees away it holds for 31 frames, the last of them the delay, and is home 22 frames later.
+/// Measured: 20.55 degrees away from home the head holds still for 31 frames, including one of delay. It is home 22 frames later.
 #[test]
 fn a_target_that_stays_lost_is_waited_for_and_then_the_head_goes_home() {
     let (mut head, place) = at_20_degrees();

@@ -2,7 +2,7 @@
 
 #[test]
 fn the_readme_has_at_most_900_words() {
-    // As `wc -w` counts.
+    // The same count as `wc -w`.
     let words = include_str!("../../README.md").split_whitespace().count();
     assert!(words <= 900, "README.md has {words} words");
 }

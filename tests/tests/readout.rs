@@ -1,18 +1,18 @@
-//! Partial readout: a tracker that is given no more of a frame than it asks for answers as one that is given all of it, and one that
-//! is given less refuses.
+//! Partial readout: a tracker that gets only the windows it asks for gives the same answers as one that gets whole frames. With less it
+//! refuses.
 
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
 type SmallPaper = Paper<16_384, 301>;
 
-/// Frames of one size, of which a target is followed from a box in the middle.
+/// Frames of one size. The target is locked in the middle.
 struct Recording {
     size: (u16, u16),
     target: Rect,
     frames: Vec<Vec<u8>>,
 }
 
-/// A waving texture that moves and grows; in three frames of nine there is nothing but noise, so that the target is lost and looked for.
+/// A waving texture that moves and grows; three of nine frames are noise, so that the target is lost and searched.
 fn recording(seed: u16) -> Recording {
     let (width, height) = (60 + seed * 37 % 200, 50 + seed * 53 % 150);
     let (across, down) = (4 + seed * 29 % (width / 2), 4 + seed * 31 % (height / 2));
@@ -44,7 +44,7 @@ fn recording(seed: u16) -> Recording {
     Recording { size: (width, height), target, frames }
 }
 
-/// What is in memory of a frame: these rectangles of it, copied, so that nothing else can be read.
+/// The part of a frame in memory: copies of these rectangles, so that nothing else can be read.
 struct Memory {
     parts: Vec<(Rect, Vec<u8>)>,
     size: (u16, u16),
@@ -54,7 +54,7 @@ impl Memory {
     fn of(frame: &[u8], size: (u16, u16), rects: &[Rect]) -> Self {
         let image = Image::new(frame, size.0, size.1).expect("a frame of this size");
         let copy = |&rect: &Rect| {
-            // Where nothing is asked for, a frame has a pixel all the same.
+            // Even if the tracker needs no pixels, a frame has at least one.
             let rect = if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
             let part = image.crop(rect).expect("what is asked for lies in the frame");
             (rect, part.rows().flatten().copied().collect())
@@ -86,7 +86,7 @@ fn less(rect: Rect) -> Option<Rect> {
     (rect.height > 1).then(|| Rect { height: rect.height - 1, ..rect })
 }
 
-/// How many frames were compared, and in how many of them a second window was asked for.
+/// The number of compared frames, and of those with a second window.
 fn compare<T: Target>(config: T::Config) -> (u32, u32) {
     let tracker = || Box::new(Tracker::<T>::new(config).expect("a good configuration"));
     let (mut frames, mut sweeps) = (0, 0);

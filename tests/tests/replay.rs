@@ -1,4 +1,4 @@
-//! Flight records: what `smr_core::record` writes, `host-sim replay` runs again; damaged, cut off anywhere, appended to, from a log.
+//! Flight records: `host-sim replay` runs what `smr_core::record` writes, also if it is damaged, cut off, appended to, or in a log.
 
 mod program;
 
@@ -25,7 +25,7 @@ static STEEP: Table = match Table::new(100) {
     Err(_) => panic!("100 is in range"),
 };
 
-/// None of the presets: every number must come through.
+/// Unlike any preset: every number must be recorded.
 fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.table = &STEEP;
@@ -47,7 +47,7 @@ fn start() -> Rect {
     synthetic::truth(0).and_then(|start| start.to_rect()).expect("it begins with the target in view")
 }
 
-/// No more of a frame than the tracker asks for is in memory, as on a chip.
+/// Only the windows of the tracker are in memory, as on a chip.
 fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'a> {
     let Rect { width, height, .. } = frame.bounds();
     let part = |rect: Rect| {
@@ -62,7 +62,7 @@ fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'
     least.and_part(image, x, y).expect("inside the frame")
 }
 
-/// A flight over the built-in recording with all that can be in one, and its answers.
+/// A flight over the built-in recording with every kind of entry, and its answers.
 fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer>) {
     let mut bytes = Vec::new();
     let mut tracker = Box::new(Tracker::<T>::new(config).expect("a good configuration"));
@@ -84,7 +84,7 @@ fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer
             let Ok(()) = recorder.moved(300, -256);
         }
         if index == 9 {
-            // Begun, and given up.
+            // Begun, but not finished.
             let shown = asked_for(whole, &tracker);
             let Ok(()) = recorder.window(tracker.target(), &shown);
             tracker.begin(&shown).expect("it has what it asks for").step(1);
@@ -116,7 +116,7 @@ fn replayed(bytes: &[u8]) -> Result<Report, String> {
     replay(Cursor::new(bytes.to_vec()), || ()).map_err(|error| format!("{error:#}"))
 }
 
-/// Where each entry begins, and what it is.
+/// The start and the kind of each entry.
 fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
     let mut all = Vec::new();
     let mut at = 0;
@@ -129,7 +129,7 @@ fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
     all
 }
 
-/// The same with the checksum of the entry at `at` made right, as if the tracker had answered so.
+/// The same record with a correct checksum for the entry at `at`, as if the tracker had given this answer.
 fn signed(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
     let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
     let sum = crc32fast::hash(&bytes[at..at + 12 + length]);
@@ -149,7 +149,7 @@ fn a_flight_is_replayed_bit_for_bit() {
         let count = |state| answers.iter().filter(|answer| answer.state == state).count() as u64;
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
-        // As documented: 36 bytes and the pixels a lock, 82 and the pixels a frame.
+        // As documented: a lock takes 36 bytes plus its pixels, a frame 82 bytes plus its pixels.
         let begin = if kind == CoreKind::Smr { 584 } else { 556 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
@@ -160,7 +160,7 @@ fn a_flight_is_replayed_bit_for_bit() {
 
 #[test]
 fn a_changed_answer_is_named() {
-    // Where it stands in the answer, and what it is called.
+    // Its place in the answer, and its name.
     let fields = [
         (0, "box in 1/256 pixel"),
         (16, "state"),
@@ -186,7 +186,7 @@ fn a_changed_answer_is_named() {
     }
 }
 
-/// Whatever stands in entries whose checksums are right: a verdict or an error.
+/// Any content in entries with correct checksums gives a verdict or an error.
 #[test]
 fn no_entry_makes_it_panic() {
     let mut state = 1_u64;
@@ -201,7 +201,7 @@ fn no_entry_makes_it_panic() {
             let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
             let mut changed = bytes.clone();
             for _ in 0..=random(3) {
-                // Mostly numbers, which come first; of the configuration they come last.
+                // Mostly numbers, which come first; in the configuration they come last.
                 let place = if random(2) == 0 { random(length.min(40)) } else { length - 1 - random(length.min(60)) };
                 changed[at + 12 + place] = [0, 1, 0x7F, 0x80, 0xFF][random(5)];
             }
@@ -213,7 +213,7 @@ fn no_entry_makes_it_panic() {
 #[test]
 fn a_changed_pixel_or_configuration_is_noticed() {
     for (kind, bytes, _) in flights(12) {
-        // A pixel in the middle of the box that was locked on; what follows is another target.
+        // A pixel in the middle of the locked box: then the target is another one.
         let (lock, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
         for pixel in &mut changed[lock + 32 + 200..lock + 32 + 400] {
@@ -221,7 +221,7 @@ fn a_changed_pixel_or_configuration_is_noticed() {
         }
         let report = replayed(&signed(changed, lock)).expect("a record");
         assert!(report.difference.is_some(), "{kind:?}");
-        // Of the configuration: the window's radius, or the learning rate.
+        // In the configuration: the window's radius, or the learning rate.
         let (end, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
         changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 4 }] ^= 3;
@@ -294,7 +294,7 @@ fn damage_in_the_middle_is_no_verdict() {
     // A log that dropped an entry.
     let without = [&bytes[..all[5].0], &bytes[all[6].0..]].concat();
     refused(&without, &["entry 5 is missing"]);
-    // What another version wrote.
+    // A record of another version.
     let mut other = bytes.clone();
     other[12] = 9;
     refused(&signed(other, 0), &["version 9 of the record: expected 1"]);
@@ -375,7 +375,7 @@ fn a_writer_that_fails_ends_the_record() {
             assert_eq!((failed, recorder.is_whole()), (1, false), "it is said once, and kept in mind: {room}");
         }
         assert!(bytes.len() <= room && (calls == 5 || room < 584));
-        // What was written before is good.
+        // The part that was written before is good.
         if room > 584 {
             let report = replayed(&bytes).unwrap();
             assert_eq!(report.flights[0].locks, u64::from(room > 584 + 36 + 24 * 28));
@@ -417,7 +417,7 @@ fn what_the_emulated_chip_recorded_is_replayed() {
         said.err
     );
 
-    // Had the chip answered otherwise, it would be named.
+    // A different answer of the chip would be named.
     let bytes = fs::read(&record).unwrap();
     let mut answers = entries(&bytes).into_iter().filter(|(_, tag)| tag == b"SMRA");
     let (at, _) = answers.nth(40).expect("there are 58");

@@ -1,4 +1,4 @@
-//! From a recording to what its user keeps: conversions, videos, live input, settings, completions and the manual.
+//! The outputs for the user: conversions, videos, live input, settings, completions and the manual.
 
 mod program;
 
@@ -69,7 +69,7 @@ fn parts_are_shown_and_checked_as_they_are_followed() {
     host_sim(&["bench", "synthetic", "--frames", "7"]).refuses_usage("20..80");
 }
 
-/// Results of other trackers are of the whole recording: a part of them stands beside a part.
+/// Other trackers' results cover the whole recording. For a part of the recording, the same part of the results is compared.
 #[test]
 fn results_of_others_are_cut_with_the_recording() {
     let folder = tempfile::tempdir().unwrap();
@@ -91,7 +91,7 @@ fn results_of_others_are_cut_with_the_recording() {
 #[test]
 fn a_part_is_measured_under_a_name_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
-    // As a recording of the paper's table.
+    // In the form of a recording of the paper's table.
     let car = folder.path().join("deep/er/06_car");
     assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&car), "--format", "y4m"]).code, Some(0));
     let rows = host_sim(&["eval", utf8(folder.path()), "--frames", "5..24", "--json"]).json();
@@ -109,7 +109,7 @@ fn eval_prints_the_figures_of_otb_and_vot_in_every_format() {
         let recording = folder.path().join(name);
         let convert = ["convert", "synthetic", "-o", utf8(&recording), "--format", "y4m", "--frames", frames];
         assert_eq!(host_sim(&convert).code, Some(0));
-        // Another tracker that answers the truth in the first half of the frames, and then nothing.
+        // Another tracker that gives the ground truth in the first half of the frames, then no answer.
         let truth = fs::read_to_string(recording.join("gt.txt")).unwrap();
         let half: Vec<&str> = truth.lines().take(truth.lines().count() / 2).collect();
         fs::create_dir(recording.join("trackers")).unwrap();
@@ -202,7 +202,7 @@ fn every_frame_is_answered_as_it_comes() {
         to.write_all(&bytes[start + number * frame..][..frame]).unwrap();
         to.flush().unwrap();
         let mut line = String::new();
-        // The next frame is sent after the answer: if answers were held back, this would wait for ever.
+        // The next frame is sent after the answer. If answers were held back, this would wait forever.
         from.read_line(&mut line).unwrap();
         assert_eq!(line.trim_end(), expected);
     }

@@ -1,7 +1,6 @@
 //! `host-sim target` when something is wrong: one clear line, within a bounded time, and no process left behind.
 //!
-//! In QEMU's place stand small programs that do what it does when it is broken. That the real one runs the real firmware
-//! is checked by `.ci/targets`.
+//! Small scripts replace QEMU and imitate its failures. `.ci/targets` checks that the real QEMU runs the real firmware.
 
 #![cfg(unix)]
 
@@ -14,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A folder with something that passes for firmware, and a shell script in QEMU's place.
+/// A folder with a file that passes for firmware, and a shell script that replaces QEMU.
 struct Bench {
     folder: tempfile::TempDir,
 }
@@ -32,7 +31,7 @@ impl Bench {
         self.folder.path().join(name)
     }
 
-    /// Has the script answer with these records.
+    /// Makes the script answer with these records.
     fn answering(records: &[&[u32]], then: &str) -> Self {
         let bench = Self::new("");
         let mut bytes = Vec::new();
@@ -75,7 +74,7 @@ impl Bench {
     }
 }
 
-/// An ELF header and one section of code: as much as is read of a firmware before it runs.
+/// An ELF header and one section of code: all that host-sim reads of a firmware before it runs.
 fn least_firmware() -> Vec<u8> {
     let mut elf = b"\x7fELF\x01\x01\x01".to_vec();
     elf.resize(16, 0);

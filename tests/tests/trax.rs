@@ -1,7 +1,7 @@
-//! `host-sim trax` and the client of the protocol's own implementation, vot-trax of PyPI.
+//! `host-sim trax` with the reference client of the protocol, vot-trax from PyPI.
 //!
-//! `SMR_TRAX_PYTHON` names a Python that has it, else it is `python3`. `.ci/run` makes one in `target/trax-python`; `host-sim/README.md` says how by hand.
-//! With `vot-toolkit`, the VOT toolkit is run, too.
+//! `SMR_TRAX_PYTHON` names a Python that has it; the default is `python3`. `.ci/run` makes one in `target/trax-python`; `host-sim/README.md` says how by hand.
+//! If `vot-toolkit` is installed, the tests also run the VOT toolkit.
 
 mod program;
 
@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// A Python with these modules; that there is none is said by the name of the test.
+/// A Python with these modules. If there is none, a note names the skipped test.
 fn python(test: &str, modules: &str) -> Option<OsString> {
     let python = std::env::var_os("SMR_TRAX_PYTHON").unwrap_or_else(|| "python3".into());
     let imports = Command::new(&python).args(["-c", &format!("import {modules}")]).stderr(Stdio::null()).status();
@@ -72,7 +72,7 @@ fn the_real_client_gets_the_boxes_of_track_twice() {
     }
 }
 
-/// Every section of the file that is shipped, on the toolkit's own short recording with three objects.
+/// Every section of the shipped file, on the toolkit's own short recording with three objects.
 #[test]
 fn the_vot_toolkit_runs_the_trackers_of_the_shipped_file() {
     let test = "the_vot_toolkit_runs_the_trackers_of_the_shipped_file";
@@ -87,7 +87,7 @@ fn the_vot_toolkit_runs_the_trackers_of_the_shipped_file() {
     for name in names {
         let run = Command::new(&python).args(["-m", "vot", "test", name]).current_dir(folder.path()).output().unwrap();
         let said = String::from_utf8_lossy(&run.stdout) + String::from_utf8_lossy(&run.stderr);
-        // The toolkit's own words.
+        // The words of the toolkit.
         assert!(said.contains("Test concluded successfuly"), "{name}: {said}");
         assert!(!said.contains("trax.reason"), "{name}: {said}");
         assert!(said.matches("@@TRAX:state").count() >= 50, "{name}: {said}");

@@ -6,7 +6,7 @@
  * around the last box. The best offset is the new box, and its pixels are the next template.
  *
  * @code
- * static smr_paper_target storage;       // all that is remembered; nothing is allocated
+ * static smr_paper_target storage;       // kept from frame to frame; nothing is allocated
  * static smr_paper_workspace workspace;  // scratch memory: all trackers of this kind can share it
  * smr_config config;
  * smr_tracker *tracker;
@@ -21,13 +21,13 @@
  * @endcode
  *
  * There are two trackers, and the configuration chooses one: the paper's (#smr_config_camera, #smr_config_paper) or the robust
- * one (#smr_config_robust). The robust tracker goes beyond the paper: it copes with changes of light, size and view, reports
+ * one (#smr_config_robust). The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
  * when the target is not visible, and searches for it then. It takes more memory and time. All calls are the same.
  *
  * - **Errors.** Every call checks its pointers (NULL, alignment) and sizes and returns an #smr_status;
  *   #smr_status_name gives its name. A call that fails changes nothing, not even an update that is under way.
- * - **What cannot be checked.** A pointer that is neither NULL nor misaligned must point to as much memory as its type or the
- *   size beside it says. Memory that a call reads must be initialised. Nobody else may write there during the call. A tracker
+ * - **What cannot be checked.** A pointer that is neither NULL nor misaligned must point to memory of the size of its type, or of the
+ *   stated size. Memory that a call reads must be initialised. Nobody else may write there during the call. A tracker
  *   pointer must come from #smr_init, and `method` of an #smr_config must be NULL or unchanged.
  * - **Threads and interrupts.** There are no globals. Calls on different trackers may overlap in time. Calls on the same
  *   tracker, or on trackers with the same workspace, may not.
@@ -52,8 +52,8 @@
  * The capacity of the paper's tracker: the largest area of a box in pixels, and the most offsets of the search window on an axis.
  *
  * Both are fixed when the library is built, by environment variables of the same names. If you build the library with other
- * numbers, define these macros to the same numbers before you include this file. If you forget it, #smr_init reports memory that
- * is too small, and #SMR_ERROR_BOX_TOO_LARGE and #SMR_ERROR_WINDOW_TOO_LARGE report what the library cannot hold.
+ * numbers, define these macros to the same numbers before you include this file. If you forget it, #smr_init may report memory
+ * that is too small, and #SMR_ERROR_BOX_TOO_LARGE and #SMR_ERROR_WINDOW_TOO_LARGE follow the library's numbers.
  */
 #ifndef SMR_PIXELS
 #define SMR_PIXELS 4096
@@ -145,7 +145,7 @@ enum smr_status
    */
   SMR_ERROR_NULL = 1,
   /**
-   * A pointer is not aligned for what it points to.
+   * A pointer is not aligned for its type.
    */
   SMR_ERROR_MISALIGNED = 2,
   /**
@@ -279,7 +279,7 @@ enum smr_status
    */
   SMR_ERROR_SAVED_TOO_LARGE = 34,
   /**
-   * A reason that this interface has no number for yet.
+   * A reason for which this interface has no number yet.
    */
   SMR_ERROR_UNKNOWN = 35,
 };
@@ -329,7 +329,7 @@ enum smr_state
    */
   SMR_UNCERTAIN = 2,
   /**
-   * The target is not visible. The paper's tracker: the box is the last one that it believed. The robust tracker: the box is its
+   * The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is its
    * current best guess. Nothing is learned, and the search goes on.
    */
   SMR_LOST = 3,
@@ -372,17 +372,17 @@ typedef struct smr_table {
  */
 typedef struct smr_fraction {
   /**
-   * The number above the line.
+   * The numerator.
    */
   uint16_t numerator;
   /**
-   * The number below the line; at least 1.
+   * The denominator; at least 1.
    */
   uint16_t denominator;
 } smr_fraction;
 
 /**
- * How far the search window reaches to each side of the last position, in pixels: offsets -x to x and -y to y.
+ * The radius of the search window around the last position, in pixels: offsets -x to x and -y to y.
  */
 typedef struct smr_radius {
   /**
@@ -418,10 +418,10 @@ typedef struct smr_margins {
 } smr_margins;
 
 /**
- * How far the peak must stand above the runner-up for a frame to be believed.
+ * When a peak is accepted: how far it must exceed the runner-up.
  *
- * The four fractions are limits for the ratio score(peak) / score(runner-up), which must be larger. With a fraction below 1, every
- * peak that scores at all passes.
+ * The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak with a score above 0
+ * is accepted.
  */
 typedef struct smr_gate {
   /**
@@ -437,20 +437,19 @@ typedef struct smr_gate {
    */
   struct smr_fraction returning;
   /**
-   * The limit for finding a lost target again, wherever it is.
+   * The limit for finding a lost target again.
    */
   struct smr_fraction lost;
   /**
-   * The alternative to all limits: a peak is also believed if its score is above the runner-up's by more than this many fully
-   * similar pixels.
+   * The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this many fully similar
+   * pixels.
    */
   uint16_t lead;
   /**
-   * The least similarity matching ratio of the peak, in units of 1/65535. Below it no frame is believed.
+   * The least similarity matching ratio of the peak, in units of 1/65535. Below it no peak is accepted.
    *
-   * If it is not 0, a box inside the frame must also look like a target, not like a covered lens: it needs a quarter of the
-   * template's contrast (mean absolute deviation), and the number of its pixels at 0 or 255 must not exceed the template's number
-   * plus half of all. 0, the paper's value, checks neither the ratio nor the contrast.
+   * If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the template's contrast (mean
+   * absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
    */
   uint16_t least_ratio;
 } smr_gate;
@@ -486,7 +485,7 @@ typedef struct smr_paper_config {
    */
   struct smr_radius window;
   /**
-   * How many pixels the window grows on each side in each frame that the target stays lost.
+   * By how many pixels the window grows on each side, per frame while the target is lost.
    */
   uint16_t growth;
   /**
@@ -503,11 +502,11 @@ typedef struct smr_paper_config {
    */
   struct smr_margins update_zone;
   /**
-   * When a frame is believed.
+   * When a peak is accepted.
    */
   struct smr_gate gate;
   /**
-   * 0: the tracker looks for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
+   * 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
    * times as long.
    */
   uint8_t runner_up_always;
@@ -527,12 +526,12 @@ typedef struct smr_robust_config {
    */
   uint8_t size;
   /**
-   * 0: a lost target is searched for only where it was lost. Else: all over the frame.
+   * 0: a lost target is searched only where it was lost. Else: in the whole frame.
    */
   uint8_t sweep;
   /**
-   * Weight of the previous confidence in the running mean, in units of 1/256. With more, the tracker holds on for longer: through
-   * short occlusions, but also to a wrong target.
+   * Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
+   * through short occlusions, but also to a wrong target.
    */
   uint8_t patience;
   /**
@@ -544,8 +543,8 @@ typedef struct smr_robust_config {
    */
   uint16_t uncertain_below;
   /**
-   * Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the one that is best for
-   * the current frame).
+   * Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact step for the
+   * present frame).
    */
   uint16_t learning_rate;
   /**
@@ -556,7 +555,7 @@ typedef struct smr_robust_config {
 
 /**
  * Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper or #smr_config_robust first, then change
- * the numbers that you want to change.
+ * the numbers that you need.
  */
 typedef struct smr_config {
   /**
@@ -565,7 +564,7 @@ typedef struct smr_config {
   const struct smr_method *method;
   /**
    * 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory (external RAM
-   * that the MPU has not made Normal) need it, because unaligned loads of words fault there. It changes no answer.
+   * that the MPU has not made Normal) need it, because unaligned loads of words fault there. The answers are the same.
    */
   uint8_t plain_loop;
   /**
@@ -690,7 +689,7 @@ typedef struct smr_answer {
    */
   struct smr_fine_rect fine;
   /**
-   * Whether the box is to be believed.
+   * Whether the box is reliable.
    */
   smr_state state;
   /**
@@ -717,7 +716,7 @@ typedef struct smr_answer {
    */
   uint16_t alpha;
   /**
-   * 1 if the tracker looked for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
+   * 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
    * and always from the robust tracker.
    */
   uint8_t has_runner_up;
@@ -778,9 +777,9 @@ const char *smr_version(void);
 /**
  * Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
  *
- * It differs from #smr_config_paper in this: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
+ * Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
  * 161 is enough), the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
- * is at least 10 gray levels, and a peak with a ratio below 1/20 is not believed.
+ * is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -800,7 +799,7 @@ smr_status smr_config_camera(struct smr_config *config);
 smr_status smr_config_paper(struct smr_config *config);
 
 /**
- * Fills a configuration of the robust tracker. It goes beyond the paper: it copes with changes of light, size and view, reports
+ * Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view, reports
  * when the target is not visible, and searches for it then. It takes more memory and time.
  *
  * @param config  Memory for the configuration.
@@ -833,8 +832,8 @@ size_t smr_workspace_size(const struct smr_config *config);
  *                        it for anything.
  * @param storage_size    Bytes at `storage`; at least #smr_target_size.
  * @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace; aligned to
- *                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. An update that
- *                        another tracker has begun in it is then given up.
+ *                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
+ *                        cancels an update that another tracker has begun in it.
  * @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
  * @param config          Which tracker, and its numbers. It is copied, except for its table: see #smr_paper_config.
  * @param tracker         Is set to the tracker, or to NULL after an error.
@@ -935,7 +934,7 @@ smr_status smr_update(struct smr_tracker *tracker,
 
 /**
  * Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish. The
- * answer is that of #smr_update, whatever the size of the steps. An unfinished update in this workspace is given up.
+ * answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in this workspace.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
@@ -948,8 +947,8 @@ smr_status smr_begin(struct smr_tracker *tracker,
  * Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
  *
  * The unit of work depends on the tracker:
- * - The paper's: a comparison of two bytes. A step may exceed `work` to come to a stop: by at most the pixels of the template or twice
- *   the pixels of a row of #smr_window, whichever is more, and seven for each of #SMR_SPAN offsets.
+ * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels of a row of
+ *   #smr_window) + 7 * #SMR_SPAN.
  * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5 million. A step may
  *   exceed `work` by at most 128,000.
  *
@@ -965,7 +964,7 @@ smr_status smr_step(struct smr_tracker *tracker,
                     uint8_t *done);
 
 /**
- * Does the rest of the update that #smr_begin has begun, and gives its answer.
+ * Does the rest of the update that #smr_begin has begun, and returns its answer.
  *
  * @param tracker  As for #smr_begin.
  * @param frame    The same frame with the same pixels.
@@ -988,8 +987,8 @@ smr_status smr_window(const struct smr_tracker *tracker,
                       struct smr_rect *window);
 
 /**
- * A second place that the next #smr_update may read, where the robust tracker searches for a lost target. In most frames, and always
- * for the paper's tracker, it is empty.
+ * A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is empty in most frames,
+ * and always for the paper's tracker.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param window   Is set to a rectangle, always inside the frame; width and height are 0 if it is empty. Unchanged after an error.
@@ -1000,9 +999,9 @@ smr_status smr_sweep_window(const struct smr_tracker *tracker,
 
 /**
  * Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
- * (x + right, y + down). An update that is under way is given up.
+ * (x + right, y + down). It cancels an update under way.
  *
- * The search window moves along, so that a turn does not take the target out of it. The box stays within reach of the frame. The
+ * The search window moves along. The box stays within reach of the frame. The
  * paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
  *
  * @param tracker  Made by #smr_init.
@@ -1015,8 +1014,8 @@ smr_status smr_moved(struct smr_tracker *tracker,
                      int32_t down);
 
 /**
- * How well the target could be told from its surroundings at the lock. A flat target, an edge or a single pixel looks the same beside
- * its place: the tracker follows it, but may slip along it without noticing.
+ * How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the same when shifted: the
+ * tracker follows it, but may slip along it without noticing.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
@@ -1059,7 +1058,7 @@ smr_status smr_template(const struct smr_tracker *tracker,
 smr_status smr_alpha(const struct smr_tracker *tracker, uint16_t *alpha);
 
 /**
- * The early template of the robust tracker, which it verifies the target with.
+ * The early template of the robust tracker, with which it verifies the target.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param pixels   Memory outside the tracker's own, for a copy of the pixels, row by row without gaps.

@@ -1,4 +1,4 @@
-//! The answer of an update: where the target is, and how far that is to be believed.
+//! The answer of an update: where the target is, and how reliable that is.
 
 use crate::frame::{smr_fine_rect, smr_rect};
 use smr_core::{Answer, State};
@@ -14,7 +14,7 @@ pub enum smr_state {
     /// The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows something else.
     /// Never from the paper's tracker.
     SMR_UNCERTAIN = 2,
-    /// The target is not visible. The paper's tracker: the box is the last one that it believed. The robust tracker: the box is its
+    /// The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is its
     /// current best guess. Nothing is learned, and the search goes on.
     SMR_LOST = 3,
 }
@@ -27,7 +27,7 @@ pub struct smr_answer {
     pub bbox: smr_rect,
     /// The same box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
     pub fine: smr_fine_rect,
-    /// Whether the box is to be believed.
+    /// Whether the box is reliable.
     pub state: smr_state,
     /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's tracker.
     pub scale: u32,
@@ -42,7 +42,7 @@ pub struct smr_answer {
     /// The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by less. 0 from the
     /// robust tracker, which has a threshold for each place.
     pub alpha: u16,
-    /// 1 if the tracker looked for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
+    /// 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
     /// and always from the robust tracker.
     pub has_runner_up: u8,
     /// 1 if the target was lost in the frame before and is found in this one; else 0.

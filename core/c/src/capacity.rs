@@ -1,4 +1,4 @@
-//! How much a tracker holds, and the bytes that this takes. Both are fixed when the library is built.
+//! The capacity of a tracker, and the bytes that it takes. Both are fixed when the library is built.
 
 use smr_core::{Paper, Quality, Robust, Target};
 
@@ -11,7 +11,7 @@ pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 /// The paper's tracker with these capacities.
 pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 
-/// Alignment of all memory that the caller gives: `SMR_ALIGNMENT` in the header.
+/// Alignment of all memory from the caller: `SMR_ALIGNMENT` in the header.
 pub const ALIGNMENT: usize = 8;
 
 /// `SMR_PAPER_TARGET_SIZE` in the header: a byte for each pixel, the fixed fields, and a small reserve.

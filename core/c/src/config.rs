@@ -13,13 +13,13 @@ use smr_core::similarity::Backend;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_fraction {
-    /// The number above the line.
+    /// The numerator.
     pub numerator: u16,
-    /// The number below the line; at least 1.
+    /// The denominator; at least 1.
     pub denominator: u16,
 }
 
-/// How far the search window reaches to each side of the last position, in pixels: offsets -x to x and -y to y.
+/// The radius of the search window around the last position, in pixels: offsets -x to x and -y to y.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_radius {
@@ -43,10 +43,10 @@ pub struct smr_margins {
     pub bottom: u16,
 }
 
-/// How far the peak must stand above the runner-up for a frame to be believed.
+/// When a peak is accepted: how far it must exceed the runner-up.
 ///
-/// The four fractions are limits for the ratio score(peak) / score(runner-up), which must be larger. With a fraction below 1, every
-/// peak that scores at all passes.
+/// The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak with a score above 0
+/// is accepted.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_gate {
@@ -56,16 +56,15 @@ pub struct smr_gate {
     pub leaving: smr_fraction,
     /// The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is found again.
     pub returning: smr_fraction,
-    /// The limit for finding a lost target again, wherever it is.
+    /// The limit for finding a lost target again.
     pub lost: smr_fraction,
-    /// The alternative to all limits: a peak is also believed if its score is above the runner-up's by more than this many fully
-    /// similar pixels.
+    /// The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this many fully similar
+    /// pixels.
     pub lead: u16,
-    /// The least similarity matching ratio of the peak, in units of 1/65535. Below it no frame is believed.
+    /// The least similarity matching ratio of the peak, in units of 1/65535. Below it no peak is accepted.
     ///
-    /// If it is not 0, a box inside the frame must also look like a target, not like a covered lens: it needs a quarter of the
-    /// template's contrast (mean absolute deviation), and the number of its pixels at 0 or 255 must not exceed the template's number
-    /// plus half of all. 0, the paper's value, checks neither the ratio nor the contrast.
+    /// If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the template's contrast (mean
+    /// absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
     pub least_ratio: u16,
 }
 
@@ -87,7 +86,7 @@ pub struct smr_paper_config {
     pub padding: u16,
     /// The search window around the last box.
     pub window: smr_radius,
-    /// How many pixels the window grows on each side in each frame that the target stays lost.
+    /// By how many pixels the window grows on each side, per frame while the target is lost.
     pub growth: u16,
     /// The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN, unless the
     /// padded frame is smaller than that.
@@ -96,9 +95,9 @@ pub struct smr_paper_config {
     pub neighbourhood: u16,
     /// The box becomes the new template only if it keeps these distances from the edges of the frame.
     pub update_zone: smr_margins,
-    /// When a frame is believed.
+    /// When a peak is accepted.
     pub gate: smr_gate,
-    /// 0: the tracker looks for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
+    /// 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
     /// times as long.
     pub runner_up_always: u8,
 }
@@ -112,31 +111,31 @@ pub struct smr_robust_config {
     pub reach: u8,
     /// 0: the box keeps its size. Else: it follows the size of the target.
     pub size: u8,
-    /// 0: a lost target is searched for only where it was lost. Else: all over the frame.
+    /// 0: a lost target is searched only where it was lost. Else: in the whole frame.
     pub sweep: u8,
-    /// Weight of the previous confidence in the running mean, in units of 1/256. With more, the tracker holds on for longer: through
-    /// short occlusions, but also to a wrong target.
+    /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
+    /// through short occlusions, but also to a wrong target.
     pub patience: u8,
     /// The target is lost while the confidence is below this. In units of 1/65535.
     pub lost_below: u16,
     /// The target is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the one that is best for
-    /// the current frame).
+    /// Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact step for the
+    /// present frame).
     pub learning_rate: u16,
     /// Learning rate of the early template, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,
 }
 
 /// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper or #smr_config_robust first, then change
-/// the numbers that you want to change.
+/// the numbers that you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
     /// The tracker's code. Do not change it. A program links only the trackers whose configurations it fills.
     pub method: *const smr_method,
     /// 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory (external RAM
-    /// that the MPU has not made Normal) need it, because unaligned loads of words fault there. It changes no answer.
+    /// that the MPU has not made Normal) need it, because unaligned loads of words fault there. The answers are the same.
     pub plain_loop: u8,
     /// Only the paper's tracker reads it. #smr_config_robust sets it to 0.
     pub paper: smr_paper_config,

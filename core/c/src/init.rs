@@ -1,4 +1,4 @@
-//! Making a tracker in the caller's memory, and the sizes that this memory must have.
+//! Makes a tracker in the caller's memory, and returns the sizes of that memory.
 
 use crate::capacity::ALIGNMENT;
 use crate::config::{smr_config, smr_method};
@@ -39,8 +39,8 @@ pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize 
 ///                        it for anything.
 /// @param storage_size    Bytes at `storage`; at least #smr_target_size.
 /// @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace; aligned to
-///                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. An update that
-///                        another tracker has begun in it is then given up.
+///                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
+///                        cancels an update that another tracker has begun in it.
 /// @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
 /// @param config          Which tracker, and its numbers. It is copied, except for its table: see #smr_paper_config.
 /// @param tracker         Is set to the tracker, or to NULL after an error.

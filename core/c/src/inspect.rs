@@ -1,4 +1,4 @@
-//! What a tracker knows of its target: the last box, the quality, the templates.
+//! What a tracker knows about its target: the last box, the quality, the templates.
 
 use crate::answer::smr_state;
 use crate::frame::{smr_fine_rect, smr_image};
@@ -6,8 +6,8 @@ use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
 use crate::tracker::{ask, smr_tracker};
 
-/// How well the target could be told from its surroundings at the lock. A flat target, an edge or a single pixel looks the same beside
-/// its place: the tracker follows it, but may slip along it without noticing.
+/// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the same when shifted: the
+/// tracker follows it, but may slip along it without noticing.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn smr_alpha(tracker: *const smr_tracker, alpha: *mut u16)
     })
 }
 
-/// The early template of the robust tracker, which it verifies the target with.
+/// The early template of the robust tracker, with which it verifies the target.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param pixels   Memory outside the tracker's own, for a copy of the pixels, row by row without gaps.

@@ -13,9 +13,9 @@
 //! | `capacity` | how much a tracker holds, fixed at build time |
 //! | `status` | all statuses: number, name, text |
 //! | `pointer` | the checks of every pointer |
-//! | `frame`, `answer`, `table` | what goes in and comes out |
+//! | `frame`, `answer`, `table` | the inputs and the result of an update |
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
-//! | `tracker` | `smr_tracker`, and how a call gets from the pointer to the tracker behind it |
+//! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
 //! | `preset`, `init`, `lock`, `update`, `inspect`, `saved` | the exported calls |
 //!

@@ -1,4 +1,4 @@
-//! Locking on a target, at once and in steps.
+//! Locks on a target, at once and in steps.
 
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer;

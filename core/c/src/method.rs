@@ -1,4 +1,4 @@
-//! Both trackers behind the handle: how they lie in the caller's memory, how they are made, and the calls on them.
+//! Both trackers behind the handle: their layout in the caller's memory, their construction, and the calls on them.
 //!
 //! Only the presets name a method, so that a program links only the trackers whose configurations it fills.
 
@@ -44,7 +44,7 @@ pub(crate) trait Method: Target + 'static {
     }
 }
 
-/// What a configuration of the tracker `T` points to.
+/// The method that a configuration of the tracker `T` points to.
 pub(crate) fn method_of<T: Method>() -> *const smr_method {
     &raw const *const { &T::METHOD }
 }

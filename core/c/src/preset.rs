@@ -9,9 +9,9 @@ use smr_core::{Robust, paper, robust};
 
 /// Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
 ///
-/// It differs from #smr_config_paper in this: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
+/// Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
 /// 161 is enough), the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
-/// is at least 10 gray levels, and a peak with a ratio below 1/20 is not believed.
+/// is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -35,7 +35,7 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
     status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &paper::Config::paper())) })
 }
 
-/// Fills a configuration of the robust tracker. It goes beyond the paper: it copes with changes of light, size and view, reports
+/// Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view, reports
 /// when the target is not visible, and searches for it then. It takes more memory and time.
 ///
 /// @param config  Memory for the configuration.

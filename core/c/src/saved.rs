@@ -1,4 +1,4 @@
-//! Saving a target as bytes, and restoring it.
+//! Saves a target as bytes, and restores it.
 
 use crate::pointer;
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, smr_status, status_of};

@@ -1,4 +1,4 @@
-//! All statuses of a call. Number, name and text of each are written once.
+//! All statuses. The number, name and text of each are written once, here.
 
 use core::ffi::c_char;
 use smr_core::similarity::TableError;
@@ -7,7 +7,7 @@ use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, Sav
 /// Defines the enum and the table of names and texts.
 macro_rules! statuses {
     ($($(#[doc = $text:literal])+ $name:ident = $number:literal,)+) => {
-        /// How a call ended. The header has the texts, too.
+        /// How a call ended. The header contains the texts as well.
         #[repr(i32)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum smr_status {
@@ -27,7 +27,7 @@ statuses! {
     SMR_OK = 0,
     /// A pointer is NULL.
     SMR_ERROR_NULL = 1,
-    /// A pointer is not aligned for what it points to.
+    /// A pointer is not aligned for its type.
     SMR_ERROR_MISALIGNED = 2,
     /// The storage is smaller than #smr_target_size.
     SMR_ERROR_STORAGE_TOO_SMALL = 3,
@@ -95,7 +95,7 @@ statuses! {
     SMR_ERROR_OTHER_CONFIG = 33,
     /// The saved target is too large for this tracker.
     SMR_ERROR_SAVED_TOO_LARGE = 34,
-    /// A reason that this interface has no number for yet.
+    /// A reason for which this interface has no number yet.
     SMR_ERROR_UNKNOWN = 35,
 }
 

@@ -1,4 +1,4 @@
-//! `smr_tracker`, the handle that C holds, and the way from its pointer to the tracker behind it.
+//! `smr_tracker`, the handle that C holds, and how to get from its pointer to the tracker behind it.
 
 use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_image};

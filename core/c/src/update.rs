@@ -1,4 +1,4 @@
-//! Following the target from frame to frame, at once and in steps.
+//! Updates: follows the target from frame to frame, at once and in steps.
 
 use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_rect};
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn smr_update(
 }
 
 /// Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish. The
-/// answer is that of #smr_update, whatever the size of the steps. An unfinished update in this workspace is given up.
+/// answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in this workspace.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
@@ -52,8 +52,8 @@ pub unsafe extern "C" fn smr_begin(tracker: *mut smr_tracker, frame: *const smr_
 /// Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
 ///
 /// The unit of work depends on the tracker:
-/// - The paper's: a comparison of two bytes. A step may exceed `work` to come to a stop: by at most the pixels of the template or twice
-///   the pixels of a row of #smr_window, whichever is more, and seven for each of #SMR_SPAN offsets.
+/// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels of a row of
+///   #smr_window) + 7 * #SMR_SPAN.
 /// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5 million. A step may
 ///   exceed `work` by at most 128,000.
 ///
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn smr_step(
     })
 }
 
-/// Does the rest of the update that #smr_begin has begun, and gives its answer.
+/// Does the rest of the update that #smr_begin has begun, and returns its answer.
 ///
 /// @param tracker  As for #smr_begin.
 /// @param frame    The same frame with the same pixels.
@@ -107,8 +107,8 @@ pub unsafe extern "C" fn smr_window(tracker: *const smr_tracker, window: *mut sm
     status_of(unsafe { ask(tracker, window, |tracker| Ok(tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?.into())) })
 }
 
-/// A second place that the next #smr_update may read, where the robust tracker searches for a lost target. In most frames, and always
-/// for the paper's tracker, it is empty.
+/// A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is empty in most frames,
+/// and always for the paper's tracker.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param window   Is set to a rectangle, always inside the frame; width and height are 0 if it is empty. Unchanged after an error.
@@ -125,9 +125,9 @@ pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *
 }
 
 /// Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
-/// (x + right, y + down). An update that is under way is given up.
+/// (x + right, y + down). It cancels an update under way.
 ///
-/// The search window moves along, so that a turn does not take the target out of it. The box stays within reach of the frame. The
+/// The search window moves along. The box stays within reach of the frame. The
 /// paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
 ///
 /// @param tracker  Made by #smr_init.

@@ -500,12 +500,12 @@ int main(int argc, char **argv)
     unsigned cases = 0, compared = 0;
     vectors = argc == 2 ? fopen(argv[1], "r") : NULL;
     if (vectors == NULL) {
-        fprintf(stderr, "usage: conformance FILE, a file of vectors that can be read\n");
+        fprintf(stderr, "usage: conformance FILE (a readable file of vectors)\n");
         return EXIT_FAILURE;
     }
     run(&cases, &compared);
     fclose(vectors);
-    printf("conformance, %s tracker: %u cases, %u answers, of whole frames and of parts: all equal\n",
+    printf("conformance, %s tracker: %u cases, %u answers, with whole frames and with parts: all equal\n",
            robust ? "robust" : "the paper's", cases, compared);
     return compared > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -46,7 +46,7 @@ static void hold(const char *what, unsigned line, int holds)
     tried++;
     if (!holds) {
         failed++;
-        fprintf(stderr, "misuse.c:%u, %s: not so: %s\n", line, robust ? "robust" : "paper", what);
+        fprintf(stderr, "misuse.c:%u, %s: not true: %s\n", line, robust ? "robust" : "paper", what);
     }
 }
 #define HOLD(condition) hold(#condition, __LINE__, (condition))
@@ -841,6 +841,6 @@ int main(void)
     }
     robust = 0;
     capacities();
-    printf("misuse: %u claims of both trackers, %u failed\n", tried, failed);
+    printf("misuse: %u checks of both trackers, %u failed\n", tried, failed);
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -12,7 +12,7 @@ pub const ROOM: usize = 32 * 1024;
 pub struct Memory {
     /// No memory follows it.
     pub end: &'static mut [u8],
-    /// No memory follows it, either.
+    /// No memory follows it.
     pub other_end: &'static mut [u8],
     /// No memory precedes it.
     pub start: &'static mut [u8],

@@ -1,4 +1,4 @@
-//! A flight recorder on the chip: follows a drawn target with both trackers, writes a record, and logs what that took.
+//! A flight recorder on the chip: follows a drawn target with both trackers, writes a record, and logs the cost.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record

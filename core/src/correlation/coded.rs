@@ -1,4 +1,4 @@
-//! Numbers as they are multiplied: 16 bits each, and one power of two for all (block floating point).
+//! Coded numbers: 16 bits each, and one power of two for all (block floating point).
 
 use super::Window;
 use crate::kernels::{Packed, Products, ScaledSums, rolled};
@@ -7,14 +7,14 @@ use heapless::Vec;
 /// The largest coded number: 2000 of them times a byte stay below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
-/// Up to `N` coded numbers. Each stands for itself times 2^`shift`.
+/// Up to `N` coded numbers. The value of each is number * 2^`shift`.
 pub(crate) struct Coded<const N: usize> {
     numbers: Vec<i16, N>,
     shift: u32,
 }
 
 impl<const N: usize> Coded<N> {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(crate) const fn new() -> Self {
         Self { numbers: Vec::new(), shift: 0 }
     }
@@ -54,7 +54,7 @@ impl<const N: usize> Coded<N> {
         part + 1 >= products.parts(layout, self.numbers.len())
     }
 
-    /// Brings responses to weights in units of 2^-16 back to their own unit: times 2^(`shift` - 16), within +-2^24.
+    /// Converts responses to weights in units of 2^-16 to 1/16384: times 2^(`shift` - 16), clamped to +-2^24.
     ///
     /// They are clamped before a shift to the left, so that no bit is lost.
     #[inline(never)] // one copy in flash

@@ -4,13 +4,13 @@ use super::Coded;
 use crate::kernels::{GradientStep, ScaledSums};
 use heapless::Vec;
 
-/// Up to `N` weights, cell by cell, in units of 2^-16 of a response's 1/16384.
+/// Up to `N` weights, cell by cell, in units of 2^-16 / 16384.
 pub(crate) struct Filter<const N: usize> {
     weights: Vec<i32, N>,
 }
 
 impl<const N: usize> Filter<N> {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(crate) const fn new() -> Self {
         Self { weights: Vec::new() }
     }
@@ -22,7 +22,7 @@ impl<const N: usize> Filter<N> {
         let _ = self.weights.resize_default(count);
     }
 
-    /// `count` weights that were saved.
+    /// `count` saved weights.
     pub(crate) fn restore(&mut self, count: usize, weights: impl Iterator<Item = i32>) {
         self.start(count);
         self.weights.iter_mut().zip(weights).for_each(|(weight, saved)| *weight = saved);
@@ -40,7 +40,7 @@ impl<const N: usize> Filter<N> {
     }
 
     /// w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is below 2^60. A weight that would
-    /// leave an `i32` stays as it is.
+    /// overflow an `i32` stays as it is.
     #[inline(never)] // one copy in flash
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<N>) {
         GradientStep { length, back: 44u32.saturating_sub(direction.shift()) }

@@ -1,7 +1,9 @@
 //! The filter's measure: its responses to a window of cells, and the gradient of its error.
 //!
-//!     response   r[d]    = sum over cells c and channels k of  w[c, k] * x[c + d, k]
-//!     gradient   g[c, k] = sum over offsets d of               e[d] * x[c + d, k]
+//! ```text
+//! response   r[d]    = sum over cells c and channels k of  w[c, k] * x[c + d, k]
+//! gradient   g[c, k] = sum over offsets d of               e[d] * x[c + d, k]
+//! ```
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -21,7 +23,7 @@ pub(crate) use filter::Filter;
 
 use crate::kernels::{Layout, Packed, Products};
 
-/// Cells, and how the filter lies on them.
+/// Cells, and the layout of the filter on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Window<'a> {
     pub(crate) cells: &'a [i8],

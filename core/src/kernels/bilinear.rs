@@ -1,4 +1,4 @@
-//! Bilinear sampling: the columns of a resampled row, each mixed from two neighbouring numbers in parts of 1/256.
+//! Bilinear sampling: the columns of a resampled row, each interpolated from two neighbouring numbers, in units of 1/256.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::bilinear as fast;
@@ -9,7 +9,7 @@ use super::plain::bilinear::levels;
 use super::plain::bilinear::{MixedRow, PLACES};
 use heapless::Vec;
 
-/// Where up to `N` columns lie in a row.
+/// The places of up to `N` columns in a row.
 pub(crate) struct Interpolation<const N: usize> {
     /// The byte in the row where a column's first number begins.
     from: Vec<u16, N>,
@@ -18,10 +18,10 @@ pub(crate) struct Interpolation<const N: usize> {
 }
 
 impl<const N: usize> Interpolation<N> {
-    /// A column begins at a number before this one.
+    /// The first number of a column is before this one.
     pub(crate) const PLACES: usize = PLACES as usize;
 
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub(crate) const fn new() -> Self {
         Self { from: Vec::new(), parts: Vec::new() }
     }
@@ -31,7 +31,7 @@ impl<const N: usize> Interpolation<N> {
         self.parts.clear();
     }
 
-    /// How many columns there are.
+    /// The number of columns.
     pub(crate) fn count(&self) -> usize {
         self.from.len()
     }
@@ -42,7 +42,7 @@ impl<const N: usize> Interpolation<N> {
         let _ = self.parts.push([256 - u16::from(part), part.into()]);
     }
 
-    /// The rounded gray levels of the columns in `row`, as many as `out` has room for.
+    /// The rounded gray levels of the columns in `row`, up to the length of `out`.
     #[inline(always)] // into its one caller
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;

@@ -6,10 +6,10 @@ pub(crate) const ONE: u16 = u16::MAX;
 /// The most pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
-/// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel looks up here and needs no
+/// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel that looks up here needs no
 /// test for pixels that do not count.
 ///
-/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte and is made anew when the threshold changes.
+/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte and is rebuilt when the threshold changes.
 ///
 /// ```
 /// use smr_core::similarity::{CutTable, Table};
@@ -22,7 +22,7 @@ pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 pub struct CutTable {
     entries: [u16; 256],
     threshold: u16,
-    /// See [`CutTable::chord`]. Kept where it is needed in every step and division is slow.
+    /// See [`CutTable::chord`]. Stored on targets that need it in every step and divide slowly.
     #[cfg(any(smr_dsp, smr_helium))]
     chord: u32,
 }
@@ -66,7 +66,7 @@ impl CutTable {
     }
 
     #[inline]
-    #[allow(dead_code)] // no backend may need it
+    #[allow(dead_code)] // some targets have no backend that needs it
     pub(super) const fn entries(&self) -> &[u16; 256] {
         &self.entries
     }

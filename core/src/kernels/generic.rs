@@ -13,12 +13,12 @@ use core::slice;
 /// Rows between two checks whether the result is already certain.
 const ROWS_A_LOOK: usize = 8;
 
-/// A register of pixels, and what its instruction set does with it.
+/// A register of pixels, and its operations.
 ///
 /// # Safety
 /// Every method is for processors that have the instruction set.
 pub(crate) trait Vector: Copy {
-    /// Pixels in it.
+    /// Pixels in a register.
     const LANES: usize;
 
     /// A sum of bytes, in several lanes. No lane overflows: a sum of 65537 bytes is below 2^25.
@@ -61,7 +61,7 @@ pub(crate) trait Vector: Copy {
     }
 }
 
-/// What ranges of neighbouring pixels need besides.
+/// Further operations for ranges of neighbouring pixels.
 pub(crate) trait Neighbours: Vector {
     unsafe fn store(bytes: Self, to: *mut u8);
     unsafe fn min(a: Self, b: Self) -> Self;
@@ -91,7 +91,7 @@ macro_rules! intrinsics {
     )*};
 }
 
-/// `WHOLE` is the number of whole vectors in a row, or this: one or more. `END` says whether pixels follow them.
+/// `WHOLE` is the number of whole vectors in a row, or this: any number from one on. `END` says whether pixels follow them.
 pub(crate) const ANY: usize = usize::MAX;
 
 /// `$call` with the `WHOLE` and `END` of a width. Common widths get a loop of their own.
@@ -120,7 +120,7 @@ macro_rules! by_width {
 macro_rules! scores {
     ($backend:ty, $planes:ident, $vector:ty, $features:literal, segments: $($segments:literal)* or $most:literal) => {
         impl Scores for $backend {
-            #[inline(always)] // keeps `Rows` in registers: through memory it would wait for halves of words
+            #[inline(always)] // keeps `Rows` in registers; reading it back from memory would stall
             fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
                 let rows = Rows::of(patch, template);
                 // SAFETY: a backend exists only if the machine has its instructions, and the pictures are borrowed.
@@ -188,7 +188,7 @@ macro_rules! scores {
 
 pub(crate) use {by_width, intrinsics, scores};
 
-/// How many pixels of a row lie in whole vectors.
+/// The number of pixels of a row in whole vectors.
 #[inline(always)]
 fn whole<V: Vector, const WHOLE: usize>(width: usize) -> usize {
     if WHOLE == ANY { width / V::LANES * V::LANES } else { WHOLE * V::LANES }
@@ -223,7 +223,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     // SAFETY: as the caller guarantees; y is below the height.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
-        // Two sums, so that a row need not wait for the one before it.
+        // Two sums, so that a row does not depend on the one before it.
         let nothing = L::Vector::nothing();
         let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
         let mut odd = Sums { low: nothing, high: nothing };
@@ -411,7 +411,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     let (low, high) = (low.as_mut_ptr(), high.as_mut_ptr());
     let mut at = 0;
     // SAFETY: the processor is as the caller guarantees. Every row has `columns` bytes and three more, `low` and `high` have
-    // `columns`; at + LANES is less than that, last + LANES is just that.
+    // `columns`; at + LANES is less than `columns`, last + LANES equals it.
     unsafe {
         while at < last {
             let (lowest, highest) = column_ranges::<V>(&rows, at);
@@ -450,7 +450,7 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
     }
 }
 
-/// The two functions below work for at most so many lanes.
+/// The most lanes that the two functions below support.
 const MOST_LANES: usize = 32;
 
 /// 255 in the last `width % LANES` lanes: [`Vector::end`] for rows that [`last`] loads.

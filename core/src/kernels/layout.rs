@@ -1,13 +1,13 @@
-//! How the weights of a filter lie on the bytes of cells, and the scratch memory for sums of products.
+//! The layout of a filter's weights on the bytes of cells, and the scratch memory for sums of products.
 
-/// Scratch numbers: a backend may unpack bytes here before it multiplies. Room for two numbers for each byte of a row of 48 cells.
+/// Scratch memory in which a backend may unpack bytes before it multiplies: two numbers for each byte of a row of 48 cells.
 pub(crate) const PACKED: usize = 960;
 pub(crate) type Packed = [u16; PACKED];
 
-/// How a filter lies on the bytes of cells.
+/// The layout of a filter on the bytes of cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
-    /// Bytes under one row of the filter, which are as many as its weights.
+    /// Bytes under one row of the filter, one for each of its weights.
     pub(crate) row: usize,
     /// Bytes from a row of cells to the next one.
     pub(crate) stride: usize,

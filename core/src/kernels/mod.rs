@@ -4,7 +4,7 @@
 //!
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
-//! | `plain/` | any | there is nothing faster | always |
+//! | `plain/` | any | no faster backend exists | always |
 //! | `x86/sse2.rs` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
 //! | `x86/avx2/` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
 //! | `aarch64/neon.rs` | NEON | compiled for | emulated by QEMU (`.ci/neon`), or natively |
@@ -21,22 +21,22 @@
 //! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | `bilinear.rs` |
 //! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | Helium: `weights.rs` |
 //!
-//! "(compiler)": the plain loop, of which the compiler makes vectors where it can. A [`Backend`] chooses scores and products; the other
+//! "(compiler)": the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and products; the other
 //! loops follow what the program is compiled for.
 //!
 //! `generic.rs` holds the score loops of x86-64 and AArch64, written once over a vector trait. The file of an instruction set says only
-//! what a vector is and how it looks up a table. The loops in `arm/` are assembly; `arm/loss.rs` is what both of them bound scores by.
-//! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` runs the plain loops beside the others
-//! (feature `verify`).
+//! what a vector is and how it looks up a table. The loops in `arm/` are assembly; `arm/loss.rs` is the bound of scores that both use.
+//! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` compares the other loops with the plain
+//! ones (feature `verify`).
 //!
 //! There is no backend for words of four bytes in ordinary registers: on Armv6-M and RV32IMAC words cannot be loaded from any
-//! address. Put together from bytes, a distance takes 19 instructions a pixel on Armv6-M instead of 10.
+//! address. If words are assembled from bytes, a distance on Armv6-M takes 19 instructions per pixel instead of 10.
 //!
 //! # Where a weight for each pixel would go
 //!
-//! A kernel would multiply the similarity by the weight, a small integer, before it adds it: in `plain::scores::pixel`, which would
-//! specify it, in `generic::add_row`, and in the loops of `arm/`. Lookup and tables would stay. Bounds would take the sum of the
-//! weights instead of the number of pixels.
+//! A kernel would multiply each similarity by a weight, a small integer, before adding it. `plain::scores::pixel` would specify this;
+//! `generic::add_row` and the loops of `arm/` would follow. Lookup and tables would stay. Bounds would take the sum of the weights instead
+//! of the number of pixels.
 
 #![allow(unsafe_code)] // intrinsics and assembly; each block says why it is sound
 

@@ -1,7 +1,7 @@
 //! Chooses the sums of products for a backend: the responses of a filter, and the gradient of its error.
 //!
-//! The DSP extension multiplies two pairs of numbers in an instruction, Helium eight. For AVX2 the plain loops are compiled anew. All other
-//! backends take the plain loops as they are; the compiler makes SSE2 and NEON of them.
+//! The DSP extension multiplies two pairs of numbers in an instruction, Helium eight. For AVX2 the plain loops are compiled again. All other
+//! backends use the plain loops as they are; the compiler vectorizes them for SSE2 and NEON.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::products as dsp;
@@ -24,7 +24,7 @@ impl Products {
         Self(if backend.is_available() { backend } else { Backend::Scalar })
     }
 
-    /// In how many parts [`Products::responses`] can be computed. A backend decides what a part is: at most 34 products for each weight.
+    /// The number of parts of [`Products::responses`]. Each backend chooses its parts; a part has at most 34 products for each weight.
     pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
         let _ = weights;
         match self.0 {
@@ -53,7 +53,7 @@ impl Products {
         }
     }
 
-    /// In how many parts [`Products::gather`] can be computed.
+    /// The number of parts of [`Products::gather`].
     pub(crate) fn gather_parts(self, layout: Layout, weights: usize) -> usize {
         match self.0 {
             #[cfg(smr_helium)]
@@ -62,7 +62,7 @@ impl Products {
         }
     }
 
-    /// The parts `parts` of [`plain::responses`]. The caller asks for them in order, from the first on. `room` is scratch.
+    /// The parts `parts` of [`plain::responses`]. The caller asks for them in order. `room` is scratch.
     #[inline(never)] // one copy in flash for each span
     pub(crate) fn responses<const N: usize>(
         self,
@@ -107,7 +107,7 @@ impl Products {
         errors: &[[i16; N]],
         sums: &mut [i32],
     ) {
-        // Backends cut parts differently: only a call for all parts can be compared.
+        // Backends have different parts, so only a call for all parts can be compared.
         #[cfg(feature = "verify")]
         let whole = parts == (0..self.gather_parts(layout, sums.len()));
         #[cfg(feature = "verify")]

@@ -65,7 +65,7 @@ impl Rows {
         }
     }
 
-    /// How many equal pixels score at least `floor`.
+    /// The number of equal pixels that score at least `floor`.
     #[inline]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for kernels that count pixels
     pub(crate) const fn pixels_of(floor: u32) -> u32 {

@@ -1,4 +1,4 @@
-//! Chooses the kernels of SMR for a backend and checks what they are given.
+//! Chooses the kernels of SMR for a backend and checks their arguments.
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use super::aarch64::neon;
@@ -80,7 +80,7 @@ macro_rules! dispatch {
 impl<'a> Scorer<'a> {
     /// Scores by `table`, computed by `backend`, or by the plain loop if the machine does not have it.
     #[must_use]
-    #[inline(always)] // made where it stays: some are too large to be moved on a small stack
+    #[inline(always)] // built in place: some are too large to be moved on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
         let plain = Plain { table };
         let ready = match backend {
@@ -102,7 +102,7 @@ impl<'a> Scorer<'a> {
     /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is compared.
     /// `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
     #[must_use]
-    #[inline(always)] // with only the plain loop, nothing but its call remains
+    #[inline(always)] // with only the plain loop, just its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score(patch, template));
@@ -161,7 +161,7 @@ impl<'a> Scorer<'a> {
         verify::spread(rows, low, high);
     }
 
-    /// The score of what lies on the padding; see [`plain::score_on_padding`].
+    /// The score of the pixels on the padding; see [`plain::score_on_padding`].
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
         plain::score_on_padding(template, seen, self.plain.table)

@@ -1,10 +1,10 @@
-//! What a backend computes for SMR: scores, distances, and bounds that exclude offsets.
+//! The kernels of SMR in a backend: scores, distances, and bounds that exclude offsets.
 
 use crate::image::Image;
 
 /// The kernels of SMR. The function of the same name in `plain/scores.rs` specifies each.
 pub(crate) trait Scores {
-    /// A method of its own, so that a program that never asks for a floor does not link the bounds.
+    /// A separate method, so that a program that never uses a floor does not link the bounds.
     #[inline(always)]
     fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
         self.score_at_least(patch, template, 0).unwrap_or(0)
@@ -12,7 +12,7 @@ pub(crate) trait Scores {
 
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// May give more than the plain loop, never less.
+    /// May return more than the plain loop, never less.
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;

@@ -1,9 +1,9 @@
 //! Keeps the compiler from unrolling small loops, which saves flash.
 //!
-//! For Arm's microcontrollers the compiler unrolls a small loop four times and adds a loop for the rest: several times the code, to save
-//! a few instructions. It does not unroll a loop that contains assembly, even if that is empty.
+//! For Arm's microcontrollers the compiler unrolls a small loop four times and adds a loop for the rest. That is several times the code and
+//! saves few instructions. The compiler does not unroll a loop that contains assembly, even if that is empty.
 
-/// The same iterator, whose loop is not unrolled. Does nothing for Helium: assembly would keep the compiler from making vectors.
+/// The same iterator, whose loop is not unrolled. Does nothing for Helium: assembly would keep the compiler from vectorizing.
 #[inline(always)]
 pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {

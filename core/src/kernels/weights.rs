@@ -5,7 +5,7 @@ use super::arm::helium::weights as helium;
 use super::plain::weights as plain;
 use super::unrolling::rolled_if_spare;
 
-/// Numbers of a weight and a sum each: `weight * factor / 2^32 + sum * 2^left`, of which the product is rounded down.
+/// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded down.
 ///
 /// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
 #[derive(Clone, Copy)]
@@ -36,7 +36,7 @@ impl<'a> ScaledSums<'a> {
         plain::largest(weights, factor, sums, left)
     }
 
-    /// All numbers divided by `2^shift` and rounded. The caller chooses `shift` such that 16 bits hold them.
+    /// All numbers divided by `2^shift` and rounded. The caller chooses `shift` so that they fit in 16 bits.
     #[inline(never)] // one copy in flash
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
@@ -60,7 +60,7 @@ pub(crate) struct GradientStep {
 }
 
 impl GradientStep {
-    /// Takes the step. A weight that would leave an `i32` stays.
+    /// Takes the step. A weight that would overflow an `i32` stays.
     #[inline(never)] // one copy in flash
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;

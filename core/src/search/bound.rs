@@ -1,4 +1,4 @@
-//! The most comparisons of a search: no offset is excluded. The counting is that of `scan.rs`.
+//! The most comparisons of a search: those of a search that excludes no offset. They are counted as in `scan.rs`.
 
 use super::ranges::{Ranges, SIDE};
 use super::scan::{MOST_STEPS, first_step_of};
@@ -26,7 +26,7 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// Score and SAD of the last position, then the descent. A SAD reads every other row.
+    /// The score and the SAD of the last position, then the descent. A SAD reads every other row.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {

@@ -3,7 +3,7 @@
 //! If the runner-up is wanted, the least score is bounded by a floor:
 //!
 //! 1. If two offsets are more than 2 * neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
-//! 2. So wherever the final peak is, the runner-up is at least the smaller score of such a pair. The largest of these is the
+//! 2. So for any final peak the runner-up is at least the smaller score of such a pair. The largest of these is the
 //!    floor.
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
@@ -60,7 +60,7 @@ impl Equals {
 }
 
 impl<const SPAN: usize> Leaders<SPAN> {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }

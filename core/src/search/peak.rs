@@ -1,4 +1,4 @@
-//! What a search looks for, what it returns, and the tie rule.
+//! The goal of a search, its result, and the tie rule.
 
 use super::window::Window;
 use core::cmp::Reverse;
@@ -29,7 +29,7 @@ impl Peak {
     }
 }
 
-/// What a search looks for. The number is the radius of the peak's neighbourhood in pixels.
+/// The goal of a search. The number is the radius of the peak's neighbourhood in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     /// The peak alone.
@@ -40,7 +40,7 @@ pub(crate) enum Wanted {
     RunnerUp(u16),
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Found {

@@ -67,7 +67,7 @@ impl Tile {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
         Self { bytes: Vec::new(), bounds: Vec::new(), shape }
@@ -124,7 +124,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         bounds.iter_mut().take(tile.groups()).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
     }
 
-    /// Rows of ranges that a pass of `tile` needs.
+    /// The number of rows of ranges that a pass of `tile` needs.
     pub(super) fn rows(&self, tile: &Tile, pass: usize) -> usize {
         (self.shape.rows_of(tile.rows) + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings
     }

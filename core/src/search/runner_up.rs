@@ -16,7 +16,7 @@ pub(super) struct Maxima<const SPAN: usize> {
 }
 
 impl<const SPAN: usize> Maxima<SPAN> {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { columns: Vec::new(), rows: Vec::new() }
     }

@@ -36,7 +36,7 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     since_floor: u32,
 }
 
-/// What comes next.
+/// The next stage.
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
@@ -98,7 +98,7 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> i32 {
 pub(super) const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
-    #[inline(always)] // made where it stays
+    #[inline(always)] // built in place
     pub(crate) const fn new() -> Self {
         let tile = Tile { column: 0, row: 0, columns: 0, rows: 0 };
         Self {
@@ -222,7 +222,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Scores the scouts: if two of them are far enough apart, they give the runner-up a floor. Only in windows of at least 288
-    /// offsets, of which nine are 1/32.
+    /// offsets: nine scouts are 1/32 of them.
     fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
         let (columns, rows) = scene.window.size();
         if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 288 {

@@ -66,7 +66,7 @@ static STEEP: Table = match Table::new(20) {
     Err(_) => panic!("20 is in range"),
 };
 
-/// As many pixels as the search's working memory has room for, exactly or nearly, so that tiles are small.
+/// A template that fills the search's working memory exactly or nearly, so that tiles are small.
 const PIXELS: usize = 24 * 20;
 
 prop_compose! {

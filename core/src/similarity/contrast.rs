@@ -1,4 +1,4 @@
-//! Contrast: can a patch show the target at all? What a covered lens shows cannot, however similar it is.
+//! Contrast: can a patch show the target at all? The picture of a covered lens cannot, even if its ratio is high.
 
 use crate::image::Image;
 use crate::kernels::rolled;
@@ -55,7 +55,7 @@ impl Contrast {
 
 /// Pixels of a row that are summed at once: 257 * 255 is the most that 16 bits can hold.
 const PART: usize = 257;
-/// The target may have at most so many times the contrast of the patch.
+/// The target may have at most this many times the contrast of the patch.
 const SHOWN: u32 = 4;
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The exp table: the specification of p, the similarity of two pixels (step 3 of the method).
 //!
-//! A `const fn` computes it in integers, so it is in flash before the program runs and the same on every platform. Every entry is correctly
+//! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform. Every entry is correctly
 //! rounded, which the tests show.
 
 use crate::kernels::{self, CutTable};
@@ -99,7 +99,7 @@ impl Table {
 
     /// Entry d is 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits, by one multiplication after the other.
     ///
-    /// Each multiplication loses less than 2^-64 and keeps the loss before it. So r^255 is too small by less than 2^-55, and 65535 * r^255
+    /// Each multiplication adds a loss of less than 2^-64 to the loss before it. So r^255 is too small by less than 2^-55, and 65535 * r^255
     /// by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a test tries all of them). So
     /// the rounding is correct.
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
@@ -120,7 +120,7 @@ impl Table {
 impl CutTable {
     /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
     #[must_use]
-    #[inline] // made where it stays
+    #[inline] // built in place
     pub fn new(table: &Table, threshold: u16) -> Self {
         let mut cut = Self::EMPTY;
         cut.set(table, threshold);
@@ -155,7 +155,7 @@ const fn exp_of_minus_one_over(scale: u16) -> u128 {
     sum >> 56
 }
 
-/// Why there is no such table.
+/// Why a table was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
@@ -211,7 +211,7 @@ mod tests {
     }
 
     /// All scales. An f64 is off by less than 2^-33 here, so it settles an entry unless the exact value is that close to
-    /// the middle of two integers; those few are looked at in 160 bits, and none may be within the 2^-39 that
+    /// the middle of two integers; those few are computed in 160 bits, and none may be within the 2^-39 that
     /// `exponential` can be off by.
     #[test]
     fn no_scale_has_an_entry_too_close_to_the_middle() {

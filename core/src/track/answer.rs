@@ -1,4 +1,4 @@
-//! The answer of an update: where the target is, and how far that is to be believed.
+//! The answer of an update: where the target is, and how reliable that is.
 
 use crate::image::{FineRect, Rect};
 
@@ -9,7 +9,7 @@ use crate::image::{FineRect, Rect};
 /// | tracking | the target was found inside the picture | the early template agrees, part by part |
 /// | leaving | it was found partly outside the picture | never |
 /// | uncertain | never | the early template hardly agrees |
-/// | lost | the peak did not stand out | it has not agreed for some frames |
+/// | lost | the peak did not exceed the runner-up enough | it has not agreed for some frames |
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
@@ -19,7 +19,7 @@ pub enum State {
     Leaving = 1,
     /// The target is partly hidden or changes quickly, or the tracker follows something else.
     Uncertain = 2,
-    /// The target is not visible. The box of [`Paper`](crate::Paper) is the last one that it believed; the box of
+    /// The target is not visible. The box of [`Paper`](crate::Paper) is the last accepted one; the box of
     /// [`Robust`](crate::Robust) is its current best guess. Nothing is learned, and the search goes on.
     Lost = 3,
 }
@@ -61,7 +61,7 @@ pub struct Answer {
     pub bbox: Rect,
     /// The same box in units of 1/256 pixel. [`Paper`](crate::Paper) always gives whole pixels.
     pub fine: FineRect,
-    /// Whether the box is to be believed.
+    /// Whether the box is reliable.
     pub state: State,
     /// How sure the tracker is of the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
     /// mean of 2/3 the early template's agreement and 1/3 the filter's response.

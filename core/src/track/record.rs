@@ -62,7 +62,7 @@
 //! | `P` | the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`, `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window` x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone` left, top, right, bottom |
 //! | `R` | the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near, verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate` |
 //!
-//! A window without an answer is an update that was given up or did not end. A new `SMRB` may follow anywhere, even in the middle of an
+//! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in the middle of an
 //! entry that was cut off: firmware that restarts appends to the record.
 
 use super::checksum::Crc;
@@ -76,7 +76,7 @@ use crate::{Paper, Robust};
 pub const VERSION: u16 = 1;
 /// Bytes of an entry before its content.
 pub const HEAD: usize = 12;
-/// Bytes of an entry besides its content.
+/// Bytes of an entry without its content.
 pub const AROUND: usize = HEAD + 4;
 
 /// The kind of an entry: its first four bytes.
@@ -255,8 +255,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
 
     /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
     ///
-    /// Such a record needs no earlier one. A long flight can therefore be split into many records, each of which begins with the target
-    /// as it was saved then.
+    /// Such a record does not depend on an earlier one. So a long flight can be split into many records, each of which begins with a saved
+    /// target.
     ///
     /// # Errors
     /// The writer's.

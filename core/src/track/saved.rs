@@ -19,7 +19,7 @@ use core::fmt;
 const MAGIC: [u8; 3] = *b"SMR";
 const VERSION: u16 = 2;
 const HEAD: usize = 14;
-/// Bytes besides the state of the tracker.
+/// Bytes other than the state of the tracker.
 pub(super) const AROUND: usize = HEAD + 4;
 
 /// The tracker that wrote the bytes.
@@ -105,7 +105,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of the state of a tracker of this `kind`, if everything around it is right.
+    /// A reader of the state of a tracker of this `kind`, if everything around the state is valid.
     pub(super) fn new(bytes: &'a [u8], kind: Kind, config: u32) -> Result<Self, RestoreError> {
         let mut head = Reader { bytes };
         if head.take::<3>() != Some(MAGIC) {

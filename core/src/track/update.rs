@@ -33,7 +33,7 @@ impl Ticket {
     }
 }
 
-/// What is under way.
+/// The kind of call that is under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Nothing,

@@ -1,5 +1,5 @@
-//! Sequences of calls of a tracker: no panic, what is asked for is enough, and the same answers as from a tracker that is called in
-//! the plainest way.
+//! Sequences of calls of a tracker: no panic, no read outside the windows it asks for, and the same answers as a second tracker with
+//! plain loops and whole updates.
 
 use crate::Fuzzed;
 use crate::extent::Extent;
@@ -10,7 +10,7 @@ use arbitrary::{Result, Unstructured};
 use smr_core::{Answer, LockError, Rect, State, Tracker, UpdateError};
 
 struct Pair<T: Fuzzed> {
-    /// Any backend, any cut, any part of the frame.
+    /// Any backend, any steps, any parts of the frame.
     any: Box<Tracker<T>>,
     /// The plain loops, whole updates.
     plain: Option<Box<Tracker<T>>>,
@@ -29,13 +29,13 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8], extent: &'static Extent) -> Result<()
         return Ok(());
     };
     let ran = pair.calls(u);
-    // Also where the bytes ended in the middle of a call.
+    // Also if the bytes ended in the middle of a call.
     pair.same_to_the_last_bit();
     ran
 }
 
 impl<T: Fuzzed> Pair<T> {
-    /// With a configuration of its own.
+    /// Locked, with a configuration from the input.
     fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
         let config = T::configuration(u, extent)?;
         let Ok(any) = Tracker::<T>::new(config) else {
@@ -48,7 +48,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(Some(pair))
     }
 
-    /// With a target that was locked on before.
+    /// Restored from a saved target.
     fn restored(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Self> {
         let start = u.choose(T::starts())?;
         let any = Tracker::<T>::new(T::by(start.config, paper::backend(u)?)).expect("it was one");
@@ -78,7 +78,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// What `lock` is slow for, is not locked often.
+    /// A tracker that is slow to lock is seldom locked.
     fn lock_or_not(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         if self.is_slow_to_lock() && u.ratio(63, 64)? {
             return self.update(u);
@@ -101,7 +101,7 @@ impl<T: Fuzzed> Pair<T> {
         }
     }
 
-    /// Any box, mostly one of a size that has room; if `lock` is slow, mostly one that is refused.
+    /// Any box, mostly one that fits; if `lock` is slow, mostly one that is refused.
     fn target(&self, u: &mut Unstructured<'_>) -> Result<Rect> {
         let (Rect { width, height, .. }, most) = (self.scene.bounds(), self.extent.side);
         let any = |u: &mut Unstructured<'_>| -> Result<Rect> {
@@ -158,7 +158,7 @@ impl<T: Fuzzed> Pair<T> {
         });
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
-            // What was asked for was given, or was too large to be.
+            // Refused only if the part is not the lock window, which was too large for memory.
             Err(LockError::LockWindowNotInMemory) => assert_ne!(part.rect, window),
             Err(_) => assert_eq!(before, saved(&self.any)),
         }
@@ -169,12 +169,12 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// A pixel to have a frame at all.
+    /// One pixel, because a frame needs at least one.
     fn corner(&self) -> Option<Part> {
         self.scene.part(Rect::new(0, 0, 1, 1), 0)
     }
 
-    /// What the next update asks for, put into memory; `None` if it is too large.
+    /// The windows of the next update, in memory; `None` if they are too large.
     fn needed(&self, gap: usize) -> Option<(Part, Option<Part>)> {
         let window = self.any.window()?;
         let sweep = self.any.sweep_window();
@@ -264,7 +264,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Goes on in a new tracker.
+    /// Continues in a new tracker.
     fn save_and_restore(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some(mut bytes) = saved(&self.any) else { return Ok(()) };
         let mut short = vec![0; bytes.len() - 1];
@@ -275,7 +275,7 @@ impl<T: Fuzzed> Pair<T> {
         count(Reached::RestoreWhatWasJustSaved);
         *self.any = next;
         self.same();
-        // No single bit may change unnoticed.
+        // Every change of a single bit must be noticed.
         let at = u.choose_index(bytes.len())?;
         bytes[at] ^= 1 << u.int_in_range(0..=7_u8)?;
         assert!(self.any.restore(&bytes).is_err());
@@ -284,7 +284,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// A frame of another size, and one without what is needed.
+    /// A frame of another size, and one without the needed pixels.
     fn other_size(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let (width, height) = (self.scene.width, self.scene.height);
         self.scene.width = mostly_other(u, width)?;
@@ -323,7 +323,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// An update that is begun and then forgotten, or made impossible.
+    /// An update that is begun and then dropped or cancelled.
     fn give_up(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some((first, second)) = self.needed(gap(u)?) else { return Ok(()) };
         let shown = frame(&self.scene, &first, second.as_ref());
@@ -339,7 +339,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Both ask for the same, and remember the same if that is compared after each call.
+    /// Both ask for the same windows, and save the same bytes if these are compared after each call.
     fn same(&self) {
         if let Some(plain) = &self.plain {
             assert_eq!(self.any.window(), plain.window());
@@ -351,7 +351,7 @@ impl<T: Fuzzed> Pair<T> {
         }
     }
 
-    /// Both remember the same.
+    /// Both save the same bytes.
     fn same_to_the_last_bit(&self) {
         if let Some(plain) = &self.plain {
             assert!(saved(&self.any) == saved(plain), "different templates or tracks");
@@ -366,7 +366,7 @@ pub(crate) fn saved<T: Fuzzed>(tracker: &Tracker<T>) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// There is no update to be taken up.
+/// There is no update to resume.
 fn over(resumed: Option<UpdateError>) {
     assert_eq!(resumed, Some(UpdateError::NotBegun));
 }
@@ -375,7 +375,7 @@ fn gap(u: &mut Unstructured<'_>) -> Result<usize> {
     u.int_in_range(0..=7_usize)
 }
 
-/// From nothing at all to everything.
+/// From no work to more than an update needs.
 fn work(u: &mut Unstructured<'_>) -> Result<u32> {
     Ok(u32::from(u.arbitrary::<u8>()?) << u.int_in_range(0..=24_u8)?)
 }

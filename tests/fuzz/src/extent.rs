@@ -1,25 +1,25 @@
-//! How large and how long the inputs of the trackers are: the same calls, wide and deep or short and many.
+//! The size of the trackers' inputs: the same calls in few large inputs or in many small ones.
 
-/// The most of everything in one input. A few inputs go beyond the sizes.
+/// The limits of one input. A few inputs exceed the sizes.
 pub(crate) struct Extent {
-    /// Sides of a frame, from and to.
+    /// Sides of a frame, smallest and largest.
     pub(crate) width: (u16, u16),
     pub(crate) height: (u16, u16),
     /// Side of a box.
     pub(crate) side: u16,
-    /// Radius of the window, and to what it grows.
+    /// Radius of the window, and its limit.
     pub(crate) window: u16,
     pub(crate) grown: u16,
     pub(crate) calls: u32,
     /// Updates of the paper's tracker, and of the robust one.
     pub(crate) updates: [u32; 2],
-    /// Whether what is remembered is compared after each call, or before a lock and at the end.
+    /// Whether saved bytes are compared after each call, or only before a lock and at the end.
     pub(crate) each_call: bool,
-    /// Whether a tracker that is slow to lock goes on, mostly, with a target that was saved before.
+    /// Whether a tracker that is slow to lock mostly continues with a saved target.
     pub(crate) from_saved: bool,
 }
 
-/// Hundreds of executions a second.
+/// Hundreds of executions per second.
 pub(crate) const WIDE: Extent = Extent {
     width: (16, 80),
     height: (12, 64),
@@ -32,7 +32,7 @@ pub(crate) const WIDE: Extent = Extent {
     from_saved: false,
 };
 
-/// Thousands: for millions of inputs.
+/// Thousands per second, for millions of inputs.
 pub(crate) const SHORT: Extent = Extent {
     width: (12, 32),
     height: (10, 28),

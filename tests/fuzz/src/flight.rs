@@ -1,4 +1,4 @@
-//! A flight record with other entries, their checksums right again: replayed to the end, to a difference, or to where it is damaged.
+//! A flight record with changed entries and correct checksums: replayed to the end, to a difference, or to the place of the damage.
 
 use crate::Fuzzed;
 use crate::paper::Small;
@@ -49,7 +49,7 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// What is recorded of a lock and some updates.
+/// The record of a lock and some updates.
 fn flight<T: Recorded + Fuzzed>(updates: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     let scene = Scene::of(0);
@@ -79,7 +79,7 @@ fn flight<T: Recorded + Fuzzed>(updates: u8) -> Vec<u8> {
     bytes
 }
 
-/// The entries of a record that is whole.
+/// The entries of a complete record.
 fn entries(mut record: &[u8]) -> Vec<Entry> {
     let mut all = Vec::new();
     while let Some(length) = record.get(8..HEAD) {
@@ -91,7 +91,7 @@ fn entries(mut record: &[u8]) -> Vec<Entry> {
     all
 }
 
-/// The bytes of an entry in a record: its length is what it has, and its checksum is right.
+/// The bytes of an entry in a record, with its true length and a correct checksum.
 fn sealed(entry: &Entry) -> Vec<u8> {
     let mut bytes = entry.clone();
     let holds = u32::try_from(entry.len() - HEAD).expect("it is small");
@@ -101,7 +101,7 @@ fn sealed(entry: &Entry) -> Vec<u8> {
     bytes
 }
 
-/// A number, its length, its kind, its place or its presence.
+/// Changes a number, the length, the kind, the place or the presence of an entry.
 fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
     if entries.is_empty() {
         return Ok(());
@@ -117,7 +117,7 @@ fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
         4 => entry[4..8].copy_from_slice(&u.arbitrary::<u32>()?.to_le_bytes()),
         5 => entry.truncate(HEAD + u.choose_index(entry.len() - HEAD + 1)?),
         6 => entry.extend_from_slice(u.bytes(u.len().min(9))?),
-        // Mostly in what stands before the pixels.
+        // Mostly in the numbers before the pixels.
         _ => {
             let end = if u.ratio(3, 4)? { entry.len().min(HEAD + 40) } else { entry.len() };
             let at = HEAD + u.choose_index((end - HEAD).max(1))?;
@@ -129,7 +129,7 @@ fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
     Ok(())
 }
 
-/// Numbers as they must be: none is missing, and each beginning is 0.
+/// Correct numbers of entries: none is missing, and each begin is 0.
 fn number(entries: &mut [Entry]) {
     let mut number = 0_u32;
     for entry in entries {

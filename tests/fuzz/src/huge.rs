@@ -1,4 +1,4 @@
-//! Targets and frames of any size, up to 65,535x65,535 pixels: no panic, no overflow, and no more work than is computed.
+//! Targets and frames of any size, up to 65,535x65,535 pixels: no panic, no overflow, and no more work than `most_work`.
 //!
 //! A frame is nearly all black and lies in memory that is never touched, so it costs nothing. It needs 4 GiB of addresses.
 
@@ -27,7 +27,7 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     ran
 }
 
-/// As often small as large.
+/// Small and large equally often.
 fn side(u: &mut Unstructured<'_>, most: u16) -> Result<u16> {
     let places = u.int_in_range(0..=most.ilog2())?;
     u.int_in_range(1..=most.min(u16::MAX >> (15 - places)))

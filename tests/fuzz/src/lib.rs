@@ -1,12 +1,12 @@
-//! What is fuzzed. A target takes any bytes, and panics if something is wrong.
+//! The fuzz targets. Each takes any bytes and panics if something is wrong.
 //!
-//! - `calls`: sequences of calls of a tracker, beside a plain one that must answer the same.
+//! - `calls`: sequences of calls of a tracker, compared with those of a plain one.
 //! - `huge`: targets and frames of any size.
 //! - `saved`: changed bytes of a saved target.
 //! - `flight`: changed entries of a flight record.
 //! - `readers`: the files, lines and words that host-sim reads.
-//! - `scene`: the frames that both see. `extent`: how large and how long inputs are.
-//! - `tally`: what was reached.
+//! - `scene`: the frames of both. `extent`: the size of inputs.
+//! - `tally`: counts the cases that were reached.
 
 mod calls;
 mod extent;
@@ -24,10 +24,10 @@ pub use tally::reached;
 use arbitrary::Unstructured;
 use smr_core::similarity::Backend;
 
-/// What a target is: it takes any bytes, and panics at a finding.
+/// A fuzz target: takes any bytes, and panics at a finding.
 pub type Run = fn(&[u8]);
 
-/// All targets, by name: also that of the folder in `corpus`.
+/// All targets by name, which is also the name of the folder in `corpus`.
 pub const TARGETS: &[(&str, Run)] = &[
     ("paper", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::WIDE))),
     ("robust", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::WIDE))),
@@ -51,44 +51,44 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("vectors", readers::vectors),
 ];
 
-/// The target of a name.
+/// The target with this name.
 pub fn target(name: &str) -> Option<Run> {
     TARGETS.iter().find(|(known, _)| *known == name).map(|(_, target)| *target)
 }
 
-/// That the bytes ended early is no finding.
+/// Bytes that end early are no finding.
 fn ran(_: arbitrary::Result<()>) {}
 
 /// A tracker that is fuzzed.
 trait Fuzzed: smr_core::Target<Config: 'static> {
-    /// Which of the numbers of [`extent::Extent::updates`] is meant: what is slow is called less often.
+    /// The index into [`extent::Extent::updates`]: a slow tracker is called less often.
     const PACE: usize;
-    /// Where the frame's width and height stand in a saved target.
+    /// The place of the frame's width and height in a saved target.
     const SIZE_AT: usize;
 
     /// A configuration, valid or not.
     fn configuration(u: &mut Unstructured<'_>, extent: &extent::Extent) -> arbitrary::Result<Self::Config>;
 
-    /// The same numbers, computed in another way.
+    /// The same numbers with another backend.
     fn by(config: Self::Config, backend: Option<Backend>) -> Self::Config;
 
-    /// One that a tracker takes.
+    /// A valid configuration.
     fn usual() -> Self::Config;
 
-    /// The same, computed by the plain loops.
+    /// The same with the plain loops.
     fn plain(config: Self::Config) -> Self::Config;
 
     /// Targets to be saved, made once, with the usual configuration.
     fn locked() -> &'static [(scene::Scene, Vec<u8>)];
 
-    /// Targets to go on with, if `lock` is slow; made once.
+    /// Saved targets to continue with if `lock` is slow; made once.
     fn starts() -> &'static [Start<Self::Config>];
 
-    /// Whether the plain loops run beside it for this input.
+    /// Whether this input is compared with the plain loops.
     fn beside(u: &mut Unstructured<'_>) -> arbitrary::Result<bool>;
 }
 
-/// A target to go on with.
+/// A saved target to continue with.
 struct Start<C> {
     config: C,
     scene: scene::Scene,

@@ -9,7 +9,7 @@ use smr_core::paper::{Config, Fraction, Margins, Radius, RunnerUp};
 use smr_core::similarity::{Backend, Table};
 use std::sync::LazyLock;
 
-/// Small enough for many executions a second; no size of it is special.
+/// Small enough for many executions per second; none of its sizes is special.
 pub(crate) type Small = smr_core::Paper<256, 41>;
 
 static TABLES: LazyLock<[Table; 4]> =
@@ -20,7 +20,7 @@ pub(crate) fn table(u: &mut Unstructured<'_>) -> Result<&'static Table> {
     u.choose(&*TABLES)
 }
 
-/// The best way, or one that the machine has.
+/// The best backend, or any that the machine has.
 pub(crate) fn backend(u: &mut Unstructured<'_>) -> Result<Option<Backend>> {
     static ALL: LazyLock<Vec<Backend>> = LazyLock::new(|| Backend::available().collect());
     let chosen = ALL.get(usize::from(u.int_in_range(0..=7_u8)?)).copied();

@@ -1,4 +1,4 @@
-//! Every reader of host-sim: an error or what was read, and never a panic.
+//! Every reader of host-sim: an error or the content, and never a panic.
 
 use host_sim::command::settings;
 use host_sim::evaluate::robustness::Former;
@@ -11,14 +11,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// The files of one target, one after the other in the same place.
+/// The files of one target, one after the other under the same name.
 struct Place(TempDir);
 
 thread_local! {
     static PLACE: Place = Place(TempDir::new().expect("a folder for files"));
 }
 
-/// Has `read` read `bytes` as the file `name`.
+/// Lets `read` read `bytes` as the file `name`.
 fn as_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     PLACE.with(|Place(folder)| {
         let file: PathBuf = folder.path().join(name);
@@ -28,7 +28,7 @@ fn as_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     });
 }
 
-/// Frames that are given to a tracker have as many pixels as they say, and one at least.
+/// Frames for a tracker have the stated number of pixels, and at least one.
 fn check(sequence: anyhow::Result<Sequence>) {
     let Ok(sequence) = sequence else { return };
     let _ = sequence.start();
@@ -47,7 +47,7 @@ fn recording(name: &str, bytes: &[u8], size: Option<(u16, u16)>) {
     });
 }
 
-/// PNM, PNG and JPEG, by what they begin with.
+/// PNM, PNG and JPEG, detected by their first bytes.
 pub(crate) fn picture(bytes: &[u8]) {
     let Ok(frame) = sequence::decode_picture(bytes) else { return };
     assert_eq!(frame.pixels.len(), usize::from(frame.width) * usize::from(frame.height));
@@ -70,7 +70,7 @@ pub(crate) fn y4m(bytes: &[u8]) {
     recording("1.y4m", bytes, None);
 }
 
-/// The size stands in the first bytes.
+/// The size is in the first bytes.
 pub(crate) fn raw(bytes: &[u8]) {
     let Some((&[a, b, c, d], pixels)) = bytes.split_first_chunk() else { return };
     recording("1.raw", pixels, Some((u16::from_le_bytes([a, b]) >> 6, u16::from_le_bytes([c, d]) >> 6)));
@@ -97,7 +97,7 @@ pub(crate) fn boxes(bytes: &[u8]) {
     });
 }
 
-/// What stands on the command line: a box, a region, a range of frames, a size.
+/// Arguments of the command line: a box, a region, a range of frames, a size.
 pub(crate) fn words(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let _ = text.parse::<BoundingBox>();
@@ -106,7 +106,7 @@ pub(crate) fn words(bytes: &[u8]) {
     let _ = text.parse::<Resize>();
 }
 
-/// A tracker that stays: it is the protocol that is read.
+/// A tracker that does not move: the target tests only the protocol.
 struct Still(Rect);
 
 impl Method for Still {
@@ -125,9 +125,9 @@ impl Method for Still {
     }
 }
 
-/// A session; what it answers are lines of text.
+/// A session; its answers are lines of text.
 pub(crate) fn trax(bytes: &[u8]) {
-    // What a path names is not to depend on the machine.
+    // The file behind a path must not depend on the machine.
     if bytes.windows(4).any(|four| four == b"/dev" || four == b"/pro" || four == b"/sys") {
         return;
     }
@@ -139,7 +139,7 @@ pub(crate) fn trax(bytes: &[u8]) {
     assert!(String::from_utf8(said).is_ok_and(|said| said.ends_with('\n')));
 }
 
-/// Settings of each command that has some.
+/// Settings of each command that has any.
 pub(crate) fn settings(bytes: &[u8]) {
     as_file("settings.toml", bytes, |file| {
         let words = ["host-sim", "track", "synthetic", "--settings"].map(OsString::from);
@@ -150,7 +150,7 @@ pub(crate) fn settings(bytes: &[u8]) {
     });
 }
 
-/// What was measured before.
+/// Earlier results.
 pub(crate) fn former(bytes: &[u8]) {
     as_file("former.json", bytes, |file| {
         let _ = Former::read(file);
@@ -165,7 +165,7 @@ pub(crate) fn vectors(bytes: &[u8]) {
     let _ = smr_tests::follow::<smr_tests::SmallPaper>(&mut paper, text, &mut buffer, |tracker, frame| {
         tracker.update(frame).ok()
     });
-    // It is slow to lock: only texts of every eighth length.
+    // The robust tracker is slow to lock: only texts of every eighth length.
     if !text.len().is_multiple_of(8) {
         return;
     }

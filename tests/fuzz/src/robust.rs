@@ -59,7 +59,7 @@ impl Fuzzed for Robust {
 
     fn starts() -> &'static [Start<Config>] {
         static STARTS: LazyLock<Vec<Start<Config>>> = LazyLock::new(|| {
-            // As it is; always lost, so that it sweeps; without size; one that learns all at once.
+            // The default; always lost, so that redetection runs; without size; the largest learning rates.
             let mut configs = [Robust::usual(); 4];
             (configs[1].lost_below, configs[1].uncertain_below) = (u16::MAX, u16::MAX);
             configs[2].size = false;

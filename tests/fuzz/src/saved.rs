@@ -1,4 +1,4 @@
-//! Bytes of a saved target, changed, with a checksum that is right again: refused, or followed without a panic.
+//! Changed bytes of a saved target with a correct checksum: refused, or accepted and updated without a panic.
 
 use crate::extent::WIDE;
 use crate::scene::{KINDS, Part, Scene, frame};
@@ -6,7 +6,7 @@ use crate::{Fuzzed, calls};
 use arbitrary::{Result, Unstructured};
 use smr_core::{Rect, Tracker};
 
-/// Where the length stands.
+/// The place of the length.
 const LENGTH: std::ops::Range<usize> = 10..14;
 
 pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
@@ -26,10 +26,10 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
     if tracker.restore(&saved).is_err() {
         return Ok(());
     }
-    // Written again, it is the same; what follows a saved target is not looked at.
+    // Saved again, the bytes are the same. Bytes after the saved target are ignored.
     let again = calls::saved(&tracker).expect("it is locked");
     assert!(saved.starts_with(&again), "what was restored is saved as other bytes");
-    // The frames have the size that the bytes say.
+    // The frames have the size in the bytes.
     (scene.width, scene.height) = (number(&saved, T::SIZE_AT), number(&saved, T::SIZE_AT + 2));
     follow(&mut tracker, &mut scene, u)
 }
@@ -38,7 +38,7 @@ fn number(saved: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([saved[at], saved[at + 1]])
 }
 
-/// Targets that are locked on in scenes of every kind.
+/// Targets locked in scenes of every kind.
 pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
     locked_by::<T>(T::usual())
 }
@@ -57,7 +57,7 @@ pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
 
 /// A few bytes, a number, or the length.
 fn change(u: &mut Unstructured<'_>, saved: &mut Vec<u8>) -> Result<()> {
-    // Mostly in the track, which stands first.
+    // Mostly in the track, which comes first.
     let end = if u.arbitrary()? { 80.min(saved.len()) } else { saved.len() };
     let at = u.choose_index(end.max(1))?;
     match u.int_in_range(0..=5_u8)? {
@@ -75,7 +75,7 @@ fn put(saved: &mut [u8], at: usize, bytes: &[u8]) {
     saved.iter_mut().skip(at).zip(bytes).for_each(|(old, &new)| *old = new);
 }
 
-/// Length and checksum as they must be.
+/// Sets the correct length and checksum.
 fn seal(saved: &mut [u8]) {
     let Some(end) = saved.len().checked_sub(4).filter(|&end| end >= LENGTH.end) else { return };
     let length = u32::try_from(saved.len()).expect("a few thousand");
@@ -84,7 +84,7 @@ fn seal(saved: &mut [u8]) {
     saved[end..].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// Frames with the parts that are asked for in memory.
+/// Frames with only the windows of the tracker in memory.
 fn follow<T: Fuzzed>(tracker: &mut Tracker<T>, scene: &mut Scene, u: &mut Unstructured<'_>) -> Result<()> {
     for _ in 0..u.int_in_range(1..=4 * WIDE.updates[T::PACE])? {
         let part = |rect: Option<Rect>| rect.and_then(|rect| scene.part(rect, 1));

@@ -1,16 +1,16 @@
-//! Pictures without a memory: every pixel follows from a few numbers, so a frame can be of any size.
+//! Computed pictures: every pixel follows from a few numbers, so a frame can have any size without being stored.
 
 use crate::extent::Extent;
 use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect};
 
-/// The most pixels of a part that is put into memory.
+/// The most pixels of a part in memory.
 const MOST: u32 = 1 << 16;
 
 /// Textures.
 pub(crate) const KINDS: u8 = 7;
 
-/// What the camera sees.
+/// The scene in front of the camera.
 #[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) width: u16,
@@ -22,7 +22,7 @@ pub(crate) struct Scene {
     gain: u8,
 }
 
-/// A rectangle of it in memory, its rows `stride` apart, not a byte longer than it must be.
+/// A rectangle of the scene in memory, with rows `stride` apart and no byte more than needed.
 pub(crate) struct Part {
     pixels: Vec<u8>,
     pub(crate) stride: usize,
@@ -42,7 +42,7 @@ impl Scene {
         Ok(Self { width, height, kind: u.arbitrary()?, seed: u.arbitrary()?, right: 0, down: 0, gain: 64 })
     }
 
-    /// A small one, the camera at rest.
+    /// A small scene with the camera at rest.
     pub(crate) fn of(kind: u8) -> Self {
         Self { width: 64, height: 48, kind, seed: 0x1234_5678, right: 0, down: 0, gain: 64 }
     }
@@ -51,7 +51,7 @@ impl Scene {
         Rect::new(0, 0, self.width, self.height)
     }
 
-    /// The next moment: moved, darker, another scene, or as it was.
+    /// The next frame: moved, darker, another scene, or unchanged.
     pub(crate) fn change(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let by: [i8; 2] = [u.arbitrary()?, u.arbitrary()?];
         match u.int_in_range(0..=7_u8)? {
@@ -100,7 +100,7 @@ impl Scene {
         u8::try_from(u32::from(seen) * u32::from(self.gain) / 64).unwrap_or(255)
     }
 
-    /// A rectangle of it, put into memory; `None` if it is empty, outside, or too large for that.
+    /// A rectangle of the scene in memory; `None` if it is empty, outside, or too large.
     pub(crate) fn part(&self, rect: Rect, gap: usize) -> Option<Part> {
         if rect.is_empty() || rect.area() > MOST || !self.bounds().contains(rect) {
             return None;
@@ -128,7 +128,7 @@ impl Part {
     }
 }
 
-/// The frame with these parts in memory, of which there is at least one.
+/// The frame with these parts in memory; there is at least one.
 pub(crate) fn frame<'a>(scene: &Scene, first: &'a Part, second: Option<&'a Part>) -> Frame<'a> {
     let (x, y) = first.corner();
     let frame = Frame::part(first.image(), x, y, scene.width, scene.height).expect("it lies in the frame");

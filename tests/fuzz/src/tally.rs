@@ -1,11 +1,10 @@
-//! What was reached, by name and how often: so that a test can ask whether the inputs test what they are there for. A run prints it
-//! at its end.
+//! Counts the cases that inputs reach, by name. A test checks that the inputs reach all of them. A run prints the counts at its end.
 
 use std::cell::Cell;
 
 macro_rules! tally {
     ($($name:ident = $words:literal,)*) => {
-        /// What an input can reach.
+        /// The cases that an input can reach.
         #[derive(Clone, Copy)]
         pub(crate) enum Reached {
             $($name,)*
@@ -54,14 +53,14 @@ tally! {
     UpdateWithoutWhatItAskedFor = "update: without what it asked for",
 }
 
-/// Numbers, not names: what is compared goes into libFuzzer's dictionary.
+/// Numbers, not names: libFuzzer would put compared names into its dictionary.
 struct Tally([Cell<u64>; NAMES.len()]);
 
 thread_local! {
     static TALLY: Tally = const { Tally([const { Cell::new(0) }; NAMES.len()]) };
 }
 
-/// One more of it.
+/// Counts one more.
 pub(crate) fn count(reached: Reached) {
     TALLY.with(|Tally(all)| {
         let times = &all[reached as usize];
@@ -69,7 +68,7 @@ pub(crate) fn count(reached: Reached) {
     });
 }
 
-/// What this thread has reached so far, and what it has not: by name, how often.
+/// The counts of this thread so far, by name; 0 for cases not reached.
 pub fn reached() -> Vec<(&'static str, u64)> {
     TALLY.with(|Tally(all)| NAMES.iter().copied().zip(all.iter().map(Cell::get)).collect())
 }

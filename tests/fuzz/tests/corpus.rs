@@ -1,4 +1,4 @@
-//! Every committed input, through the target of its folder: seeds, and what was once found.
+//! Runs every committed input through the target of its folder: seeds and former findings.
 
 use smr_fuzz::TARGETS;
 use std::collections::BTreeSet;

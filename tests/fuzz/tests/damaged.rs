@@ -1,13 +1,13 @@
-//! The files that are read, damaged in a few places: some of what a fuzzer does first, in every run of the tests.
+//! Input files, damaged in a few places: a short run of what a fuzzer does, in every run of the tests.
 
 use smr_fuzz::target;
 use std::fs;
 use std::path::Path;
 
-/// What reads files and words. The others are slow, or are known by what they find in a long run.
+/// The readers of files and words. The other targets are slow, or need a long run to find anything.
 const READERS: [&str; 8] = ["pnm", "png", "jpeg", "picture", "y4m", "raw", "boxes", "words"];
 
-/// How often each file is damaged.
+/// The number of damaged copies of each file.
 const TIMES: u32 = 60;
 
 /// Marsaglia's xorshift: the same numbers in every run.
@@ -23,7 +23,7 @@ impl Random {
     }
 }
 
-/// Up to three bytes are others, and half of the files are cut.
+/// Changes up to three bytes, and cuts half of the files.
 fn damaged(whole: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = whole.to_vec();
     for _ in 0..random.below(4) {

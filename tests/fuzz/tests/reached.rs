@@ -1,4 +1,4 @@
-//! Inputs of the trackers reach what they are there for: the committed ones, and some random ones, the same each time.
+//! The trackers' inputs reach all cases: the committed inputs, and some random ones, the same in every run.
 
 use smr_fuzz::reached;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ fn random(seed: u32) -> Vec<u8> {
     (0..64 + seed % 192).map(|_| next()).collect()
 }
 
-/// What the inputs of these targets have not reached; beside the name, how many random ones there are.
+/// The cases that the inputs of these targets did not reach. The number beside a name is that of its random inputs.
 fn missed(targets: &[(&str, u32)], never: &[&str]) -> Vec<&'static str> {
     let before: BTreeMap<_, _> = reached().into_iter().collect();
     for (name, inputs) in targets {
@@ -32,7 +32,7 @@ fn missed(targets: &[(&str, u32)], never: &[&str]) -> Vec<&'static str> {
     now.map(|(name, _)| name).collect()
 }
 
-/// What the paper's tracker does not have; what it locks on is small enough to be in memory.
+/// Cases that the paper's tracker does not have; the boxes it locks on always fit in memory.
 const NOT_OF_THE_PAPER: &[&str] = &[
     "lock: LockWindowNotInMemory",
     "answer: uncertain",
@@ -47,13 +47,13 @@ fn calls_of_the_papers_tracker() {
     assert_eq!(missed(&[("paper", 100), ("paper-short", 4000)], NOT_OF_THE_PAPER), [""; 0]);
 }
 
-/// What the robust tracker does not have: it resamples whatever box it is given, and reads more than one pixel.
+/// Cases that the robust tracker does not have: it resamples any box, and reads more than one pixel.
 const NOT_OF_THE_ROBUST: &[&str] = &[
     "answer: leaving",
     "lock: BoxTooLarge",
     "lock: WindowTooLarge",
     "other size: taken",
-    // For this a frame must be larger than what is put into memory here: `tests/tests/readout.rs` has such locks.
+    // This needs a frame larger than the memory of these inputs: `tests/tests/readout.rs` has such locks.
     "lock: LockWindowNotInMemory",
     "lock: another error",
     "other size: another error",

@@ -1,4 +1,4 @@
-//! `host-sim` as its tests run it, and what it says.
+//! Runs `host-sim` for the tests, and checks its output.
 
 #![allow(dead_code)] // no test needs all of it
 
@@ -23,7 +23,7 @@ pub fn host_sim(arguments: &[&str]) -> Said {
 }
 
 impl Said {
-    /// Bad input: exit code 2 and one line, which holds all of `words`.
+    /// Bad input: exit code 2 and one line that contains all of `words`.
     #[track_caller]
     pub fn refuses(&self, words: &[&str]) {
         assert_eq!(self.code, Some(2), "{}", self.err);
@@ -46,7 +46,7 @@ impl Said {
         serde_json::from_str(&self.out).expect("standard output is JSON")
     }
 
-    /// A JSON object a line.
+    /// One JSON object per line.
     #[track_caller]
     pub fn json_lines(&self) -> Vec<Value> {
         assert_eq!(self.code, Some(0), "{}", self.err);
@@ -58,7 +58,7 @@ pub fn utf8(path: &Path) -> &str {
     path.to_str().expect("test paths are UTF-8")
 }
 
-/// Recordings that are not part of the project, if they are there: `host-sim/README.md` says where they are looked for.
+/// Recordings that are not part of the project, if they are there: `host-sim/README.md` says where the tests expect them.
 pub fn recordings(test: &str, folder: &str) -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
     let found = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from).join(folder);

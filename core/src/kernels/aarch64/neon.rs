@@ -122,7 +122,7 @@ impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
 /// The bytes of one plane.
 ///
 /// # Safety
-/// NEON is there.
+/// The processor has NEON.
 #[inline(always)]
 unsafe fn entries<const SEGMENTS: usize>(
     [first, others @ ..]: &[uint8x16x4_t; 4],

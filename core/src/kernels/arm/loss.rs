@@ -1,8 +1,8 @@
-//! The bound of a score on Arm's microcontrollers: the least that pixels lose of a full score.
+//! The bound of a score on Arm's microcontrollers: the least loss of pixels compared with a full score.
 //!
 //! A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel that does not count loses all.
 //! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets
-//! are fast at sums of bytes, but look up a table pixel by pixel. So this alone bounds a group of offsets.
+//! sum bytes fast, but look up a table pixel by pixel. So groups of offsets are bounded by this loss alone.
 
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::plain::scores::Plain;
@@ -50,7 +50,7 @@ impl<'a> Lookup<'a> {
     }
 }
 
-/// How many 4x4 blocks, one for each column, the four rows hold and `low` and `high` have room for.
+/// The number of 4x4 blocks, one for each column, in the four rows and with room in `low` and `high`.
 #[inline]
 pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
     rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))

@@ -1,9 +1,9 @@
-//! Columns of a resampled row: each is mixed from two neighbouring numbers of the row.
+//! Columns of a resampled row: each is interpolated from two neighbouring numbers of the row.
 
-/// A column can begin at so many numbers of a row.
+/// The first number of a column is one of this many of a row.
 pub(crate) const PLACES: u16 = 512;
 
-/// A row that columns are mixed from: 256 times a gray level, less [`BIAS`] (in two's complement). One number may follow the last
+/// A row for interpolation: 256 times a gray level, less [`BIAS`] (in two's complement). One number may follow the last
 /// place.
 pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
@@ -11,7 +11,7 @@ pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 
 /// The rounded level of each column. `from` is the byte in the row where its first number begins; `parts` are the parts of the
-/// first and of the second number, 256 together.
+/// first and of the second number, 256 in sum.
 #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
 #[inline(always)] // into its one caller
 pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {

@@ -36,7 +36,7 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// The gradient: adds to the sum of each weight `e * x` over all offsets, where x is the feature under the weight at that offset.
+/// The gradient: adds `e * x` over all offsets to the sum of each weight, where x is the feature under the weight at that offset.
 ///
 /// A part is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
 #[inline(always)]

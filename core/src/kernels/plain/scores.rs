@@ -62,7 +62,7 @@ pub(crate) fn most(patch: Image<'_>, template: Image<'_>) -> u32 {
     full(pixels(patch, template))
 }
 
-/// How many pixels the common top left part has.
+/// The number of pixels in the common top left part.
 #[inline]
 pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
@@ -227,7 +227,7 @@ mod tests {
         ) {
             let template = Image::new(&pixels, width, height).unwrap();
             let seen = Rect::new(0, 0, width, height).intersection(Rect::new(x, y, w, h));
-            // Where the template is seen, a patch that matches nothing: only the padding is left to count.
+            // The part on the frame matches nothing, so only the padding counts.
             let mut expected = 0u32;
             for (j, row) in (0..).zip(template.rows()) {
                 for (i, &g) in (0..).zip(row) {

@@ -12,7 +12,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
-/// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` such that 16 bits hold the result.
+/// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
 #[inline(always)] // into its one caller
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
     // Rounds by the last bit that is dropped: a sum plus half of the divisor could overflow.
@@ -22,14 +22,14 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
-/// `weight * factor / 2^32 + sum`, of which the product is rounded down.
+/// `weight * factor / 2^32 + sum`; the quotient is rounded down.
 #[inline(always)]
-#[allow(clippy::cast_possible_truncation)] // the caller sees to it that the result fits
+#[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
 fn number(weight: i32, factor: i64, sum: i32) -> i32 {
     ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
 }
 
-/// `weight - slope * length / 2^back`, rounded; `weight` if that would leave an `i32`.
+/// `weight - slope * length / 2^back`, rounded; `weight` if that would overflow an `i32`.
 #[inline(always)]
 pub(crate) fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
     let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;

@@ -1,7 +1,7 @@
 //! Memory for tests of kernels: reading or writing a byte before or after a slice ends the test.
 //!
-//! On Unix the slice touches a page that may not be accessed. Elsewhere it is an allocation of its own. So it is under Miri, which watches
-//! every access itself.
+//! On Unix the slice touches a page that may not be accessed. Elsewhere, and under Miri, which checks every access itself, the slice is a separate
+//! allocation.
 
 /// The end of a slice that touches the forbidden page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ mod memory {
 
     impl Drop for Guarded {
         fn drop(&mut self) {
-            // SAFETY: the mapping as it was made; nothing borrows it any more.
+            // SAFETY: the mapping is unchanged, and nothing borrows it any more.
             unsafe { libc::munmap(self.first.sub(self.page).cast(), self.room + 2 * self.page) };
         }
     }

@@ -74,7 +74,7 @@ fn all_shapes(backend: Backend) {
     }
 }
 
-/// Odd layouts and missing cells give what the plain loops give, and nothing else is read.
+/// Odd layouts and missing cells: the results equal those of the plain loops, and nothing else is read.
 fn odd_shapes(backend: Backend) {
     let mut memory = Guarded::with_room(1 << 14);
     for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]

@@ -1,4 +1,4 @@
-//! The paper's table for tests of kernels, which know nothing of `similarity`.
+//! The paper's table for tests of kernels, which must not use `similarity`.
 
 use crate::kernels::cut_table::{CutTable, ONE};
 

@@ -31,7 +31,7 @@ impl Noise {
     }
 }
 
-/// Runs the kernels of a filter, and the plain loops beside them.
+/// Compares the kernels of a filter with the plain loops.
 ///
 /// # Panics
 /// If they differ.
@@ -74,7 +74,7 @@ fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut 
     products.gather(0..parts, &mut room, &cells, layout, &errors, &mut sums);
 }
 
-/// Weights, in all counts that leave different lanes.
+/// Weights, in numbers that fill the last vector differently.
 #[inline(never)] // keeps its stack out of the caller's frame
 fn weights(noise: &mut Noise) {
     for count in 0..21 {
@@ -88,7 +88,7 @@ fn weights(noise: &mut Noise) {
         };
         code(ScaledSums::of(&weights));
         for (unit, left) in [(14, 2), (14, 5), (16, 0), (17, 0), (19, 0)] {
-            // The largest sums that `left` places leave room for, and sums so small that rounding drops them.
+            // The largest sums that fit after a shift by `left`, and sums so small that rounding drops them.
             for most in [(1 << 30) >> left, 1] {
                 let sums: heapless::Vec<i32, 20> = (0..count).map(|_| noise.next(most)).collect();
                 let weights: heapless::Vec<i32, 20> = sums.iter().rev().copied().collect();

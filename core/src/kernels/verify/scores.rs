@@ -1,4 +1,4 @@
-//! The plain loops beside a backend (feature `verify`). A difference is a panic that tells the call.
+//! Compares a backend with the plain loops (feature `verify`). A difference panics with a message that names the call.
 
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;

@@ -1,12 +1,14 @@
 //! Distances, ranges and bounds of scores by SSE2, which every x86-64 has: 16 pixels at a time.
 //!
-//! SSE2 cannot look up bytes in a table, so the plain loop computes the score. But the search asks for most scores with a floor, and most do
-//! not reach it. Let N pixels count and S be the sum of their differences. Then
+//! SSE2 cannot look up bytes in a table, so the plain loop computes the score. But the search asks for most scores with a floor, which most of
+//! them do not reach. Let N pixels count and S be the sum of their differences. Then
 //!
-//!     score <= N * 65535 - c * S        with c from CutTable::chord
+//! ```text
+//! score <= N * 65535 - c * S        with c from CutTable::chord
+//! ```
 //!
-//! If this bound is below the floor, the plain loop does not run. If it runs, the bound has cost 8 to 15 % of it: 16 instructions for 16
-//! pixels, where the plain loop takes eight or more for each. For a patch between two pictures the bound is the answer.
+//! If this bound is below the floor, the plain loop does not run. The bound costs 8 to 15 % of the plain loop: 16 instructions for 16
+//! pixels, instead of eight or more for each. For a patch between two pictures the bound is the answer.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -52,7 +54,7 @@ impl Neighbours for __m128i {
     }
 }
 
-/// Up to this width the bound looks only at the first vector of a row and takes the rest as fully similar. A second vector, at most half
+/// Up to this width the bound reads only the first vector of a row and takes the rest as fully similar. A second vector, at most half
 /// full, would cost a fifth of the plain loop.
 const NARROW: usize = 24;
 
@@ -188,7 +190,7 @@ impl Sums {
     /// Adds the differences of the `valid` pixels that count.
     ///
     /// # Safety
-    /// SSE2 is there.
+    /// The processor has SSE2.
     #[inline(always)]
     unsafe fn add(&mut self, difference: __m128i, valid: __m128i) {
         // SAFETY: as the caller guarantees.
@@ -202,7 +204,7 @@ impl Sums {
     /// An upper bound of the score. It fits in a `u32` for every template.
     ///
     /// # Safety
-    /// SSE2 is there.
+    /// The processor has SSE2.
     #[inline(always)]
     unsafe fn most(&self, chord: u32) -> u32 {
         const COUNTED: u32 = ONE as u32 / 255;

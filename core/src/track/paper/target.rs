@@ -90,7 +90,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         self.template.threshold()
     }
 
-    /// Applies the gate to what was found: new state, box and template.
+    /// Applies the gate to the result of the search: new state, box and template.
     #[inline(never)] // one copy in flash
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);

@@ -108,7 +108,7 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     assert!(answer.runner_up_ratio.is_some(), "whether it leaves depends on it");
 }
 
-/// Templates and windows of all proportions up to the largest, in frames where nothing and where much can be excluded.
+/// Templates and windows of all proportions up to the largest, in frames in which no or many offsets can be excluded.
 #[test]
 fn a_step_does_no_more_than_it_promises() {
     const SPAN: usize = 300;
@@ -150,7 +150,7 @@ fn a_step_does_no_more_than_it_promises() {
     }
 }
 
-/// Frames in which nothing can be excluded come close to the computed bound.
+/// Frames in which no offset can be excluded come close to the computed bound.
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];

@@ -12,8 +12,7 @@ const CELLS: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// What the stages fill and read.
-// Fields that may end in padding stand before a vector. Otherwise a build without optimisation makes padding and zeroes on the stack,
-// and copies both.
+// Fields with padding come before a vector. In the other order a build without optimisation builds the value on the stack and copies it.
 #[repr(C)]
 pub(super) struct Buffers {
     /// Features of the search window.
@@ -30,9 +29,9 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
-        // Constants, so that they are not made on the stack.
+        // Constants, so that they are not built on the stack.
         Self {
             extractor: const { Extractor::new() },
             cells: Vec::new(),

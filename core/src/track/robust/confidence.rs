@@ -1,11 +1,13 @@
-//! Confidence: is it still the target? A running mean of each frame's evidence, from which the state follows.
+//! Confidence: is it still the target? A running mean of the evidence of each frame. It gives the state.
 //!
-//!     evidence   = agreement + min(response, 1/2)
-//!     mean'      = min(mean + (1 - patience / 256) * (evidence - mean), evidence + lead)
-//!     confidence = 2/3 mean
+//! ```text
+//! evidence   = agreement + min(response, 1/2)
+//! mean'      = min(mean + (1 - patience / 256) * (evidence - mean), evidence + lead)
+//! confidence = 2/3 mean
+//! ```
 //!
-//! A filter that learns from its own answers agrees with itself, whatever it follows, so its response says little about whether it is
-//! right. The early template hardly learns, so its agreement counts twice as much. Responses above one half say no more than one half.
+//! A filter that learns from its own answers responds well to anything it follows, so its response is weak evidence. The early template
+//! hardly learns, so its agreement counts twice as much. A response above 1/2 counts as 1/2.
 //! Evidence and mean are in units of 1/65536, at most 1.5.
 
 use super::config::Config;
@@ -13,12 +15,12 @@ use super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MO
 use super::verification::Candidate;
 use crate::track::State;
 
-/// What one frame, or one window, says for the target.
+/// The evidence for the target in one frame or one window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Evidence(i32);
 
 impl Evidence {
-    /// None where no target can be seen.
+    /// 0 where no target can be seen.
     pub(super) fn of(candidate: &Candidate) -> Self {
         if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
     }
@@ -27,12 +29,12 @@ impl Evidence {
         Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
     }
 
-    /// True if the frame may be learned.
+    /// True if the filter may learn from the frame.
     pub(super) fn may_be_learned(self) -> bool {
         self.0 >= LEARNED_FROM
     }
 
-    /// True if this is the lost target, for which its last place shows the evidence `there`.
+    /// True if this is the lost target. `there` is the evidence at its last place.
     pub(super) fn finds(self, there: Self) -> bool {
         self.0 >= FOUND_FROM && self.0 >= there.0 + FOUND_LEAD
     }
@@ -51,12 +53,12 @@ impl Confidence {
         Self(evidence.0)
     }
 
-    /// The number that is saved.
+    /// The number in a saved target.
     pub(super) const fn mean(self) -> i32 {
         self.0
     }
 
-    /// From a saved number, if it can be one.
+    /// From a saved number; `None` if it is out of range.
     pub(super) const fn restore(mean: i32) -> Option<Self> {
         if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
     }
@@ -77,7 +79,7 @@ impl Confidence {
         }
     }
 
-    /// True if a frame without any evidence would make it lost.
+    /// True if one frame without evidence would make the target lost.
     pub(super) fn may_be_lost_next(self, config: &Config) -> bool {
         self.after(Evidence(0), config.patience).state(config) == State::Lost
     }

@@ -1,10 +1,10 @@
-//! What the robust tracker is made with: what firmware may tune, with ranges and defaults.
+//! The configuration of the robust tracker: what firmware may tune, with ranges and defaults.
 
 use super::constants::REACH;
 use crate::similarity::{Backend, Table};
 use crate::track::ConfigError;
 
-/// The numbers of the method. [`Config::robust`] holds those that were best on many recordings. Each can be changed.
+/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, and change what you need.
 ///
 /// ```
 /// use smr_core::{Robust, Target, robust::Config};
@@ -19,33 +19,33 @@ use crate::track::ConfigError;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Config {
-    /// The similarity of two pixels, by their difference.
+    /// The similarity p(d) of two pixels that differ by d.
     pub table: &'static Table,
-    /// How sums are computed: it changes the time, but no answer. `None` is the fastest way that the machine has.
+    /// How sums are computed; affects only the time. `None`: the fastest backend of the machine.
     pub backend: Option<Backend>,
-    /// How far the target is searched to each side, in cells: 4 to 8. The side of a cell is a tenth of the root of the target's area. The
+    /// Radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's area. The
     /// work of an update grows with the square of 2 `reach` + 1.
     pub reach: u8,
     /// Whether the box follows the target's size.
     pub size: bool,
-    /// Whether a lost target is searched all over the frame, or only where it was lost.
+    /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
     pub sweep: bool,
-    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of itself in each frame. A higher value holds on for
-    /// longer, through short occlusions and through errors alike.
+    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher value holds on to the
+    /// target for longer: through short occlusions, but also through errors.
     pub patience: u8,
     /// The target is lost while the confidence is below this, in units of 1/65535.
     pub lost_below: u16,
     /// It is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// The filter's learning rate: the part of the exact step for the present frame that it takes, in units of 1/256, 0 to 256. With 0 it
-    /// keeps what it learned in the first frame.
+    /// The filter's learning rate: the fraction of the exact step, in units of 1/256, 0 to 256. With 0 the filter keeps what it learned in
+    /// the first frame.
     pub learning_rate: u16,
     /// The early template's learning rate, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,
     pub(super) parts: Parts,
 }
 
-/// Parts that can be left out, to measure what each is worth.
+/// Parts that can be left out, to measure the effect of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Parts {
@@ -61,11 +61,11 @@ pub(super) struct Parts {
 pub enum Part {
     /// A moving target is expected to go on.
     Velocity,
-    /// Responses far from where the target is expected count less.
+    /// Responses far from the expected place count less.
     DistancePenalty,
-    /// The early template checks that it is still the target. Without it the state is always tracking.
+    /// The early template verifies the target. Without this part the state is always tracking.
     Verification,
-    /// Only frames with enough evidence are learned.
+    /// The tracker learns only from frames with enough evidence.
     GatedLearning,
 }
 
@@ -113,7 +113,7 @@ impl Config {
         }
     }
 
-    /// Whether a tracker accepts it: [`Target::new`](crate::Target::new) calls this.
+    /// Checks the numbers, as [`Target::new`](crate::Target::new) does.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`].
@@ -145,7 +145,7 @@ impl Config {
         self.reach.into()
     }
 
-    /// Whether a lost target is searched elsewhere.
+    /// Whether a lost target is searched in the whole frame.
     pub(super) const fn sweeps(&self) -> bool {
         self.sweep && self.parts.verification
     }

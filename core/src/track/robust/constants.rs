@@ -1,6 +1,6 @@
-//! All numbers of the method that are not in [`Config`](super::Config), with their units.
+//! All constants of the method that are not in [`Config`](super::Config), with their units.
 //!
-//! What each is worth was measured on 90 recordings: see `host-sim/README.md`, "What each constant is worth".
+//! The effect of each was measured on 90 recordings: see `host-sim/README.md`, "What each constant is worth".
 
 // Units.
 
@@ -16,11 +16,11 @@ pub(super) const ONE: i32 = 1 << 14;
 
 // A cell has `CELL` x `CELL` pixels of the grid and `CHANNELS` features: nine orientations and gray.
 pub use crate::kernels::{CELL, CHANNELS};
-/// The most that the filter searches to each side, in cells: see `Config::reach`.
+/// The largest `Config::reach`: cells from the middle of the search to each side.
 pub const REACH: u16 = 8;
-/// Offsets on an axis of the largest search.
+/// Offsets of the largest search on each axis.
 pub(crate) const SPAN: usize = 2 * REACH as usize + 1;
-/// Pixels of the largest template. The grid's step is chosen so that a target has about as many.
+/// Pixels of the largest template. The grid's step is chosen so that a target has about this many pixels.
 pub(super) const MOST_PIXELS: usize = 1600;
 /// Cells of the largest filter.
 pub(super) const MOST_CELLS: usize = 200;
@@ -29,22 +29,22 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells on a side of the filter.
 pub(super) const LEAST_SIDE: u64 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// The filter covers 1.4 times the target on each side: 1.4 / `CELL` cells for each pixel of the grid, as a fraction.
+/// The filter is 1.4 times as wide and as high as the target: 1.4 / `CELL` cells for each pixel of the grid, as a fraction.
 pub(super) const COVER: [u64; 2] = [7, 20];
-/// The smallest step of the grid, in positions: half a pixel. A small target is magnified no further.
+/// The smallest step of the grid, in positions: half a pixel. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u64 = 2048;
 
 // Gradients.
 
-/// Added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels a pixel, all over a cell. It keeps flat
-/// cells from being lifted to full contrast.
+/// Added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for each pixel of a cell. Without it, noise
+/// in flat cells would get full contrast.
 pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
-/// A feature is this times a cell's gradient (in 1/4 gray level) over the norm (in 1/8): 0.4 of the norm becomes 127, so 2 * 127 / 0.4.
+/// feature = gain * gradient (in 1/4 gray level) / norm (in 1/8). 0.4 of the norm becomes 127, so gain = 2 * 127 / 0.4.
 pub(super) const NORM_GAIN: u32 = 635;
 
 // Response.
 
-/// How much less a response counts at the search's edge, in units of 1/256. In between the penalty grows with the squared distance.
+/// The penalty of a response at the edge of the search window, in units of 1/256. It grows with the squared distance from the middle.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
 // Displacement and refinement by the early template.
@@ -59,36 +59,36 @@ pub(super) const COARSE_STEP: i16 = 2;
 pub(super) const DISPLACEMENTS: u16 = 17;
 /// The agreement from which place and size are refined, in units of 1/65535.
 pub(super) const REFINED_FROM: u16 = 55_000;
-/// The most that a Gauss-Newton step moves, in units of 1/64 pixel of the grid: one pixel.
+/// The largest displacement by a Gauss-Newton step, in units of 1/64 pixel of the grid: one pixel.
 pub(super) const MOST_MOVE: i64 = 64;
-/// The most that it grows, in units of 1/65536: 2 %.
+/// The largest growth by a step, in units of 1/65536: 2 %.
 pub(super) const MOST_GROWTH: i32 = 1310;
-/// Damping (Levenberg): each diagonal element of the normal equations grows by 2^-6 of itself, so that a lone edge does not slide along
-/// itself.
+/// Damping (Levenberg): each diagonal element of the normal equations grows by 2^-6 of itself. Without it, a target with a single edge
+/// could slide along that edge.
 pub(super) const DAMPING: u32 = 6;
 
 // Verification.
 
 /// Parts on a side of the template: 4 x 4.
 pub(super) const PARTS: u16 = 4;
-/// Which of the parts' ratios is the agreement, counted from the least: three parts may be hidden.
+/// Index of the agreement in the sorted ratios of the parts: three parts may be hidden.
 pub(super) const RANK: usize = 4;
 /// The bounds of alpha, in gray levels.
 pub(super) const LEAST_ALPHA: u32 = 8;
 pub(super) const MOST_ALPHA: u32 = 100;
-/// The least and the most gain of the template's contrast, in units of 1/256: half and twice.
+/// The least and the most gain of the template's contrast, in units of 1/256: 1/2 and 2.
 pub(super) const LEAST_GAIN: i32 = 128;
 pub(super) const MOST_GAIN: i32 = 512;
-/// Alpha by which a target's quality is measured when it is locked, in gray levels: 0.05 of full scale.
+/// Alpha for the quality of a target at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 
 // Scale.
 
-/// The factor between two scales that are searched, in units of 1/65536: 1.02.
+/// The factor between two neighbouring scales, in units of 1/65536: 1.02.
 pub(super) const SCALE_STEP: u64 = 66_847;
-/// What a response at another scale counts, in units of 1/256: 0.984.
+/// The factor of a response at another scale than the last, in units of 1/256: 0.984.
 pub(super) const SCALE_PENALTY: i64 = 252;
-/// How far other scales are searched, in cells.
+/// Reach of the search at each scale, in cells.
 pub(super) const SCALE_REACH: u16 = 1;
 /// The least and the most scale.
 pub(super) const LEAST_SCALE: u32 = SCALE / 5;
@@ -96,31 +96,31 @@ pub(super) const MOST_SCALE: u32 = 5 * SCALE;
 
 // Confidence, in units of 1/65536: 1 for full agreement, and 1/2 for a response of 1/2 or more.
 
-/// The most evidence that there is: 1.5.
+/// The largest evidence: 1.5.
 pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
-/// The least evidence from which a frame is learned.
+/// The least evidence for which the filter learns from a frame.
 pub(super) const LEARNED_FROM: i32 = 37_500;
-/// A lost target is found again where there is this much evidence,
+/// A lost target is found again if the evidence is at least this much,
 pub(super) const FOUND_FROM: i32 = 52_000;
-/// and this much more than at its last place.
+/// and exceeds the evidence at its last place by at least this much.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The confidence is at most this much above the evidence of the present frame, so one frame without evidence makes a target uncertain.
-/// With the default thresholds it takes two to lose it.
+/// The running mean exceeds the evidence of the present frame by at most this much. So one frame without evidence makes a target
+/// uncertain. With the default thresholds, two such frames make it lost.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 // Learning.
 
-/// The regularisation: what squared weights count. 0.05 where a feature of 1 is 318, which squared is 101,124.
+/// The regularisation lambda: 0.05 * 318^2, because the number 318 stands for a feature of 1.
 pub(super) const REGULARISATION: i64 = 5056;
-/// The largest error, in units of 1/16384: a larger one counts as this one (about 4).
+/// The largest error, in units of 1/16384 (about 4). Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;
 /// The largest coded error: 289 of them times a byte stay below 2^31.
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
-/// The label's standard deviation as a part of the root of the target's area, squared: 0.1^2.
+/// (label's standard deviation / root of the target's area)^2: 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of what cells learn on each axis, in units of 1/256 cell for each pixel of the template: half of its side.
+/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half of its side.
 pub(super) const LEARNED_WIDTH: u64 = 32;
 /// Steps of steepest descent in the first frame.
 pub(super) const FIRST_STEPS: u32 = 25;
-/// The part of the exact step that each of them takes, in units of 1/256.
+/// The learning rate of these steps: the fraction of the exact step, in units of 1/256.
 pub(super) const FIRST_RATE: u16 = 160;

@@ -1,7 +1,7 @@
-//! Units of work: what each part of an update costs, and the most that an update, a lock and a step can cost.
+//! The cost of each stage in units of work, and the most work of an update, a lock and a step.
 //!
-//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does a pixel of the frame that is
-//! read.
+//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel read from the
+//! frame.
 #![allow(clippy::cast_possible_truncation)] // numbers of a few thousand, in `const` functions
 
 use super::config::Config;
@@ -11,7 +11,7 @@ use super::constants::{
 use super::grid::Grid;
 use crate::track::MostWork;
 
-/// For each sample of a search window, with its part of the features.
+/// For each sample of a search window, including its share of the features.
 pub(super) const SAMPLED: u32 = 64;
 /// For each sample of the view.
 pub(super) const VIEWED: u32 = 32;
@@ -19,24 +19,24 @@ pub(super) const VIEWED: u32 = 32;
 pub(super) const COMPARED: u32 = 12;
 /// For each pixel of the template that is relit.
 pub(super) const RELIT: u32 = 20;
-/// For each pixel of the template by which place and size are refined.
+/// For each pixel of the template in the refinement.
 pub(super) const REFINED: u32 = 40;
 /// For each weight when the direction is computed.
 pub(super) const SLOPED: u32 = 64;
-/// For each weight that is coded or changed, and each pixel of the template that is copied.
+/// For each weight that is coded or changed, and for each copied pixel of the template.
 pub(super) const CODED: u32 = 16;
 
-/// A number of products as work.
+/// The work of this many products.
 pub(super) fn units(products: usize) -> u32 {
     u32::try_from(products).unwrap_or(u32::MAX)
 }
 
-/// The weights of the filter on a grid, as work is computed from them.
+/// The number of the filter's weights on a grid.
 pub(super) fn weights(grid: &Grid) -> u32 {
     units(grid.weights())
 }
 
-/// Lines of samples from which a row of cells is made.
+/// Lines of samples for a row of cells.
 const LINES: u32 = CELL as u32 + 2;
 
 /// The shape of a filter, in cells.
@@ -44,11 +44,11 @@ const LINES: u32 = CELL as u32 + 2;
 struct Shape {
     across: u32,
     down: u32,
-    /// How far it searches, in cells.
+    /// Reach of the search, in cells.
     reach: u32,
 }
 
-/// The most pixels of the frame that are read for a lattice: its steps are less than two blocks, and four pixels of each block are read.
+/// The most pixels of the frame that a lattice reads: its steps are less than two blocks, and it reads four pixels of each block.
 const fn read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -68,7 +68,7 @@ impl Shape {
         (2 * self.reach + 1) * (2 * self.reach + 1)
     }
 
-    /// Features of a window that reaches this much further than the filter.
+    /// Features of a window with this margin around the filter.
     const fn features(self, reach: u32) -> u32 {
         let columns = (self.across + 2 * reach) * CELL as u32 + 2;
         let rows = (self.down + 2 * reach) * CELL as u32 + 2;
@@ -112,14 +112,14 @@ impl Shape {
         self.view() + self.features(self.reach) + FIRST_STEPS * lesson
     }
 
-    /// The largest piece that cannot be cut: a row of cells, of the view or of responses, or once through the weights or the template.
+    /// The largest indivisible piece of work: a row of cells, of the view or of responses, or one pass over the weights or the template.
     const fn unit(self) -> u32 {
         let columns = (self.across + 2 * self.reach) * CELL as u32 + 2;
         let span = 2 * self.reach + 1;
         let scale = (2 * SCALE_REACH as u32 + 1) * (2 * SCALE_REACH as u32 + 1) * self.weights();
         let all = [
             LINES * columns * SAMPLED + read(columns, LINES),
-            // The DSP extension multiplies two rows of cells at a time. With the last ones the weights are coded or changed.
+            // The DSP extension multiplies two rows of cells at a time. The last part also codes or changes the weights.
             (2 * span + CODED) * self.weights(),
             // The errors.
             self.offsets() + CODED * self.weights(),

@@ -1,4 +1,4 @@
-//! Displacement: where the early template lies on what is seen around the filter's peak.
+//! Displacement: where the early template fits best around the filter's peak.
 //!
 //! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers drifts. The early
 //! template hardly learns. It is compared, by SMR, at 17 displacements: nine that are two pixels apart, then the eight neighbours of the
@@ -15,7 +15,7 @@ pub(super) struct Search {
     /// The best one so far.
     pub(super) best: Displacement,
     score: u32,
-    /// The one that the others lie around.
+    /// The centre of the present round.
     middle: Displacement,
 }
 
@@ -24,7 +24,7 @@ impl Search {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The displacement with a number; 0 is the middle.
+    /// The displacement of a number; 0 is the middle.
     pub(super) fn displacement(&self, number: u16) -> Displacement {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
         // The middle is the fifth of nine, row by row.

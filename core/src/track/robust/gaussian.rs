@@ -1,8 +1,10 @@
-//! Gaussians: the label, which the filter should answer around the target, and the window by which cells learn.
+//! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's cells.
 //!
-//!     exp(-(d / sigma)^2 / 2) in units of 1/16384, by a table of 32 entries for each sigma; 0 from 5 sigma on
+//! ```text
+//! exp(-(d / sigma)^2 / 2) in units of 1/16384, from a table of 32 entries per sigma; 0 from 5 sigma on
+//! ```
 //!
-//! In two dimensions it is the product of one for each axis. Distances are in units of 1/256 cell.
+//! In two dimensions it is the product of those of both axes. Distances are in units of 1/256 cell.
 
 use super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
 use super::gradients::root;
@@ -23,9 +25,9 @@ pub(super) struct Gaussian {
 }
 
 impl Gaussian {
-    /// The label's: sigma is a tenth of the root of the target's area.
+    /// The label's Gaussian: sigma is a tenth of the root of the target's area.
     pub(super) fn label(grid: &Grid) -> Self {
-        // A pixel of the grid is 64 units: sigma^2 = 64^2 * 0.1^2 * pixels.
+        // A pixel of the grid is 64 units, so sigma^2 = 64^2 * 0.1^2 * pixels.
         let [part, of] = LABEL_WIDTH;
         Self::new(root(grid.pixels() * 4096 * part / of).max(1).into())
     }
@@ -46,7 +48,7 @@ impl Gaussian {
         usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&part| part.into())
     }
 
-    /// The value at an offset of a search, where the target is `target` from the search's middle.
+    /// The value at an offset of a search, if the target is `target` from the middle of the search.
     pub(super) fn at_offset(self, offset: usize, target: i32, reach: u16) -> i32 {
         self.at(256 * (i32::try_from(offset).unwrap_or(0) - i32::from(reach)) - target)
     }

@@ -1,10 +1,12 @@
 //! Cells of gradient orientations (HOG; Dalal and Triggs, 2005) and gray: ten features for each cell of 4x4 samples.
 //!
-//!     x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients that point to 20 k degrees, light to dark or dark to light
-//!     x[c, 9] = mean gray of the cell - 128
+//! ```text
+//! x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients at 20 k or 20 k + 180 degrees
+//! x[c, 9] = mean gray of the cell - 128
+//! ```
 //!
-//! `norm` is the root of the mean energy of the 3x3 cells around, so features hardly depend on brightness and contrast. A gradient is
-//! split between the two orientations next to it as a vector: g = a u + b v. That is linear, so it takes no root, angle or division.
+//! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and contrast. A gradient g is
+//! split between the two orientations u and v next to it: g = a u + b v. That is linear, so it takes no root, angle or division.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -13,7 +15,7 @@
 //! | `norm`, `floor` | norm of the gradients | 1/8 gray level | 2^16 |
 //! | `x` | feature | 1/127 of 0.4 `norm` | -128 to 127 |
 //!
-//! The sums of a cell are made by `kernels`. Cost: about 64 instructions a sample on the M4, with sampling.
+//! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
 
 use super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::cost::SAMPLED;
@@ -31,20 +33,20 @@ pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
-/// Makes features row by row: scratch memory for as many lines and rows of cells as it needs at a time.
+/// Computes features row by row. Holds only the lines and rows of cells that it needs at a time.
 pub(super) struct Extractor {
     sampling: Scratch,
     lines: [[u8; COLUMNS]; SIDE],
-    /// Sums of the last two rows of cells. Between two windows the filter's products use this memory.
+    /// Sums of the last two rows of cells. Between two windows the filter uses this memory for its products.
     sums: Packed,
     /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
-    /// The row of cells that comes next.
+    /// The next row of cells.
     next: u16,
 }
 
 impl Extractor {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self {
             sampling: Scratch::new(),
@@ -64,7 +66,7 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of `lattice`: whole cells, and one sample more on each side. False, and no cells, if there is no room.
+    /// Begins the features of `lattice`: whole cells, and one sample more on each side. False if there is no room; there are then no cells.
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.next = 0;
         self.energies = [[0; ROW]; 3];
@@ -78,7 +80,7 @@ impl Extractor {
         fits
     }
 
-    /// The next row of cells. True after the last one, or if pixels that are read are not in memory.
+    /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
     pub(super) fn advance(
         &mut self,
         frame: &Frame<'_>,
@@ -119,7 +121,7 @@ impl Extractor {
                 }
             }
         }
-        // A row is normalised when the one below it is known.
+        // A row is normalised once the row below it is computed.
         let of_row = across * CHANNELS;
         // Not by `chunks`: the compiler would link its panic.
         let finished = row.checked_sub(1).map(|row| usize::from(row) * of_row);
@@ -130,7 +132,7 @@ impl Extractor {
     }
 
     #[cfg(any(test, feature = "unstable"))]
-    /// All features at once. False if pixels that are read are not in memory, or if there is no room.
+    /// All features at once. False if a needed pixel is not in memory, or if there is no room.
     pub(super) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,
@@ -171,7 +173,7 @@ fn invert(columns: &mut [u32], rows: u32) {
     }
 }
 
-/// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `cells` cells have this energy together.
+/// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `energy` is the sum over `cells` cells.
 #[cfg_attr(smr_dsp, inline(never))] // one copy in flash
 fn inverse(energy: u32, cells: u32) -> u32 {
     // Nine energies are below 2^29; 64 times their mean is below 2^32.
@@ -183,12 +185,12 @@ fn inverse(energy: u32, cells: u32) -> u32 {
 pub(super) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
-    // A guess within 6 % for numbers from 2^30 on. A step squares and halves the relative error, and is never too small.
+    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result is never too small.
     let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;
     root >>= places / 2;
-    // 0 was taken for 1, and the result may be too large by 1.
+    // 0 was treated as 1, and the result may be too large by 1.
     root - u32::from(root * root > number)
 }
 

@@ -1,6 +1,8 @@
 //! The target's grid: how finely the frame is resampled, and the shapes of template and filter on it.
 //!
-//!     step = sqrt(area / 1600) pixels of the frame, at least half a pixel
+//! ```text
+//! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
+//! ```
 //!
 //! A target of any size has about 1600 pixels on its grid, so every frame costs about the same.
 
@@ -27,7 +29,7 @@ pub struct Grid {
 impl Grid {
     /// The grid for a box of this size.
     ///
-    /// Sides are rounded. The longer one is cut until template and filter have room: of a very long box only the middle is looked at.
+    /// Sides are rounded. The longer one is cut until template and filter have room: of a very long box only the middle is used.
     ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
@@ -46,7 +48,7 @@ impl Grid {
             ((part * size + of / 2 * step) / (of * step)).clamp(LEAST_SIDE, MOST_SIDE.into())
         };
         let (across, down) = fitting(cells(target.width), cells(target.height), MOST_CELLS as u64);
-        // Even, so that the template's middle is the window's.
+        // Even, so that the template and the window have the same middle.
         let pixels = |size: u16, cells: u16| {
             let side = 2 * (((u64::from(size) << PIXEL_BITS) + step) / (2 * step));
             // Not `clamp`: the compiler would link its panic.
@@ -73,7 +75,7 @@ impl Grid {
     }
 }
 
-/// The square root, rounded down, by Newton's steps from above. `isqrt` would take 0.6 KB of flash, and this runs once a lock.
+/// The square root, rounded down, by Newton's steps from above. `isqrt` would take 0.6 KB of flash, and this runs only once for each lock.
 fn root(number: u64) -> u64 {
     let mut root = 1 << 32;
     loop {

@@ -1,14 +1,16 @@
-//! Learning: one step of ridge regression on a Gaussian label, in each frame that may be learned.
+//! Learning: one step of ridge regression on a Gaussian label, in each frame with enough evidence.
 //!
-//!     minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
-//!     error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
-//!     direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
-//!     step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! ```text
+//! minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
+//! error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
+//! direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
+//! step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! ```
 //!
 //! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in ATOM; Danelljan et
 //! al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
-//! filter's cells: cells far from the target's middle show it less often and move on their own, so they learn less. A whole step would
-//! follow each frame too closely; `rate` shortens it. There is one division.
+//! filter's cells: cells far from the target's middle show the target less often, so they learn less. A whole step would follow each
+//! frame too closely; `rate` shortens it. There is one division.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -18,7 +20,7 @@
 //! | `grad E . p` | | | 2000 * 8191^2 < 2^37 |
 //! | `a` | step length | 44 fractional bits | 2^47 |
 //!
-//! Cost: 578 products for each weight by default, as much as two searches.
+//! Cost: 578 products for each weight by default, twice as many as the responses of a search.
 
 use super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
 use super::cost::{CODED, SLOPED, units, weights};
@@ -30,7 +32,7 @@ use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
 use crate::track::update::UnderWay;
 use heapless::Vec;
 
-/// What is learned from: the filter, and a window in which the target was found.
+/// The inputs: the filter, and a window in which the target was found.
 pub(super) struct Training<'a> {
     pub(super) filter: &'a Filter<WEIGHTS>,
     pub(super) grid: &'a Grid,
@@ -40,7 +42,7 @@ pub(super) struct Training<'a> {
     pub(super) products: Products,
 }
 
-/// Scratch memory of learning. The scale search uses `responses`, too.
+/// Scratch memory of learning. The scale search also uses `responses`.
 pub(super) struct Scratch {
     gradient: Vec<i32, WEIGHTS>,
     /// Errors before they are coded; then responses to the direction.
@@ -49,12 +51,12 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { gradient: Vec::new(), responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
     }
 
-    /// Computes and codes the errors. Gives their shift, and clears the gradient.
+    /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
     #[inline(never)] // one copy in flash
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
         let Self { gradient, responses: errors, errors: coded } = self;
@@ -65,10 +67,10 @@ impl Scratch {
         shift
     }
 
-    /// Computes and codes the direction. Gives grad E . p, in the direction's unit squared. `error_shift` is the shift of the errors.
+    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction. `error_shift` is the shift of the errors.
     ///
     /// A slope is `REGULARISATION` * weight + 2^16 * gradient; the gradient is below 2^30 in units of 2^`error_shift`, which is at most
-    /// 2^3. The unit is chosen so that each slope fits 32 bits and the largest keeps 13 bits if it has as many:
+    /// 2^3. The unit is the first that applies. Each slope then fits in 32 bits, and the largest keeps 13 bits if it has them:
     ///
     /// | unit | used if | slopes are then below |
     /// |---|---|---|
@@ -95,19 +97,19 @@ impl Scratch {
     }
 
     /// The length of the step, `rate` / 256 of the exact one, with 44 fractional bits: below 2^47.
-    #[inline(never)] // its loops have registers of their own
+    #[inline(never)] // gives its loops registers of their own
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16) -> i64 {
         // At most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
-        // A response is below 2^31; less 9 bits and squared, 289 of them are below 2^53.
+        // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53.
         let responses = rolled(self.responses.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
         (i64::from(rate) * ((descent << 26) / curvature.max(1))) >> 8
     }
 }
 
-/// e = r - y at all offsets, clamped. Gives the largest. `target` is the target's place from the middle, in units of 1/256 cell.
-#[inline(never)] // its stack is not that of a step
+/// e = r - y at all offsets, clamped. Returns the largest. `target` is the target's place from the middle, in units of 1/256 cell.
+#[inline(never)] // keeps its stack out of that of a step
 fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
     let (label, span) = (Gaussian::label(training.grid), training.responses.span);
     let reach = u16::try_from(span / 2).unwrap_or(0);
@@ -128,7 +130,7 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
     largest
 }
 
-/// p = m * grad E, in place. Gives grad E . p.
+/// p = m * grad E, in place. Returns grad E . p.
 #[inline(never)] // one copy in flash
 fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
     let [across, down] = Gaussian::window(grid);
@@ -148,7 +150,7 @@ fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
 /// A step of learning.
 #[derive(Clone, Copy)]
 pub(super) struct Learning {
-    /// Where the target is in the window, from its middle, in units of 1/256 cell.
+    /// The target's place in the window, from the middle, in units of 1/256 cell.
     target: (i32, i32),
     rate: u16,
     phase: Phase,
@@ -171,7 +173,7 @@ impl Learning {
         Self { target, rate, phase: Phase::Errors }
     }
 
-    /// One unit of work; the length of the step after the last one. `direction` is then the way to go; before, it may hold anything.
+    /// One unit of work. Returns the length of the step after the last one; only then is `direction` valid.
     pub(super) fn advance(
         &mut self,
         training: &Training<'_>,
@@ -222,7 +224,7 @@ mod tests {
     use crate::kernels::{Backend, PACKED};
     use std::vec::Vec as Many;
 
-    /// Against 64 bits, in which all units are 1.
+    /// Compares with sums in 64 bits, where all units are 1.
     #[test]
     fn slopes_are_coded_in_any_unit() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));

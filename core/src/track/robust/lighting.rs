@@ -1,8 +1,10 @@
-//! Lighting: the template in the light of a patch, so that a lamp or a shadow does not count against the target.
+//! Lighting: adapts the template to the light of a patch, so that a lamp or a shadow does not lower the agreement.
 //!
-//!     relit(p) = mean(patch) + gain * (template(p) - mean(template)), clamped to 0 to 255
-//!     gain     = deviation(patch) / deviation(template), half to twice
-//!     alpha    = deviation(patch), 8 to 100 gray levels
+//! ```text
+//! relit(p) = mean(patch) + gain * (template(p) - mean(template)), clamped to 0 to 255
+//! gain     = deviation(patch) / deviation(template), clamped to 1/2 to 2
+//! alpha    = deviation(patch), clamped to 8 to 100 gray levels
+//! ```
 //!
 //! `deviation` is the mean absolute deviation from the mean. The gain is in units of 1/256.
 
@@ -11,7 +13,7 @@ use crate::image::Image;
 use crate::kernels::rolled;
 use crate::similarity::Contrast;
 
-/// Alpha: what matches a patch in its light differs by less than its deviation.
+/// Alpha: a matching pixel differs by less than the deviation of the patch.
 pub(super) fn alpha(patch: Contrast) -> u16 {
     u16::try_from((patch.deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
 }

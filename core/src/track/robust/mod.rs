@@ -1,8 +1,8 @@
-//! Beyond the paper: a tracker that holds when light, size and view change, and says so when it does not.
+//! Beyond the paper: a tracker for targets that change in light, size and view. It reports when it is uncertain.
 //!
-//! A correlation filter finds the target: it learns in every frame what the target looks like, and what its surroundings look like. SMR
-//! verifies it: an early template, which hardly learns, is compared part by part. All numbers are integers. Every frame costs about the
-//! same.
+//! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough evidence. SMR verifies
+//! the target: an early template, which learns very slowly, is compared part by part. All numbers are integers. Every frame costs about
+//! the same.
 //!
 //! ```text
 //!                                                                                             M instructions, M4
@@ -15,8 +15,8 @@
 //!     |
 //!  response      the filter at all offsets, its peak                                                 0.66
 //!     |
-//!  verification  the view of the peak; does the early template (template) agree,                     0.33
-//!     |          displaced (displacement) and in the same light (lighting)?
+//!  verification  the agreement with the early template (template), displaced (displacement) and      0.33
+//!     |          relit (lighting)
 //!  refinement    place and size to a fraction of a pixel                                             0.06
 //!     |
 //!  scale         the response at other scales                                                        0.94
@@ -30,11 +30,11 @@
 //!   answer                                                                                    4.55 in all
 //! ```
 //!
-//! The numbers are those of the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. A frame is learned or redetected, never
-//! both.
+//! The numbers are those of the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The rest of 4.55 is coding of weights.
+//! A frame is learned or redetected, never both.
 //!
-//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what is remembered, `cost.rs` counts the work,
-//! `constants.rs` holds the numbers of the method that are not in [`Config`].
+//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs` counts the work,
+//! `constants.rs` holds the constants of the method that are not in [`Config`].
 
 mod buffers;
 mod confidence;

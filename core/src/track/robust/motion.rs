@@ -1,10 +1,12 @@
-//! Where the target is expected: its place, and how fast it moves.
+//! Where the target is expected, from its place and velocity.
 //!
-//!     expected  = place + velocity / 2
-//!     velocity' = (velocity + place' - place) / 2
+//! ```text
+//! expected  = place + velocity / 2
+//! velocity' = (velocity + place' - place) / 2
+//! ```
 //!
-//! Positions are in units of 1/4096 pixel, and those of a pixel are its middle's; scales are in units of 1/65536. A position lies within
-//! the frame, so both coordinates are below 2^28.
+//! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of 1/65536. Positions lie
+//! within the frame, so both coordinates are below 2^28.
 
 use super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
@@ -41,11 +43,11 @@ impl Place {
     }
 }
 
-/// A target's place, and how far it moves from frame to frame.
+/// A target's place and velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Motion {
     pub(super) place: Place,
-    /// To the right and down, in units of positions.
+    /// Velocity to the right and down, in units of positions per frame.
     pub(super) velocity: [i64; 2],
 }
 
@@ -54,7 +56,7 @@ impl Motion {
         Self { place, velocity: [0; 2] }
     }
 
-    /// Where it is expected in the next frame; without `velocity`, where it is.
+    /// The expected place in the next frame; without `velocity`, the present place.
     pub(super) fn expected(&self, velocity: bool, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
         let further = |from: i64, by: i64| if velocity { from + (by >> 1) } else { from };
@@ -69,7 +71,7 @@ impl Motion {
         self.place = place;
     }
 
-    /// Nothing was seen of the target: it stays, and is expected to go on half as fast.
+    /// The target was not seen: it keeps its place, and its velocity is halved.
     pub(super) fn hold(&mut self) {
         self.follow(self.place);
     }

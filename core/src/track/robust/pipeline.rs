@@ -1,12 +1,12 @@
-//! The way of a frame through the stages, cut into units of work so that an update or a lock can be made in steps.
+//! Runs a frame through the stages, in units of work, so that an update or a lock can be done in steps.
 //!
 //! ```text
 //! update: search -> verification -> refinement -> scale -> decision -> learning
-//!                                                                   -> search -> verification, elsewhere, if it is lost
+//!                                                                   -> search -> verification in a second window, if the target is lost
 //! lock:   view, which becomes the template -> features -> 25 times: response -> learning
 //! ```
 //!
-//! A search is features and responses. Each stage holds its inputs and hands on its result. Until an update or a lock is finished, only
+//! A search computes features and responses. Each stage holds its inputs and passes on its result. Until an update or a lock is finished, only
 //! the workspace changes.
 
 use super::buffers::Buffers;
@@ -30,10 +30,10 @@ use crate::kernels::Products;
 use crate::track::State;
 use crate::track::update::UnderWay;
 
-/// What a search window is searched for.
+/// The purpose of a search.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
-    /// To learn the target that is locked on.
+    /// To learn the target at a lock.
     Lock,
     /// To follow the target where it is expected.
     Follow,
@@ -41,7 +41,7 @@ enum Purpose {
     Redetect,
 }
 
-/// The stage that is next, with what it holds.
+/// The next stage, with its inputs.
 #[derive(Clone, Copy)]
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
@@ -51,7 +51,7 @@ enum Stage {
     Response(Purpose, usize),
     Verification(Purpose, Verification),
     Refinement(Verified),
-    /// With the exact growth, if it is known.
+    /// With the exact growth, if refinement found it.
     Scale(ScaleSearch, Option<i32>),
     Learning(Learning),
 }
@@ -59,28 +59,28 @@ enum Stage {
 /// What the stages have decided so far.
 #[derive(Clone, Copy)]
 pub(super) struct Outcome {
-    /// What the track becomes; `None` before the first update or lock.
+    /// The new track; `None` before the first update or lock.
     pub(super) track: Option<Track>,
-    /// The candidate that is followed, or found again.
+    /// The candidate that is followed or was found again.
     pub(super) candidate: Candidate,
-    /// Where the early template lies on the view.
+    /// The best displacement of the early template.
     displacement: Displacement,
     /// Whether the early template learns from this frame.
     pub(super) template_learns: bool,
     /// The length of the filter's step.
     step: Option<i64>,
-    /// Steps of learning that a lock still has to make, with the present one; 0 in an update.
+    /// Steps of learning left in a lock, including the present one; 0 in an update.
     steps_left: u32,
 }
 
-/// How far an update or a lock is.
+/// The progress of an update or a lock.
 pub(super) struct Pipeline {
     stage: Stage,
     pub(super) outcome: Outcome,
 }
 
 impl Pipeline {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { stage: Stage::Done, outcome: Outcome::new(None) }
     }
@@ -102,31 +102,31 @@ impl Outcome {
         }
     }
 
-    /// What the early template learns from, or starts as.
+    /// The patch that the early template starts as or learns from.
     pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
         buffers.verification.patch(grid, self.displacement)
     }
 
-    /// Makes the filter's step, if there is one.
+    /// Takes the filter's step, if there is one.
     pub(super) fn make_step(&mut self, memory: &mut Memory, buffers: &Buffers) {
         if let Some(length) = self.step.take() {
             memory.filter.descend(length, &buffers.coded);
         }
     }
 
-    /// True in a lock that is not done.
+    /// True in an unfinished lock.
     pub(super) const fn is_lock(&self) -> bool {
         self.steps_left > 0
     }
 
-    /// True if the lock has another step to make, after the one that was made.
+    /// Counts a finished step of a lock. True if another one follows.
     pub(super) fn has_another_step(&mut self) -> bool {
         self.steps_left = self.steps_left.saturating_sub(1);
         self.steps_left > 0
     }
 }
 
-/// What an update or a lock goes by. None of it changes before it is finished.
+/// The inputs of an update or a lock. They do not change until it is finished.
 pub(super) struct Model<'a> {
     pub(super) config: &'a Config,
     pub(super) memory: &'a Memory,
@@ -149,14 +149,14 @@ impl Model<'_> {
         pipeline.stage = Stage::Template(self.view(buffers, self.track.motion.place));
     }
 
-    /// Begins a step of a lock's learning: the responses to the weights as they are now.
+    /// Begins a step of a lock's learning: the responses of the present weights.
     pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
         self.memory.filter.code(&mut buffers.coded);
         work.spend(CODED * weights(&self.track.grid));
         pipeline.stage = Stage::Response(Purpose::Lock, 0);
     }
 
-    /// Goes on until what is granted is spent; true at the end.
+    /// Continues until the grant is spent; true at the end.
     #[inline(never)] // one copy in flash
     pub(super) fn advance(
         &self,
@@ -171,8 +171,8 @@ impl Model<'_> {
         matches!(pipeline.stage, Stage::Done)
     }
 
-    /// One unit of work. After the last one of a stage the next one begins, in a function of its own: its stack is then not that of every
-    /// unit.
+    /// One unit of work. After the last unit of a stage, a function of its own begins the next stage, so that only this function takes its
+    /// stack.
     fn advance_stage(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
         match &mut pipeline.stage {
             Stage::Done => {}
@@ -302,7 +302,7 @@ impl Model<'_> {
         }
     }
 
-    /// Place and scale are known: decides what is believed, and what comes next.
+    /// Place and scale are known: decides on the state, and on learning or redetection.
     #[inline(never)] // see `advance_stage`
     fn decide(&self, pipeline: &mut Pipeline, scale: u32, buffers: &mut Buffers) {
         pipeline.stage = Stage::Done;
@@ -325,7 +325,7 @@ impl Model<'_> {
         }
         *template_learns = Evidence::of(candidate).may_be_learned() || !gated_learning || !verification;
         if *template_learns {
-            // Cells and responses are still those of the window where the target was expected.
+            // Cells and responses are still those of the first window.
             let target = offset(&self.track.grid, self.centre(Purpose::Follow), candidate.place);
             pipeline.stage = Stage::Learning(Learning::begin(target, self.config.learning_rate));
         }
@@ -353,7 +353,7 @@ impl Model<'_> {
     }
 
     #[cfg(feature = "unstable")]
-    /// The features of the window where the target is expected, as the next update will see them. False if it is not in memory.
+    /// The features of the search window, as the next update will see them. False if it is not in memory.
     pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
         let place = self.centre(Purpose::Follow);
         let lattice = Lattice::search_window(place, &self.track.grid, self.config.reach());
@@ -379,7 +379,7 @@ impl Model<'_> {
     }
 }
 
-/// Follows a candidate elsewhere if it is the lost target.
+/// Follows a candidate of redetection if it is the lost target.
 fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
     *stage = Stage::Done;
     let Some(track) = &mut outcome.track else { return };
@@ -392,7 +392,7 @@ fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, ..
     }
 }
 
-/// Where the target is in a window, from its middle, in units of 1/256 cell.
+/// The target's place in a window, from the middle, in units of 1/256 cell.
 fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
     let part = |to: i64, from: i64| i32::try_from((to - from) * 256 / cell).unwrap_or(0);

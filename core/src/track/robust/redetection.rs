@@ -1,12 +1,12 @@
-//! Redetection: while the target is lost, a second window is searched in each frame. One after the other sweeps the whole frame.
+//! Redetection: while the target is lost, a second window is searched in each frame. In turn these windows sweep the whole frame.
 //!
-//! The windows lie side by side, row by row, as many as it takes to cover the frame. Each is searched like the window where the target is
-//! expected, so redetection adds the same cost to every frame.
+//! The windows cover the frame side by side, row by row. Each is searched and verified like the first window, so redetection adds the same
+//! cost to every frame.
 
 use super::constants::PIXEL;
 use crate::image::Rect;
 
-/// The window that is next.
+/// The next window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sweep {
     pub(super) next: u32,
@@ -21,7 +21,7 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the next window. Windows are at most `side` apart, in units of positions.
+    /// The middle of the next window. Neighbouring windows are at most `side` apart, in units of positions.
     pub(super) fn middle(self, side: i64, bounds: Rect) -> (i64, i64) {
         let count = |size: u16| ((i64::from(size) * PIXEL + side - 1) / side.max(1)).max(1);
         let (columns, rows) = (count(bounds.width), count(bounds.height));

@@ -2,8 +2,10 @@
 //!
 //! One Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best displacement:
 //!
-//!     minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
-//!     (x, y, g) = -(S + D)^-1 * sum s(p) e(p),    S = sum s(p) s(p)^T,    D = diagonal of S / 64
+//! ```text
+//! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
+//! (x, y, g) = -(S + D)^-1 * sum s(p) e(p),    S = sum s(p) s(p)^T,    D = diagonal of S / 64
+//! ```
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -12,7 +14,7 @@
 //! | `x`, `y` | displacement | 1/64 pixel of the grid | +-64 |
 //! | `g` | growth | 1/65536 | +-1310 |
 //!
-//! It is done only where the early template agrees well. An exact match stays where it is. Cost: 40 instructions a pixel on the M4.
+//! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40 instructions for each pixel.
 
 use super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
 use super::displacement::Displacement;
@@ -23,7 +25,7 @@ use crate::kernels::rolled;
 /// Binary places of the largest sum when the equations are solved.
 const PLACES_OF_SUMS: u32 = 12;
 
-/// Where the target is from the view's middle, in units of 1/64 pixel of the grid, and how much it has grown, in units of 1/65536.
+/// The target's place from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refined {
     pub(super) x: i32,
@@ -31,7 +33,7 @@ pub(super) struct Refined {
     pub(super) growth: i32,
 }
 
-/// Refines a displacement by what is `seen` there and the template, relit. `None` if they do not agree well. `alpha` is at most 100.
+/// Refines a displacement from the patch `seen` there and the relit template. `None` if they do not agree well. `alpha` is at most 100.
 pub(super) fn refine(
     agreement: u16,
     (right, down): Displacement,
@@ -61,7 +63,7 @@ struct Sums {
 }
 
 impl Sums {
-    #[inline(never)] // its stack is not that of a step
+    #[inline(never)] // keeps its stack out of that of a step
     fn of(seen: Image<'_>, relit: Image<'_>, alpha: i32) -> Self {
         let mut sums = Self::default();
         let from_middle = |at: usize, size: u16| 2 * i32::try_from(at).unwrap_or(0) + 3 - i32::from(size);
@@ -99,7 +101,7 @@ impl Sums {
     ///
     /// All sums are shifted until the largest square is below 2^12. Then minors are at most 2^25. The sum of squared differences is below
     /// 2^24, so by the inequality of Cauchy and Schwarz 256 times a sum of errors is at most 2^26. Sums of their products stay below 2^53.
-    #[inline(never)] // its registers are not those of a step
+    #[inline(never)] // keeps its registers out of those of a step
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
         let largest = squares.into_iter().max().unwrap_or(0);
@@ -147,7 +149,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// A pattern of waves, so much to the right, down, and larger, as `columns` x `rows` pixels.
+    /// A pattern of waves, displaced to the right and down and grown, as `columns` x `rows` pixels.
     fn waves((columns, rows): (u16, u16), (right, down, growth): (f64, f64, f64)) -> Vec<u8> {
         let pixel = |x: u16, y: u16| {
             let from_middle = |at: u16, size: u16| f64::from(at) - (f64::from(size) - 1.0) / 2.0;
@@ -189,7 +191,7 @@ mod tests {
         }
     }
 
-    /// Black and white next to each other, turned over: slopes and differences as large as they get. Overflow would end the test.
+    /// Black and white next to each other, turned over: the largest slopes and differences. Overflow would fail the test.
     #[test]
     fn the_largest_sums() {
         for (columns, rows) in [(40, 40), (128, 12), (12, 128), (4, 4), (126, 4)] {
@@ -206,7 +208,7 @@ mod tests {
         }
     }
 
-    /// One edge tells nothing of what lies along it, and a plain picture nothing at all.
+    /// A single edge does not show motion along itself, and a plain picture shows no motion.
     #[test]
     fn nothing_moves_along_an_edge() {
         let edge = |from: u16| -> Vec<u8> { (0..1600).map(|at: u16| if at % 40 < from { 50 } else { 150 }).collect() };

@@ -1,7 +1,9 @@
 //! The filter's responses at all offsets of a search window, and their peak.
 //!
-//!     r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
-//!     counted(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
+//! ```text
+//! r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
+//! counted(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
+//! ```
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -9,7 +11,8 @@
 //! | `r` | response | 1/16384 of the label | +-2^24 |
 //! | peak | place of the largest counted response | 1/256 cell | |
 //!
-//! The peak is refined by a parabola through its neighbours on each axis. Of equal responses the middle one counts, or the first: in a black frame the place stays. Cost: one product for each weight and offset, 289 for each weight by default.
+//! A parabola through its neighbours on each axis refines the peak. Of equal responses the middle one wins, or else the first: in a black
+//! frame the place stays. Cost: one product for each weight and offset, by default 289 for each weight.
 
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::cost::units;
@@ -36,7 +39,7 @@ pub(super) struct Peak {
     pub(super) height: i32,
 }
 
-/// How the filter lies on cells that reach `span / 2` further than it to each side.
+/// The layout of the filter on cells with a margin of `span / 2` on each side.
 pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
     let row = usize::from(grid.across) * CHANNELS;
     Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
@@ -81,7 +84,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = rows.get(y).and_then(|row| row.get(x)).map_or(i32::MIN, |&middle| counts(x, y, middle));
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // A response never counts for more than it is.
+            // A response never counts for more than its value.
             let counted = if candidate > response { counts(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -103,7 +106,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-/// What a response counts at an offset.
+/// The counted response at an offset.
 #[inline(never)] // one copy in flash
 fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);
@@ -114,8 +117,8 @@ fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 
-/// The top of a parabola through three responses: where it lies from the middle one, in units of 1/256 of their distance (-128 to 128),
-/// and by how much it is higher. Both are 0 if the middle one is no maximum.
+/// The top of a parabola through three responses: its place from the middle one, in units of 1/256 of their distance (-128 to 128), and
+/// its height above the middle one. Both are 0 if the middle one is no maximum.
 #[inline(never)] // one copy in flash
 fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
     // Responses are at most 2^24.

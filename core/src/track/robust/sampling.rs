@@ -1,11 +1,11 @@
 //! Sampling: the target and its surroundings, resampled on a lattice over the frame.
 //!
-//! Where a step of the lattice is two pixels or more, the frame is first reduced by blocks of 2x2 pixels (4x4, 8x8, ...) until a step
-//! is less than two of them. Then each sample is mixed from four neighbours (bilinear, fractions of 1/256). Beyond the frame its edge
-//! pixels are repeated. Each row of blocks is made once.
+//! If a step of the lattice is two pixels or more, the frame is first reduced to blocks of 2x2 pixels (4x4, 8x8, ...), until a step is
+//! less than two blocks. Each sample is then interpolated from four neighbours (bilinear, fractions of 1/256). Beyond the frame its edge
+//! pixels are repeated. Each row of blocks is computed once.
 //!
-//! A block is the mean of four of its pixels, whatever its size: two in each of two rows, a quarter of its side from its edges. They are
-//! evenly spaced over the whole frame, and a sample reads at most 16 pixels.
+//! The mean of a block of any size is that of four of its pixels: two in each of two rows, a quarter of its side from its edges. These
+//! pixels are evenly spaced over the whole frame, and a sample reads at most 16 of them.
 //!
 //! | number | unit | bound |
 //! |---|---|---|
@@ -22,10 +22,10 @@ use heapless::Vec;
 
 /// Columns of the largest lattice: a search window, and the pixel on each side that gradients need.
 pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
-/// The most pixels, or blocks, that such a row covers.
+/// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// Where samples are taken: columns and rows `step` apart, around a centre.
+/// The places of samples: columns and rows `step` apart, around a centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Lattice {
     pub(super) x: i64,
@@ -48,7 +48,7 @@ struct Axis {
 impl Axis {
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
-        // Between the two pixels that are read of the first block.
+        // The middle between the two pixels that the first block reads.
         let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
         let blocks = i32::from((size >> halvings).max(1));
         let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
@@ -56,7 +56,7 @@ impl Axis {
     }
 
     /// A block, and the part of the next one in units of 1/256.
-    #[inline(always)] // a few instructions, for each column
+    #[inline(always)] // a few instructions, run for each column
     fn place(&self, number: u16) -> (u16, u8) {
         // Nothing overflows (see above). Not `clamp`: the compiler would link its panic.
         let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
@@ -74,7 +74,7 @@ impl Axis {
 }
 
 impl Lattice {
-    /// The search window: the filter's cells and `reach` more on each side, and the pixel on each side that gradients need.
+    /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that gradients need.
     pub(super) fn search_window(place: Place, grid: &Grid, reach: u16) -> Self {
         let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
         Self::around(place, grid, side(grid.across), side(grid.down))
@@ -106,7 +106,7 @@ impl Lattice {
         (x, Axis::new(self.y, self.step, self.rows, halvings, bounds.height))
     }
 
-    /// The pixels of a frame that are read.
+    /// The pixels of a frame that the lattice reads.
     #[inline(never)] // one copy in flash
     pub(super) fn pixels(&self, bounds: Rect) -> Rect {
         let (x, y) = self.axes(bounds);
@@ -120,7 +120,7 @@ impl Lattice {
         Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
     }
 
-    /// Begins to sample: computes where columns and rows are.
+    /// Begins to sample: computes the places of columns and rows.
     #[inline(never)] // one copy in flash
     pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
         let (across, down) = self.axes(bounds);
@@ -143,7 +143,7 @@ impl Lattice {
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
     }
 
-    /// Samples a row. Rows are sampled once each, from the top. False if pixels that are read are not in memory.
+    /// Samples the next row, from the top. False if a needed pixel is not in memory.
     #[inline(never)] // one copy in flash
     pub(super) fn sample_row(&self, frame: &Frame<'_>, scratch: &mut Scratch, row: u16, out: &mut [u8]) -> bool {
         let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
@@ -153,7 +153,7 @@ impl Lattice {
         true
     }
 
-    /// Samples all rows. False if pixels that are read are not in memory or there is no room.
+    /// Samples all rows. False if a needed pixel is not in memory or there is no room.
     #[cfg(test)]
     pub(super) fn sample<const N: usize>(
         &self,
@@ -167,27 +167,27 @@ impl Lattice {
 
 const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 
-/// Scratch memory of sampling: the lattice that is sampled, on its reduced frame, and rows of it.
+/// Scratch memory of sampling: the lattice on the reduced frame, and rows of that frame.
 pub(super) struct Scratch {
     columns: Interpolation<COLUMNS>,
     down: Axis,
     /// How often the frame is halved.
     halvings: u32,
-    /// The pixels of the frame that are read.
+    /// The pixels of the frame that the lattice reads.
     pixels: Rect,
-    /// Rows of block means with an even and an odd number; unused where nothing is halved.
+    /// Rows of block means with an even and an odd number; unused if the frame is not halved.
     means: [Vec<u8, ROW>; 2],
     /// The numbers of these rows.
     made: [Option<u16>; 2],
-    /// Pixels that were read of the frame, and samples that were made.
+    /// Pixels read from the frame, and samples computed.
     read: u32,
     sampled: u32,
-    /// Sums of blocks while a row of means is made; then a row that is mixed from two.
+    /// Sums of blocks while a row of means is computed; then a row interpolated from two.
     mixed: MixedRow,
 }
 
 impl Scratch {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self {
             columns: Interpolation::new(),
@@ -202,26 +202,26 @@ impl Scratch {
         }
     }
 
-    /// Samples `frame` row by row, after [`Lattice::prepare`]. `None` if pixels that are read are not in memory.
+    /// Samples `frame` row by row, after [`Lattice::prepare`]. `None` if a needed pixel is not in memory.
     #[inline(never)] // one copy in flash
     pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
         Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
     }
 
-    /// The work since the last call: 1 for each pixel that was read, and `each` for each sample.
+    /// The work since the last call: 1 for each pixel read, and `each` for each sample.
     pub(super) fn work(&mut self, each: u32) -> u32 {
         core::mem::take(&mut self.read) + each * core::mem::take(&mut self.sampled)
     }
 }
 
-/// Makes rows of a lattice from a frame.
+/// Computes rows of a lattice from a frame.
 pub(super) struct Sampler<'a> {
     pixels: Image<'a>,
     scratch: &'a mut Scratch,
 }
 
 impl Sampler<'_> {
-    /// Row `number` of the lattice. Rows are made once each, from the top.
+    /// Row `number` of the lattice. The caller asks for each row once, from the top.
     #[inline(never)] // one copy in flash
     pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, part) = self.scratch.down.at(number);
@@ -237,7 +237,7 @@ impl Sampler<'_> {
         *sampled += u32::try_from(columns.count()).unwrap_or(0);
     }
 
-    /// Makes a row of blocks, unless it is there.
+    /// Computes a row of blocks, unless it is already there.
     #[inline(never)] // one copy in flash
     fn make(&mut self, block: u16) {
         let Self { pixels, scratch: Scratch { means: [even, odd], made, read, mixed, halvings, .. } } = self;
@@ -259,7 +259,7 @@ impl Sampler<'_> {
 /// Mixes two rows: upper * (256 - part) + lower * part, less `BIAS`. At most 255 * 256.
 #[cfg(not(smr_helium))]
 fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
-    // Two numbers of 16 bits are mixed at a time. To subtract 2^15 inverts the highest bit.
+    // Mixes two 16-bit numbers at a time. Subtracting 2^15 inverts the highest bit.
     const EVEN: u32 = 0x00FF_00FF;
     const BOTH: u32 = (BIAS as u32) << 16 | BIAS as u32;
     let part = u32::from(part);
@@ -279,9 +279,9 @@ fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// The same, as a loop that the compiler turns into vectors of eight.
+/// The same, as a loop that the compiler vectorizes by eight.
 #[cfg(smr_helium)]
-#[inline(never)] // inlined, it would not be turned into vectors
+#[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
     let part = u16::from(part);
     for ((mixed, &upper), &lower) in mixed.iter_mut().zip(upper).zip(lower) {
@@ -295,13 +295,13 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The two columns (and rows) of a block that are read: both of 2x2, else those a quarter of its side from its edges.
+/// The two columns (and rows) that a block reads: both of a 2x2 block, otherwise those a quarter of its side from its edges.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Means of the row of blocks that begins at row `first`. Gives the number of pixels that were read. `sums` is scratch memory.
+/// Means of the row of blocks that begins at row `first`. Returns the number of pixels read. `sums` is scratch memory.
 #[inline(never)] // one copy in flash
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);
@@ -319,7 +319,7 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
     4 * u32::from(blocks)
 }
 
-/// A row of blocks; where nothing is halved, of pixels.
+/// A row of blocks, or of pixels if the frame is not halved.
 #[cfg_attr(smr_dsp, inline(never))] // one copy in flash
 fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, block: u16) -> &'a [u8] {
     if halvings == 0 {
@@ -358,7 +358,7 @@ mod tests {
         (0..pixels).map(|at| (at.wrapping_mul(2_654_435_761) ^ at >> 7).to_be_bytes()[1]).collect()
     }
 
-    /// Samples by arithmetic of its own: the samples, and how many pixels of the frame are read.
+    /// A sampler with arithmetic of its own: the samples, and the number of pixels read.
     fn plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) -> (std::vec::Vec<u8>, usize) {
         let side = (0..).map(|places| 1_i64 << places).find(|side| lattice.step < 2 * PIXEL * side).unwrap();
         let parts = match side {

@@ -1,10 +1,12 @@
-//! The scale search: is the target a little smaller or larger? The filter's response at the last scale, at 1/1.02 and at 1.02 of it (as
-//! in DSST; Danelljan et al., 2014).
+//! The scale search: is the target a little smaller or larger? The filter's response at the last scale, and at 1/1.02 and 1.02 times it
+//! (as in DSST; Danelljan et al., 2014).
 //!
-//!     scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
+//! ```text
+//! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
+//! ```
 //!
-//! All three are sampled around the same place, so that none gains by where it was sampled. Offsets of one cell are searched.
-//! The search is made even where refinement has found the exact growth, which then wins: so every frame costs the same.
+//! All three are sampled around the same place, so that none has an advantage by its place. Offsets of up to one cell are searched.
+//! The search runs even if refinement has found the exact growth, which then wins. So every frame costs the same.
 //! Cost: three small windows of features, and 27 products for each weight.
 
 use super::constants::{CHANNELS, SPAN, WEIGHTS};
@@ -21,7 +23,7 @@ use crate::kernels::Products;
 use crate::track::update::UnderWay;
 use heapless::Vec;
 
-/// Bytes of the largest window that is searched: the longest filter has the longest margin.
+/// Bytes of the largest window. The longest filter has the longest margin.
 const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
 /// Offsets on an axis.
@@ -37,14 +39,14 @@ pub(super) struct ScaleSearch {
     /// The best peak so far, and its scale.
     highest: i64,
     best: u32,
-    /// Which scale is looked at: the last, the smaller, the larger one.
+    /// The present scale: the last, the smaller, the larger one.
     number: usize,
     lattice: Lattice,
     /// Whether its features are known.
     sampled: bool,
 }
 
-/// What a scale is searched by.
+/// The inputs of a scale search.
 pub(super) struct Tools<'a> {
     pub(super) grid: &'a Grid,
     pub(super) bounds: Rect,
@@ -67,7 +69,7 @@ impl ScaleSearch {
         Self { place, highest: i64::MIN, best: place.scale, number: 0, lattice, sampled: false }
     }
 
-    /// One unit of work; the scale after the last one.
+    /// One unit of work. Returns the scale after the last one.
     pub(super) fn advance(
         &mut self,
         tools: &Tools<'_>,
@@ -107,7 +109,7 @@ fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
     peak(rows, OFFSETS, false).height.into()
 }
 
-/// A little smaller, and a little larger.
+/// The next smaller and the next larger scale.
 pub(super) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = u64::from(scale);
     [(scale << 16) / SCALE_STEP, (scale * SCALE_STEP) >> 16]

@@ -1,4 +1,4 @@
-//! What is remembered of a target from frame to frame, and its saved form.
+//! What the tracker remembers of a target from frame to frame, and its saved form.
 
 use super::confidence::Confidence;
 use super::config::{Config, Parts};
@@ -14,7 +14,7 @@ use crate::image::{FineRect, Rect};
 use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
 use crate::track::{Quality, RestoreError, SaveError};
 
-/// All that is remembered.
+/// Everything that the tracker remembers of a target.
 pub(super) struct Memory {
     /// `None` before the first lock.
     pub(super) track: Option<Track>,
@@ -23,18 +23,18 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { track: None, filter: Filter::new(), template: Template::new() }
     }
 }
 
-/// Where the target is, how it moves, and what is believed of it.
+/// The track of a target: place, velocity, scale, confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Track {
     pub(super) bounds: Rect,
     pub(super) grid: Grid,
-    /// The size of the box that was locked on.
+    /// The size of the locked box.
     pub(super) size: [u16; 2],
     pub(super) motion: Motion,
     /// The scale when the state was last tracking.
@@ -63,7 +63,7 @@ impl Track {
         self.motion.expected(config.parts.velocity, self.bounds)
     }
 
-    /// Where it is searched next while it is lost.
+    /// The middle of the next window of redetection, at the scale last tracked.
     #[inline(never)] // one copy in flash
     pub(super) fn swept(&self, reach: u16) -> Place {
         let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
@@ -71,7 +71,7 @@ impl Track {
         Place { x, y, scale: self.tracked_scale }
     }
 
-    /// The pixels of the frame that are read for the search window of a place.
+    /// The pixels of the frame that the search window around a place reads.
     pub(super) fn pixels(&self, place: Place, reach: u16) -> Rect {
         Lattice::search_window(place, &self.grid, reach).pixels(self.bounds)
     }
@@ -121,7 +121,7 @@ impl Memory {
         Ok(to.finish())
     }
 
-    /// Restores what [`Memory::save`] wrote. If it fails, nothing has changed.
+    /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
     pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), RestoreError> {
         let mut from = Reader::new(bytes, Kind::Robust, checksum(config))?;
         let track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
@@ -136,7 +136,7 @@ impl Memory {
     }
 }
 
-/// A saved track, if each number can be one.
+/// A saved track; `None` if a number is out of range.
 fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
     let target = Rect::new(0, 0, from.u16()?, from.u16()?);

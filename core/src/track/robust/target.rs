@@ -1,4 +1,4 @@
-//! The robust tracker's target: locked on, updated, shown and saved.
+//! The robust tracker's target: its calls.
 
 use super::config::Config;
 #[cfg(feature = "unstable")]
@@ -25,7 +25,7 @@ use crate::track::{
 /// ```
 /// use smr_core::{Frame, Image, Rect, Robust, State, Tracker, robust::Config};
 ///
-/// // A target of 40x40 pixels with some texture, on a plain ground.
+/// // A target of 40x40 pixels with some texture, on a plain background.
 /// fn picture(left: usize, top: usize) -> Vec<u8> {
 ///     let mut pixels = vec![90; 160 * 120];
 ///     for (y, x) in (0..40).flat_map(|y| (0..40).map(move |x| (y, x))) {
@@ -53,7 +53,7 @@ impl Robust {
     /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
     ///
     /// # Panics
-    /// If a number of the configuration cannot be used. In a `const` or a `static` this is a compile error.
+    /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
     #[must_use]
     #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
@@ -111,7 +111,8 @@ impl Robust {
         Model { config: &self.config, memory: &self.memory, track }
     }
 
-    /// What may be read where the target is expected: the search window, the view of any place in it, and the windows of other scales.
+    /// The pixels that an update may read around the expected place: the search window, the view of any place in it, and the windows of other
+    /// scales.
     fn expected_pixels(&self, track: &Track) -> Rect {
         let centre = track.expected(&self.config);
         let reach = self.config.reach();
@@ -124,8 +125,8 @@ impl Robust {
         pixels
     }
 
-    /// What may be read elsewhere. Whether the target is lost in the next frame is known only during its update, so this is asked for
-    /// wherever it may be.
+    /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is given whenever it
+    /// may be.
     fn swept_pixels(&self, track: &Track) -> Option<Rect> {
         let reach = self.config.reach();
         let may_be_lost = self.config.sweeps() && track.confidence.may_be_lost_next(&self.config);
@@ -152,7 +153,7 @@ impl Target for Robust {
         config.most_work()
     }
 
-    #[inline(always)] // made in place: a call would take its own size of stack and a copy
+    #[inline(always)] // built in place: as a call it would be built on the stack and copied
     fn new(config: Config) -> Result<Self, ConfigError> {
         config.check()?;
         Ok(Self { config, memory: Memory::new(), ticket: Ticket::NEW })
@@ -162,7 +163,7 @@ impl Target for Robust {
         &self.config
     }
 
-    /// The box and its surroundings, as far as a search window reaches.
+    /// The box and its surroundings, up to the reach of a search window.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) {
             Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach()).pixels(bounds)
@@ -321,10 +322,10 @@ impl Steps for Robust {
 }
 
 impl Robust {
-    /// Goes on until what is granted is spent; true when an update, or a step of a lock's learning, is done.
+    /// Continues until the grant is spent. True if an update, or a step of a lock's learning, is done.
     fn advance_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
         let Workspace { pipeline, buffers, under_way } = workspace;
-        // A lock has its track in the workspace. `or` would put both on the stack.
+        // During a lock the track is in the workspace. `or` would put both on the stack.
         let track = if self.memory.track.is_some() { &self.memory.track } else { &pipeline.outcome.track };
         let Some(track) = *track else { return true };
         self.model(track).advance(pipeline, buffers, under_way, frame)

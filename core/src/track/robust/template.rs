@@ -1,6 +1,8 @@
-//! The early template: a running mean of the target's pixels that learns so slowly that a wrong target is noticed before it is learned.
+//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong target first.
 //!
-//!     t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
+//! ```text
+//! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
+//! ```
 
 use super::constants::MOST_PIXELS;
 use crate::image::Image;
@@ -13,7 +15,7 @@ pub(super) struct Template {
 }
 
 impl Template {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { mean: Vec::new() }
     }
@@ -25,7 +27,7 @@ impl Template {
         self.learn(patch, 1024);
     }
 
-    /// Restores what [`Template::mean`] gave.
+    /// Restores what [`Template::mean`] returned.
     pub(super) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
         self.mean.clear();
         for pixel in mean.take(MOST_PIXELS) {

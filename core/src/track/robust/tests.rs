@@ -1,5 +1,5 @@
-//! The tracker as a whole: the ends of what there can be, only what it asks for in memory, and what it is made for. Overflow checks are
-//! on in tests, so that a sum or a product beyond its type would end them.
+//! The whole tracker: extreme sizes and contents, partial frames, and targets that change. Overflow checks are on in tests, so an
+//! overflow fails them.
 
 use super::constants::PIXEL;
 use super::sampling::{Lattice, Scratch};
@@ -8,7 +8,7 @@ use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;
 use std::{boxed::Box, vec, vec::Vec};
 
-/// Pixels without any pattern, others in each frame.
+/// Noise, different in each frame.
 fn noise(pixels: usize, frame: u32) -> Vec<u8> {
     let byte = |at: u32| ((at ^ frame << 20).wrapping_mul(2_654_435_761) >> 13) as u8;
     (0..pixels as u32).map(byte).collect()
@@ -18,7 +18,7 @@ fn whole(pixels: &[u8], width: u16, height: u16) -> Frame<'_> {
     Frame::whole(Image::new(pixels, width, height).unwrap())
 }
 
-/// Two trackers of the same target: one is given whole frames, the other only what it asks for.
+/// Two trackers of the same target: one gets whole frames, the other only the windows that it asks for.
 struct Both {
     whole: Box<Tracker<Robust>>,
     part: Box<Tracker<Robust>>,
@@ -36,7 +36,7 @@ impl Both {
         Self { whole, part, width, height }
     }
 
-    /// What both answer.
+    /// The answer of both.
     fn update(&mut self, pixels: &[u8]) -> Answer {
         let frame = whole(pixels, self.width, self.height);
         let window = self.part.window().unwrap();
@@ -58,7 +58,7 @@ fn cut<'a>(frame: &Frame<'a>, window: Rect) -> Frame<'a> {
     Frame::part(frame.patch(window).unwrap(), window.x as u16, window.y as u16, width, height).unwrap()
 }
 
-/// Locks on `target`, and looks for it in frames of all kinds.
+/// Locks on `target` and searches it in frames of all kinds.
 fn follow(width: u16, height: u16, target: Rect) {
     let pixels = usize::from(width) * usize::from(height);
     let bounds = Rect::new(0, 0, width, height);
@@ -98,7 +98,7 @@ fn a_box_as_large_as_a_large_frame() {
     follow(1920, 1080, Rect::new(0, 0, 1920, 1080));
 }
 
-/// Small, long and huge targets: no step does more than it promises, and all steps together do what an update does.
+/// Small, long and huge targets: no step exceeds its bound, and all steps together do the work of an update.
 #[test]
 fn a_step_does_no_more_than_it_promises() {
     for (width, height, target) in [
@@ -135,8 +135,8 @@ fn a_step_does_no_more_than_it_promises() {
     }
 }
 
-/// Its pixels are read at a few places of each block, so its size hardly counts. All of it is reached: the largest has a frame of 4 GiB,
-/// of which nearly all is never touched.
+/// A few pixels of each block are read, so the size of the target hardly affects the work. The largest target has a frame of 4 GiB, nearly
+/// all of which is never touched.
 #[cfg(target_pointer_width = "64")]
 #[test]
 fn a_target_of_any_size_costs_about_the_same() {
@@ -154,7 +154,7 @@ fn a_target_of_any_size_costs_about_the_same() {
         assert!(u64::from(work) <= most.update, "{target:?}: {work} of {most:?}");
         work
     };
-    // In the middle of a frame with half of its sides around it, where there is room.
+    // In the middle of a frame, with a margin of half its sides, if the frame has room for that.
     let around = |across: u16, down: u16, pixels: fn(usize) -> Vec<u8>| {
         let [width, height] = [across, down].map(|side| side.saturating_mul(2));
         let pixels = pixels(usize::from(width) * usize::from(height));
@@ -174,13 +174,13 @@ fn a_target_of_any_size_costs_about_the_same() {
     for (across, down) in [(40, 40), (600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)] {
         holds(across, down, black);
     }
-    // As wide as can be, and 6 times as long as wide with a step that is almost doubled.
+    // As wide as possible; and 6 times as long as wide, with an almost doubled step.
     for (across, down) in [(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)] {
         holds(across, down, black);
     }
 }
 
-/// The work that was done most: of an update, of a lock, and of a step beyond what was asked for.
+/// The most work done: by an update, by a lock, and by a step beyond its grant.
 fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
     // The last step is nearly two blocks.
@@ -210,7 +210,7 @@ fn most_done(config: Config) -> [u64; 3] {
     most
 }
 
-/// The most that is computed is not much more than what is done: while it learns, and while it looks for the target elsewhere.
+/// The computed bound is not much more than the work done, during learning and during redetection.
 #[test]
 fn the_most_work_is_nearly_done() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
@@ -241,7 +241,7 @@ fn the_largest_blocks_of_means() {
     }
 }
 
-/// Pixels that differ as much as they can, in each step of learning: weights, slopes and responses are as large as they get.
+/// Pixels that differ as much as possible, in each step of learning: the largest weights, slopes and responses.
 #[test]
 fn black_and_white_in_turns() {
     let board = |side: usize, turn: usize| -> Vec<u8> {
@@ -284,7 +284,7 @@ fn what_is_not_asked_for_is_not_read() {
     }
 }
 
-/// Less reach is less work, in a smaller window, and still follows what moves slowly.
+/// A smaller reach is less work, in a smaller window, and still follows slow targets.
 #[test]
 fn every_reach_follows() {
     let mut before = (0, 0);
@@ -306,7 +306,7 @@ fn every_reach_follows() {
     }
 }
 
-/// Where nothing can be told apart the target stays, and is not lost.
+/// In a frame without contrast the target keeps its place and is not lost.
 #[test]
 fn a_plain_frame_holds_the_box() {
     let target = Rect::new(40, 30, 20, 20);
@@ -317,8 +317,8 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels in tiles of its own on a ground of weaker ones; brightness and contrast in percent. Without a place there
-/// is only ground.
+/// A target of 40x40 pixels in tiles on a background of weaker tiles; brightness and contrast in percent. Without a place there is only
+/// background.
 fn scene(at: Option<(usize, usize)>, light: u32) -> Vec<u8> {
     let hash =
         |x: usize, y: usize, seed: usize| ((x * 31 + y * 57 + seed).wrapping_mul(2_654_435_761) >> 16) as u32 % 200;
@@ -344,7 +344,7 @@ fn iou(fine: FineRect, (left, top): (usize, usize)) -> f64 {
 fn a_target_that_moves_by_whole_pixels_keeps_its_size_and_its_box() {
     let mut both = Both::lock(320, 240, &scene(Some((20, 30)), 100), Rect::new(20, 30, 40, 40));
     let (mut scales, mut worst) = ((u32::MAX, 0), 1.0_f64);
-    // Along an ellipse, at most three pixels a frame.
+    // Along an ellipse, at most three pixels per frame.
     let at = |frame: f64| {
         let turn = frame * std::f64::consts::TAU / 150.0;
         ((20.0 + 60.0 * (1.0 - turn.cos())) as usize, (30.0 + 60.0 * turn.sin().abs()) as usize)
@@ -376,7 +376,7 @@ fn light_may_change() {
     }
 }
 
-/// Targets of 40x40 pixels on ground of their own, in frames of 160x120: dark, bright, textured, smooth, noisy. They move slowly.
+/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, noisy. They move slowly.
 fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
     let hash = |x: usize, y: usize| (x * 31 + y * 57 + kind).wrapping_mul(2_654_435_761) >> 16;
     let (left, top) = (40 + frame / 2, 30 + frame / 4);

@@ -1,13 +1,15 @@
-//! Verification: is what is seen at the peak still the target?
+//! Verification: is the target still at the peak?
 //!
-//! The view around the peak is sampled, the early template is displaced to where it lies best ([`displacement`](super::displacement)), and
+//! The view around the peak is sampled, the early template is displaced to where it fits best ([`displacement`](super::displacement)), and
 //! both are compared part by part:
 //!
-//!     agreement = the fourth least of the SMR ratios of 4x4 parts, in units of 1/65535
+//! ```text
+//! agreement = the fourth lowest of the SMR ratios of 4x4 parts, in units of 1/65535
+//! ```
 //!
-//! As a whole, even a plain patch agrees with a template by more than one half, and so does a target that is half hidden. By parts, three
-//! may be hidden or turned away, but not four. The template is compared in the light of the patch ([`lighting`](super::lighting)). A patch
-//! without contrast, or clipped to black or white, shows no target (`similarity/contrast.rs`).
+//! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. By the fourth lowest part, three parts
+//! may be hidden or turned away, but not four. The template is first adapted to the light of the patch
+//! ([`lighting`](super::lighting)). A patch without contrast, or clipped to black or white, shows no target (`similarity/contrast.rs`).
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
@@ -25,7 +27,7 @@ use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::UnderWay;
 use heapless::Vec;
 
-/// Pixels of the largest view, a template and `MARGIN` on each side: the longest template has the longest margin.
+/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of margin.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
@@ -36,15 +38,15 @@ pub(super) struct Reference<'a> {
     pub(super) grid: &'a Grid,
 }
 
-/// A place where the target may be, and what speaks for it.
+/// A place where the target may be, and the evidence for it.
 #[derive(Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) place: Place,
     /// The filter's response.
     pub(super) response: i32,
-    /// The early template's agreement; 0 before it is known.
+    /// The early template's agreement; 0 until it is computed.
     pub(super) agreement: u16,
-    /// Whether a target can be seen there at all.
+    /// Whether the patch there can show the target at all.
     pub(super) visible: bool,
 }
 
@@ -56,7 +58,7 @@ impl Candidate {
     }
 }
 
-/// What is compared. After verification the view, the relit template and the table are those of the best displacement.
+/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best displacement.
 #[repr(C)] // see `Workspace`
 pub(super) struct Scratch {
     table: CutTable,
@@ -67,7 +69,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         Self { view: Vec::new(), relit: Vec::new(), table: const { CutTable::EMPTY }, contrast: Contrast::NONE }
     }
@@ -91,7 +93,7 @@ impl Scratch {
         self.table.threshold()
     }
 
-    /// What the displaced template lies on.
+    /// The patch of the view under the displaced template.
     pub(super) fn patch(&self, grid: &Grid, displacement: Displacement) -> Option<Image<'_>> {
         patch(&self.view, grid, displacement)
     }
@@ -112,7 +114,7 @@ impl Scratch {
         seen.has_contrast_of(*contrast) && !seen.is_cut_off_beside(Contrast::NONE)
     }
 
-    /// The score of the displaced template, in the light it was relit to last.
+    /// The score of the displaced template, as it was last relit.
     fn score(&self, reference: &Reference<'_>, displacement: Displacement) -> u32 {
         let scorer = Scorer::new(reference.config.backend(), &self.table);
         match (self.patch(reference.grid, displacement), self.relit(reference.grid)) {
@@ -187,13 +189,13 @@ pub(super) struct Verification {
 enum Phase {
     /// Samples a row of the view.
     View(View),
-    /// Scores the displacement with this number.
+    /// Scores the displacement of this number.
     Displacement(u16),
     /// Measures the agreement at the best one.
     Agreement,
 }
 
-/// A candidate whose agreement is known, and where the early template lies best.
+/// A candidate with its agreement, and the best displacement of the early template.
 #[derive(Clone, Copy)]
 pub(super) struct Verified {
     pub(super) candidate: Candidate,
@@ -249,7 +251,7 @@ impl Verification {
     }
 }
 
-/// The fourth least of the ratios of all parts.
+/// The fourth lowest of the ratios of all parts.
 fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
     let mut least = [u16::MAX; RANK];
     for (row, column) in (0..PARTS).flat_map(|row| (0..PARTS).map(move |column| (row, column))) {
@@ -296,7 +298,7 @@ mod tests {
         u8::try_from(at * 37 % 200).unwrap()
     }
 
-    /// The agreement where the first `hidden` of the 16 parts show something else.
+    /// The agreement if the first `hidden` of the 16 parts show something else.
     fn with_hidden(hidden: usize) -> u16 {
         let template: Pixels<u8> = (0..256).map(pixel).collect();
         let part = |at: usize| at / 64 * 4 + at % 16 / 4;

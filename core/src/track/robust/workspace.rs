@@ -4,10 +4,10 @@ use super::buffers::Buffers;
 use super::pipeline::Pipeline;
 use crate::track::update::UnderWay;
 
-/// What an update needs beside the target.
+/// The memory that an update needs in addition to the target.
 ///
 /// ```
-/// // In firmware it is often a static.
+/// // Firmware often keeps it in a static.
 /// static WORKSPACE: smr_core::robust::Workspace = smr_core::robust::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 48 * 1024);
 /// ```
@@ -21,7 +21,7 @@ pub struct Workspace {
 impl Workspace {
     /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
     #[must_use]
-    #[inline(always)] // made in place: a call would take its own size of stack and a copy
+    #[inline(always)] // built in place: as a call it would be built on the stack and copied
     pub const fn new() -> Self {
         Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
@@ -39,7 +39,7 @@ impl core::fmt::Debug for Workspace {
 }
 
 impl Default for Workspace {
-    #[inline(always)] // made in place
+    #[inline(always)] // built in place
     fn default() -> Self {
         Self::new()
     }

@@ -1,5 +1,5 @@
-//! Columns of a resampled row by the DSP extension: `smlad` mixes two numbers in one instruction. It takes signed numbers, so those of a
-//! row are lower by 2^15. The plain loop is in `plain/bilinear.rs`.
+//! Columns of a resampled row by the DSP extension: `smlad` mixes two numbers in one instruction. It takes signed numbers, so the numbers
+//! of a row are lower by 2^15. The plain loop is in `plain/bilinear.rs`.
 
 use crate::kernels::plain::bilinear::MixedRow;
 use core::arch::asm;
@@ -28,7 +28,7 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: 
     if count == 0 {
         return;
     }
-    // SAFETY: `count` numbers of each are there. Each of `from` leads to a pair in the row, which need not be aligned.
+    // SAFETY: each slice has `count` numbers. Each of `from` leads to a pair in the row, which need not be aligned.
     unsafe {
         asm!(
             "tst {count}, #1",

@@ -87,7 +87,7 @@ pub(crate) fn gather<const N: usize>(
     }
     for number in (2 * parts.start..rows.min(2 * parts.end)).step_by(2) {
         let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
-        // Below the last row anything will do: no error meets it.
+        // The row below the last one may hold anything: no error is multiplied with it.
         let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
         let (pairs, _) = room.as_chunks_mut();
         for ((both, &upper), &lower) in rolled(pairs.iter_mut().zip(upper).zip(lower)) {
@@ -131,7 +131,7 @@ fn pair(low: i16, high: i16) -> [u16; 2] {
     [low.cast_unsigned(), high.cast_unsigned()]
 }
 
-/// The parts of the plain loop that stand for these parts: all of them for the first one, then none.
+/// The parts of the plain loop that replace these parts: all for the first one, none for the others.
 fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
     if parts.start == 0 { 0..span } else { 0..0 }
 }
@@ -144,7 +144,7 @@ struct Block {
     under: *const u8,
     sums: *mut i32,
     count: usize,
-    filters: usize, // no constant, or the compiler would unroll the loop
+    filters: usize, // not a constant: the compiler would unroll the loop
 }
 
 impl Block {
@@ -152,7 +152,7 @@ impl Block {
     /// hardly ever run.
     ///
     /// # Safety
-    /// As [`Block::slide5`] for as many.
+    /// As [`Block::slide5`], for the returned number of sums.
     #[inline(always)]
     unsafe fn of_at_most<const F: usize, const U: usize, const S: usize>(self, left: usize) -> usize {
         // SAFETY: as the caller guarantees.

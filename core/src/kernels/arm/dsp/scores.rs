@@ -21,7 +21,7 @@ use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 /// Pixels in a register.
 const LANES: usize = 4;
 
-/// Columns that `distance` takes at a time: its loop is unrolled for so many.
+/// Columns that `distance` takes at a time: its loop is unrolled for this many.
 const STRIP: usize = 32 * LANES;
 
 /// Columns that `loss` takes at a time.
@@ -29,14 +29,14 @@ const LOSS_STRIP: usize = 16 * LANES;
 /// Bytes of its code for a word.
 const LOSS_WORD: usize = 34;
 
-/// A distance of so many pixels is below 2^30.
+/// A distance of this many pixels is below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
 
 pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
-    /// How many scores to compute next without asking the bound. Atomic, so that a scorer can be shared; no result depends on it.
+    /// The number of scores to compute next without the bound. Atomic, so that a scorer can be shared; no result depends on it.
     without: AtomicU8,
-    /// A one for each time in a row that the bound excluded nothing. Atomic for the same reason.
+    /// One set bit for each successive time that the bound excluded nothing. Atomic for the same reason.
     in_vain: AtomicU8,
 }
 
@@ -103,14 +103,14 @@ impl Scores for Dsp<'_> {
             return plain::spread(rows, low, high);
         }
         let addresses = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: rows have the pixels of so many blocks, and `low` and `high` the room. It is at least four.
+        // SAFETY: the rows have the pixels of these blocks, and `low` and `high` have room for them. There are at least four.
         unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
     }
 }
 
 impl Dsp<'_> {
-    /// True only if the score is less than `floor`. The bound takes half the time of a score. So it is asked less and less often while it
-    /// excludes nothing: in the end for one score in 16.
+    /// True only if the score is less than `floor`. The bound takes half the time of a score. So while it excludes nothing
+    /// it is computed less and less often: in the end for one score in 16.
     #[inline(always)]
     fn excludes(&self, pair: &Rows, floor: u32) -> bool {
         if let Some(without) = self.without.load(Relaxed).checked_sub(1) {
@@ -132,7 +132,7 @@ struct Row {
     g_stride: usize,
     /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// How many lower bits of that word belong to columns before.
+    /// The number of lower bits of that word that belong to earlier columns.
     none: usize,
     /// The address where the rows of the template end.
     end: *const u8,
@@ -218,7 +218,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// A function of its own, so that the usual case saves no registers for it.
+/// A separate function, so that the usual case need not save registers for it.
 #[cold]
 #[inline(never)]
 fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
@@ -424,7 +424,9 @@ impl Limit {
     /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences of the others sum to
     /// M - (M - M') t. So
     ///
-    ///     loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'
+    /// ```text
+    /// loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'
+    /// ```
     fn of_threshold(&self) -> u32 {
         u32::from(ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
     }

@@ -13,7 +13,7 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: 
     if count == 0 {
         return;
     }
-    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left. Each of
+    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left. Each of
     // `from` leads to a pair in the row, which need not be aligned.
     unsafe {
         asm!(

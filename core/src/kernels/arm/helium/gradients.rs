@@ -147,8 +147,10 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
 /// How far a gradient is beyond a direction, v = cos * |y| - sin * |x|, has 19 bits and a sign. The votes need only v / 64 and -v / 64,
 /// both rounded down. Let v = 64 f + t. Then
 ///
-///     floor(v / 64)  = F = f + (t >> 6)
-///     floor(-v / 64) = -F, less 1 unless v is a multiple of 64
+/// ```text
+/// floor(v / 64)  = F = f + (t >> 6)
+/// floor(-v / 64) = -F, less 1 unless v is a multiple of 64
+/// ```
 ///
 /// and all of it fits in 16 bits. F never grows from one direction to the next. So the last direction with F >= 0 is the first of the
 /// sector, and the next one, whose t is needed too, is the second. In the table, up = |y| and right = |x|.
@@ -351,7 +353,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The features of a row of cells, as many as `out` has room for: for each cell nine times `min(sum * inverse >> 16, 127)`, and
+/// The features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >> 16, 127)`, and
 /// `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };

@@ -1,7 +1,7 @@
 //! Sums of products by Helium: eight products an instruction.
 //!
 //! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the loaded weights. In a loop
-//!   from `dlstp` to `letp` the last round has as many lanes as weights are left: nothing else is read.
+//!   from `dlstp` to `letp` the last round uses only one lane for each weight left: nothing else is read.
 //! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a filter of errors, at
 //!   the offset of each weight.
 
@@ -316,13 +316,13 @@ pub(crate) fn gather<const N: usize>(
         span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
     let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
-        // In the plain loop a part is a row of errors: the first part stands for all.
+        // In the plain loop a part is a row of errors. The first part here replaces all of them.
         let parts = if parts.start == 0 { 0..span } else { 0..0 };
         return plain::gather(parts, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
-    // Whatever takes fewer instructions: a block of seven sums costs 9/8 of a block of six.
+    // The choice with fewer instructions: a block of seven sums costs 9/8 of a block of six.
     let cells_across = row / STEP;
     let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {

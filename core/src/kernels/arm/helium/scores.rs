@@ -3,7 +3,7 @@
 //! - `vldrh` with a vector of offsets loads an entry of the table for each lane.
 //! - `vabav` adds the absolute differences of two vectors to a register.
 //! - `vpt` compares. The instructions after it work only in lanes where the comparison holds, or only where it does not.
-//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round has as many lanes as pixels are left: nothing else is read or
+//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses one lane for each pixel left: nothing else is read or
 //!   written.
 //!
 //! There are no intrinsics, so these are `asm!`.

@@ -1,6 +1,6 @@
 //! Weights of a filter by Helium: four at a time, or eight. The plain loops are in `plain/weights.rs`.
 //!
-//! In a loop from `dlstp` to `letp` the last round has as many lanes as there are numbers left.
+//! In a loop from `dlstp` to `letp` the last round uses one lane for each number left.
 
 use core::arch::asm;
 
@@ -11,7 +11,7 @@ pub(crate) fn largest(weights: &[i32], factor: i32, sums: &[i32], left: u32) -> 
     if count == 0 {
         return largest;
     }
-    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left.
+    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left.
     unsafe {
         asm!(
             "vdup.32 q4, {factor}",
@@ -54,7 +54,7 @@ pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift:
     if count == 0 {
         return;
     }
-    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left.
+    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left.
     unsafe {
         asm!(
             "vdup.32 q2, {factor}",
@@ -101,7 +101,7 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
     let half = 1_i64 << (back - 1);
     let piece = |number: i64| u32::try_from(number & 0xFFFF).unwrap_or(0);
     let upper = |number: i64| i32::try_from(number >> 32).unwrap_or(0);
-    // SAFETY: `count` numbers of each are there, and the last round has as many lanes as are left.
+    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left.
     unsafe {
         asm!(
             "dlstp.32 lr, lr",
@@ -153,7 +153,7 @@ pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
         return sum;
     }
     // The number is doubled here, and the instruction doubles the product: it then rounds and drops 16 bits.
-    // SAFETY: as many numbers are there; the last round has as many lanes as are left.
+    // SAFETY: the slice has this many numbers, and the last round uses only the lanes that are left.
     unsafe {
         asm!(
             "dlstp.16 lr, {count}",

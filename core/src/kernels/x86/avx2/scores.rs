@@ -58,13 +58,13 @@ impl Neighbours for __m256i {
     }
 }
 
-/// A mask of the lanes that hold the pixels of a row of up to 31, each once, as [`narrow`] loads them.
+/// A mask of the lanes in which [`narrow`] loads a row of up to 31 pixels, each pixel once.
 ///
 /// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they overlap, only the
 /// first is valid.
 ///
 /// # Safety
-/// AVX2 is there.
+/// The processor has AVX2.
 #[inline(always)]
 unsafe fn narrow_lanes(width: usize) -> __m256i {
     let (lanes, new) = match width {
@@ -78,7 +78,7 @@ unsafe fn narrow_lanes(width: usize) -> __m256i {
     unsafe { _mm256_cmpgt_epi8(__m256i::load(lanes.as_ptr()), _mm256_set1_epi8(31 - new)) }
 }
 
-/// Numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31, and lanes that never are
+/// Numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31, and lanes that are never
 /// valid.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
@@ -94,10 +94,10 @@ const fn lanes(first: usize, second: usize) -> [u8; 32] {
 /// A row of up to 31 pixels.
 ///
 /// # Safety
-/// AVX2 is there.
+/// The processor has AVX2.
 #[inline(always)]
 unsafe fn narrow(row: &[u8]) -> __m256i {
-    // SAFETY: as the caller guarantees; where 16 bytes are loaded they are there.
+    // SAFETY: as the caller guarantees; 16 bytes are loaded only if the row has them.
     unsafe {
         if let (Some(first), Some(last)) = (row.first_chunk::<16>(), row.last_chunk::<16>()) {
             return _mm256_set_m128i(__m128i::load(last.as_ptr()), __m128i::load(first.as_ptr()));
@@ -109,7 +109,7 @@ unsafe fn narrow(row: &[u8]) -> __m256i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Shifts pixels in from the top of four bytes, so that the last one is there.
+            // Shifts pixels in from the top of four bytes, so that the last one is included.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm256_set_epi64x(0, 0, 0, both)
@@ -155,7 +155,7 @@ impl Lookup {
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
-        // Beyond four, the loop goes through eight or all, also those beyond the threshold.
+        // Beyond four, the loop goes through eight or all segments, also those beyond the threshold.
         let segments = match usize::from(threshold).div_ceil(SEGMENT) {
             live @ 0..=4 => live.max(1),
             5..=8 => 8,
@@ -213,7 +213,7 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
     /// The entries that `COUNT` segments (at most 8) from `first` on hold.
     ///
     /// # Safety
-    /// AVX2 is there.
+    /// The processor has AVX2.
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // all below 16 * 8
     unsafe fn look_up_half<const COUNT: usize>(&self, first: usize, difference: __m256i) -> (__m256i, __m256i) {
