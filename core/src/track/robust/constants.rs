@@ -1,6 +1,6 @@
 //! All numbers of the method that are not in [`Config`](super::Config), with their units.
 //!
-//! What each is worth was measured on 90 recordings: see `host-sim/README.md`, "What each constant is worth".
+//! What each part of the tracker is worth was measured on 90 recordings: `host-sim/RESULTS.md`, "What each part is worth".
 
 // Units.
 
