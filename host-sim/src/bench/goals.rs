@@ -1,9 +1,10 @@
 //! The goals for smr-core's speed, beside the measured figures. Each goal is stated for certain recordings; figures from
 //! other recordings are shown next to it, but do not say whether it is reached.
 
-use super::report::Report;
+use super::boards::Figures;
 use super::sad::Sad;
 use super::searches::Way;
+use super::window::Window;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
@@ -47,38 +48,47 @@ impl Goal {
 const NEAR: Radius = Radius { x: 16, y: 16 };
 const FAR: Radius = Radius { x: 60, y: 50 };
 
-/// Every goal, with what `report` says about it.
+/// The measurements that goals are stated for.
+pub struct Measured<'a> {
+    pub template: &'a str,
+    pub windows: &'a [Window],
+    pub boards: &'a [Figures],
+    pub eval_seconds: Option<f64>,
+}
+
+/// Every goal, with what was measured for it.
 #[must_use]
-pub fn all(report: &Report) -> Vec<Goal> {
+pub fn all(measured: &Measured<'_>) -> Vec<Goal> {
     let avx2 = |pruning| Way::Update { backend: Backend::Avx2, pruning };
     let psadbw = Way::Sad(Sad::Psadbw);
     vec![
-        ratio(report, NEAR, avx2(true), Way::OpenCv, 1.0 / 10.0),
-        ratio(report, NEAR, avx2(true), avx2(false), 1.0 / 8.0),
-        ratio(report, FAR, avx2(true), Way::OpenCv, 1.0 / 3.0),
-        ratio(report, NEAR, avx2(false), psadbw, 2.4),
-        ratio(report, FAR, avx2(false), psadbw, 2.4),
-        ratio(report, NEAR, Way::Robust(Backend::Avx2), Way::Csrt, 1.0 / 50.0),
-        instructions(report, "mps2-an386", "Cortex-M4", 0.7),
-        instructions(report, "mps3-an547", "Cortex-M55", 0.25),
-        Goal::new("eval of the recordings, 2 threads".to_owned(), 4.0, "s", report.eval_seconds),
+        ratio(measured, NEAR, avx2(true), Way::OpenCv, 1.0 / 10.0),
+        ratio(measured, NEAR, avx2(true), avx2(false), 1.0 / 8.0),
+        ratio(measured, FAR, avx2(true), Way::OpenCv, 1.0 / 3.0),
+        ratio(measured, NEAR, avx2(false), psadbw, 2.4),
+        ratio(measured, FAR, avx2(false), psadbw, 2.4),
+        ratio(measured, NEAR, Way::Robust(Backend::Avx2), Way::Csrt, 1.0 / 50.0),
+        instructions(measured, "mps2-an386", "Cortex-M4", 0.7),
+        instructions(measured, "mps3-an547", "Cortex-M55", 0.25),
+        Goal::new("eval of the recordings, 2 threads".to_owned(), 4.0, "s", measured.eval_seconds),
     ]
 }
 
-fn ratio(report: &Report, radius: Radius, of: Way, to: Way, at_most: f64) -> Goal {
+fn ratio(measured: &Measured<'_>, radius: Radius, of: Way, to: Way, at_most: f64) -> Goal {
     let work = format!("+-{}x{}: {of} / {to}", radius.x, radius.y);
-    // Of templates of another size nothing is wanted.
-    let measured = report.ratio(radius, of, to).filter(|_| report.template == "64x64");
-    Goal::new(work, at_most, "", measured)
+    let window = measured.windows.iter().find(|window| window.window == radius);
+    // No goal is stated for templates of another size.
+    let ratio = window.and_then(|window| window.ratio(of, to)).filter(|_| measured.template == "64x64");
+    Goal::new(work, at_most, "", ratio)
 }
 
-fn instructions(report: &Report, machine: &str, processor: &str, at_most: f64) -> Goal {
-    let board = report
+fn instructions(measured: &Measured<'_>, machine: &str, processor: &str, at_most: f64) -> Goal {
+    let board = measured
         .boards
         .iter()
         .find(|board| board.machine == machine && board.origin.method == "smr" && !board.recordings.is_empty());
-    let measured = board.map(|board| board.instructions.median as f64 / 1e6);
-    Goal::new(format!("{processor} ({machine}), +-16: an update"), at_most, "M instructions", measured)
+    let millions = board.map(|board| board.instructions.median as f64 / 1e6);
+    Goal::new(format!("{processor} ({machine}), +-16: an update"), at_most, "M instructions", millions)
 }
 
 #[cfg(test)]

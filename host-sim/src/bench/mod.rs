@@ -5,6 +5,7 @@
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`boards`]: instructions of an update in QEMU.
 //! - [`goals`]: the goals, and whether they are reached.
+//! - [`window`]: the times of a window's searches, summed up.
 //! - [`report`]: the measurements as JSON; [`table`]: as text.
 //!
 //! Everything here runs on one thread, so that the measurements do not disturb each other. Instructions on the host are not
@@ -19,6 +20,7 @@ pub mod sad;
 pub mod searches;
 pub mod speeds;
 pub mod table;
+pub mod window;
 
 use crate::clock::Patience;
 use crate::evaluate::CoreKind;

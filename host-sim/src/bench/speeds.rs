@@ -39,7 +39,7 @@ struct Cell {
 pub struct Speed {
     /// The template's side.
     pub template: u16,
-    #[serde(serialize_with = "super::report::as_text")]
+    #[serde(serialize_with = "super::window::as_text")]
     pub window: Radius,
     pub offsets: u32,
     pub pruned: Option<f64>,

@@ -2,8 +2,9 @@
 
 use super::boards::Figures;
 use super::goals::STATED_FOR;
-use super::report::{Report, Row, Window};
+use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
+use super::window::{Row, Window};
 use crate::evaluate::aligned;
 use crate::spread::Spread;
 use smr_core::paper::Radius;
@@ -159,9 +160,10 @@ mod tests {
     use super::*;
     use crate::bench::boards::Measured;
     use crate::bench::goals::Goal;
-    use crate::bench::report::{OpenCv, Ratio};
+    use crate::bench::report::OpenCv;
     use crate::bench::sad::Sad;
     use crate::bench::searches::Way;
+    use crate::bench::window::Ratio;
     use crate::evaluate::{MethodKind, Origin};
 
     fn report() -> Report {

@@ -21,8 +21,8 @@ pub struct Check {
     /// Which tracker
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
-    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
-    /// the ground truth in the first of them
+    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
+    /// from is the one that the ground truth has there
     #[arg(long, value_name = "A..B")]
     frames: Option<FrameRange>,
     /// Print a JSON array, one object a recording

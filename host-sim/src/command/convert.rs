@@ -10,10 +10,6 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Write a recording as files that other programs read and firmware replays
-///
-/// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
-/// too: init.txt and gt.txt in TLD form.
 #[derive(Debug, clap::Args)]
 pub struct Convert {
     /// The recording

@@ -38,8 +38,8 @@ pub struct Eval {
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
     ///
-    /// One x1,y1,x2,y2 a frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
-    /// last frame are not looked at.
+    /// One line x1,y1,x2,y2 for each frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
+    /// last frame are ignored.
     #[arg(long, conflicts_with = "resize")]
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
@@ -51,8 +51,8 @@ pub struct Eval {
     /// answers while the target is hidden; how often it came back, and in how many of these a correct answer came within 50
     /// frames; how often `tracking` was said and wrong (target hidden, or IoU at most 0.25), and how often it was not said
     /// although the box was right; work (comparisons or products, at most) and time of an update. Then means over recordings with their
-    /// standard errors, and over those of each folder; of several methods the paired differences to the first. A recording
-    /// is in memory as a whole, and may have 1 GiB of frames.
+    /// standard errors, and over those of each folder; of several methods the paired differences to the first. All of a recording
+    /// is in memory, at most 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
     robustness: bool,
     /// With --robustness: in place of the 5, start at every N-th frame in which the target is visible
@@ -107,8 +107,8 @@ pub struct Eval {
     /// How the tables are written
     #[arg(long, value_enum, default_value_t, conflicts_with_all = ["json", "robustness"])]
     format: Layout,
-    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
-    /// the ground truth in the first of them
+    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
+    /// from is the one that the ground truth has there
     #[arg(long, value_name = "A..B", conflicts_with = "compare")]
     frames: Option<FrameRange>,
     #[command(flatten)]

@@ -20,12 +20,6 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
-///
-/// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
-/// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
-/// is hidden. 2, 4 and 5 need ground truth. A figure that the recording has nothing for is left out, and that is said; one that is asked
-/// for by --figure is an error then.
 #[derive(Debug, clap::Args)]
 pub struct Figures {
     /// The recording

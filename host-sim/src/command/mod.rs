@@ -52,7 +52,12 @@ use std::process::ExitCode;
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
 /// --size), `-` (Y4M from standard input), or a built-in recording: `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
 ///
-/// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input.
+/// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
+/// GOT-10k) beside the recording.
+///
+/// Limits: a settings file may have 1 MiB, a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
+///
+/// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 120)]
 pub struct HostSim {
@@ -98,6 +103,9 @@ enum Command {
     /// Measure how fast it is (not built in: --features bench)
     Bench(not_built::NotBuilt),
     /// Write a recording as files that other programs read and firmware replays
+    ///
+    /// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
+    /// too: init.txt and gt.txt in TLD form.
     #[command(after_help = "Examples:
   host-sim convert clip.mp4 --frames 1..60 --resize 160x120 -o clip.h
   host-sim convert sequences/car --format pgm -o frames")]
@@ -107,12 +115,21 @@ enum Command {
   host-sim report sequences/car --method smr,robust --out report.html")]
     Report(report::Report),
     /// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
+    ///
+    /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
+    /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
+    /// is hidden. 2, 4 and 5 need ground truth. A figure that the recording has nothing for is left out, and that is said; one that is asked
+    /// for by --figure is an error then.
     #[command(after_help = "Examples:
   host-sim figures synthetic -o figures
   host-sim figures sequences/car -o figures --figure 1,2 --frame 180 --form png
   host-sim figures sequences/car -o figures --figure occlusion --hidden 45..60")]
     Figures(figures::Figures),
     /// Run both ways of calling a tracker over as many frames as there is time for, and compare every answer
+    ///
+    /// The generated video has motion, jumps of the light, things in front of the target, faults of the camera, turns of the camera, and targets that
+    /// are saved and restored. One tracker has the fastest backend and whole frames. The other has the plain loops, sees only the parts of a frame that
+    /// it asks for, and updates in steps of any size.
     #[command(after_help = "Example:
   host-sim soak --method robust --frames 1000000")]
     Soak(soak::Soak),
@@ -121,6 +138,11 @@ enum Command {
   host-sim synth frames --format y4m")]
     Synth(synth::Synth),
     /// Run a flight record of firmware again, and name the first answer that differs
+    ///
+    /// A record that was cut off, for example when power was lost, is replayed up to its last whole entry, and host-sim says so. If the last update has
+    /// no answer in the record, host-sim prints its own. Firmware that starts again appends to the record: each start is a flight of its own. Damage in
+    /// the middle is an error that says where; what comes before it is replayed. A record may be of any length, with less than 64 MiB between two
+    /// entries; only one entry is in memory at a time.
     #[command(after_help = "Examples:
   host-sim replay flight.smr
   host-sim run record.elf | host-sim replay -
@@ -142,6 +164,11 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     /// Run any firmware in QEMU (not built in: --features emulator)
     Run(not_built::NotBuilt),
     /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
+    ///
+    /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
+    /// buffer. Each answer is a rectangle with the property `confidence`, 0 to 1; 0 says that the target is lost, and the rectangle is then the last one.
+    /// With version 4 the client may give several objects at a time. If the client breaks the protocol, it gets `quit` with the reason, and the exit
+    /// code is 2.
     Trax(trax::Trax),
     /// Print the conformance vectors, made from the float reference
     #[command(after_help = "Example:

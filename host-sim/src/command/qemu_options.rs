@@ -21,7 +21,7 @@ pub struct QemuOptions {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "QEMU")]
 pub struct EmulatorOptions {
-    /// QEMU is ended, and that is an error, if nothing comes of it for so many seconds
+    /// End QEMU, as an error, if it prints nothing for this many seconds
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = whole::<NonZeroU16>(1..=65535))]
     timeout: NonZeroU16,
     /// The program

@@ -23,17 +23,18 @@ pub struct RecordingOptions {
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
-    /// Bring all frames to this size, or to a fraction of theirs; boxes beside the recording and --init are of the size before, and scaled
-    /// along
+    /// Bring all frames to this size, or to a fraction of theirs; --init and the boxes beside the recording are in pixels of the size before
     #[arg(long, value_name = "WxH|1/2")]
     resize: Option<Resize>,
     /// Which frames; of commands that have such an option.
     #[arg(skip)]
     part: Option<FrameRange>,
-    /// Go on where a recording is damaged, and say how many frames are, on standard error; without it damage is an error
+    /// Go on where a recording is damaged, and say on standard error how many frames are
+    ///
+    /// Without it, damage is an error: a picture that is cut, a dump that ends within a frame, anything that ffmpeg complains about.
     #[arg(long)]
     lenient: bool,
-    /// ffmpeg is ended, and that is an error, if it does nothing for so many seconds, reading or writing a video [default: 60]
+    /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
 }

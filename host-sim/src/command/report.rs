@@ -30,11 +30,11 @@ pub struct Report {
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     ///
-    /// It has a player over all frames, curves, and what was compared; scores where there is ground truth, with other trackers'
-    /// results (trackers/*.txt beside a recording). It needs no other file and no network.
+    /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer, and what was compared; scores where
+    /// there is ground truth, with other trackers' results (trackers/*.txt beside a recording). It needs no other file and no network.
     #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "png")]
     out: Option<PathBuf>,
-    /// Megabytes that the page may have: beyond it frames get smaller, then fewer
+    /// The most megabytes for the page: beyond it frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
     /// Write the film strip of one recording alone, as one picture

@@ -25,10 +25,10 @@ pub struct Soak {
     /// Compare 50 frames of every N-th session with the float reference, too; 0 compares none
     #[arg(long, value_name = "N", default_value = "20", value_parser = from::<u64>(0))]
     reference_every: u64,
-    /// Of the first scene; the next has one more
+    /// The seed of the first scene; each further scene adds one
     #[arg(long, default_value = "0", value_parser = from::<u64>(0))]
     seed: u64,
-    /// In place of all that write a scene of so many frames as a recording into this new folder, to feed to firmware
+    /// Compare nothing; write a scene of this many frames as a recording into this new folder, to feed to firmware
     #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "reference_every", "json"])]
     write: Option<PathBuf>,
     /// Print one JSON object

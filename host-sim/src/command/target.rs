@@ -28,8 +28,8 @@ pub struct Target {
     /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
-    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to start from is that of
-    /// the ground truth in the first of them
+    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
+    /// from is the one that the ground truth has there
     #[arg(long, value_name = "A..B")]
     frames: Option<FrameRange>,
     /// The firmware, built from core/examples/replay [default: built now, with .ci/target-cargo]

@@ -8,10 +8,6 @@ use crate::trax::{PROTOCOLS, Server, serve};
 use anyhow::Result;
 use std::io::{stdin, stdout};
 
-/// Serve a tracker over the TraX protocol on standard input and output
-///
-/// The client gives rectangles or polygons (their box is followed), and images by path, in memory or in a buffer. Each answer is a rectangle
-/// with the property `confidence`, 0 to 1; 0 says that the target is lost, and the rectangle is then the last one.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example, a section of the VOT toolkit's trackers.ini:
   [smr_robust]

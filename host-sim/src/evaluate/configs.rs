@@ -1,7 +1,6 @@
 //! What methods are built from: the numbers of both trackers of smr-core.
 
-use super::method::{Method, MethodKind};
-use anyhow::Result;
+use super::method::MethodKind;
 use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -107,11 +106,5 @@ impl Variant {
         let more = u16::from(self.inclusive);
         let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));
         Rect { width, height, ..given }
-    }
-
-    /// # Errors
-    /// A number of the configuration that SMR cannot use.
-    pub fn build(&self) -> Result<Box<dyn Method>> {
-        self.kind.build(&self.configs)
     }
 }

@@ -1,13 +1,10 @@
-//! What every tracker that can be run here has in common: [`Method`]; both of smr-core as two of them, and a [`Run`] of any.
+//! What all trackers that can be run here have in common: the trait [`Method`], their names, and what they report of a frame.
 
-use super::baseline::{Baseline, Flow, Measure};
-use super::{Configs, Refused};
-use crate::Paper;
-use crate::sequence::{BoundingBox, GrayFrame};
-use anyhow::{Context, Result};
+use crate::sequence::BoundingBox;
+use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
-use smr_core::{Answer, Frame, Image, Quality, Rect, Robust, State, Target, Tracker};
+use smr_core::{Answer, Frame, Image, Quality, Rect, State};
 
 /// A tracker that follows one box.
 pub trait Method {
@@ -152,167 +149,12 @@ impl MethodKind {
             Self::Sad | Self::Ssd | Self::Ncc | Self::Lk => &[State::Tracking, State::Leaving],
         }
     }
-
-    /// A tracker without a target.
-    ///
-    /// # Errors
-    /// A number of the configuration that smr-core cannot use.
-    pub fn build(self, configs: &Configs) -> Result<Box<dyn Method>> {
-        let baseline = |measure| Box::new(Baseline::new(measure, &configs.paper));
-        Ok(match self {
-            Self::Smr => Box::new(Stepped::<Paper>::new(self, configs.paper, configs.step)?),
-            Self::Robust => Box::new(Stepped::<Robust>::new(self, configs.robust, configs.step)?),
-            Self::Sad => baseline(Measure::Absolute),
-            Self::Ssd => baseline(Measure::Squared),
-            Self::Ncc => baseline(Measure::Correlation),
-            Self::Lk => Box::new(Flow::new(&configs.paper)),
-        })
-    }
-}
-
-/// A tracker of smr-core, updated in steps of so much work.
-struct Stepped<T: Target> {
-    kind: MethodKind,
-    tracker: Tracker<T>,
-    step: u32,
-}
-
-impl<T: Target> Stepped<T> {
-    fn new(kind: MethodKind, config: T::Config, step: u32) -> Result<Self> {
-        Ok(Self { kind, tracker: Tracker::new(config)?, step })
-    }
-}
-
-impl<T: Target> Method for Stepped<T> {
-    fn kind(&self) -> MethodKind {
-        self.kind
-    }
-
-    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        self.tracker.lock(frame, target)?;
-        Ok(())
-    }
-
-    fn quality(&self) -> Option<Quality> {
-        self.tracker.quality()
-    }
-
-    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        let mut update = self.tracker.begin(frame)?;
-        while !update.step(self.step) {}
-        let answer = update.finish();
-        Ok(Report { work: Some(self.tracker.work()), ..answer.into() })
-    }
-}
-
-/// One method on its way through one sequence: locks on the first frame, looks for the target in all others.
-pub struct Run {
-    method: Box<dyn Method>,
-    start: Rect,
-    frames: usize,
-}
-
-impl Run {
-    /// `method` will be locked on `start`.
-    #[must_use]
-    pub fn new(method: Box<dyn Method>, start: Rect) -> Self {
-        Self { method, start, frames: 0 }
-    }
-
-    /// See [`Method::quality`].
-    #[must_use]
-    pub fn quality(&self) -> Option<Quality> {
-        self.method.quality()
-    }
-
-    /// What the method says about the next frame.
-    ///
-    /// # Errors
-    /// The method's, with the number of the frame; the first is 1.
-    pub fn step(&mut self, frame: &GrayFrame) -> Result<Report> {
-        self.frames += 1;
-        let report = match self.frames {
-            1 => lock(self.method.as_mut(), &frame.frame(), self.start).map(|()| Report::locked(self.start)),
-            _ => self.method.update(&frame.frame()),
-        };
-        report.with_context(|| format!("frame {}", self.frames))
-    }
-}
-
-/// Starts `method` on the target in `target`.
-///
-/// # Errors
-/// What the method refuses is a [`Refused`].
-pub fn lock(method: &mut dyn Method, frame: &Frame<'_>, target: Rect) -> Result<()> {
-    method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smr_core::{FineRect, UpdateError, paper};
-
-    fn plain(width: u16, height: u16) -> GrayFrame {
-        GrayFrame { width, height, pixels: vec![7; usize::from(width) * usize::from(height)] }
-    }
-
-    /// In plain frames no peak exceeds the runner-up, which only the camera's preset does not ask for.
-    fn built(kind: MethodKind) -> Box<dyn Method> {
-        kind.build(&paper::Config::camera().into()).unwrap()
-    }
-
-    fn all_kinds() -> impl Iterator<Item = MethodKind> {
-        MethodKind::value_variants().iter().copied()
-    }
-
-    #[test]
-    fn a_run_locks_once_and_then_updates() {
-        let start = Rect::new(3, 2, 4, 4);
-        for kind in all_kinds() {
-            let mut run = Run::new(built(kind), start);
-            assert_eq!(run.step(&plain(16, 12)).unwrap(), Report::locked(start));
-            let report = run.step(&plain(16, 12)).unwrap();
-            assert_eq!((report.target, report.state), (Some(start.into()), State::Tracking), "{}", kind.name());
-            assert_eq!((report.evidence.is_some(), report.work.is_some()), (kind.is_core(), kind.is_core()));
-        }
-    }
-
-    #[test]
-    fn errors_name_the_frame() {
-        for kind in all_kinds() {
-            let mut run = Run::new(built(kind), Rect::new(3, 2, 4, 4));
-            run.step(&plain(16, 12)).unwrap();
-            let error = run.step(&plain(16, 13)).unwrap_err();
-            assert_eq!(format!("{error:#}"), format!("frame 2: {}", UpdateError::FrameSizeChanged));
-            let mut run = Run::new(built(kind), Rect::new(13, 2, 4, 4));
-            let error = run.step(&plain(16, 12)).unwrap_err();
-            let expected = "the box 13,2,4,4 (x,y,width,height) is not wholly inside the frame of 16x12 pixels";
-            assert_eq!(format!("{error:#}"), format!("frame 1: {expected}"));
-        }
-    }
-
-    #[test]
-    fn steps_change_no_answer_and_no_work_is_left_out() {
-        let frame = |step: u16| {
-            let texture =
-                |x: u16, y: u16| u8::try_from((x / 3 * 83 + y / 3 * 47 + x / 3 * (y / 3) * 29) % 256).unwrap();
-            let pixels = (0..60).flat_map(|y| (0..80).map(move |x| texture(x + step, y))).collect();
-            GrayFrame { width: 80, height: 60, pixels }
-        };
-        for kind in all_kinds().filter(|kind| kind.is_core()) {
-            let reports = |step| {
-                let configs = Configs { step, ..paper::Config::camera().into() };
-                let mut run = Run::new(kind.build(&configs).unwrap(), Rect::new(30, 20, 20, 16));
-                (0..6).map(|step| run.step(&frame(step)).unwrap()).collect::<Vec<_>>()
-            };
-            let whole = reports(u32::MAX);
-            for step in [1, 5000] {
-                for (whole, stepped) in whole.iter().zip(reports(step)) {
-                    assert_eq!(Report { work: None, ..*whole }, Report { work: None, ..stepped }, "{}", kind.name());
-                }
-            }
-        }
-    }
+    use smr_core::FineRect;
 
     #[test]
     fn an_answer_is_finer_than_a_pixel_and_a_lost_one_is_none() {
@@ -340,7 +182,7 @@ mod tests {
 
     #[test]
     fn names_are_those_of_the_command_line() {
-        for kind in all_kinds() {
+        for &kind in MethodKind::value_variants() {
             assert_eq!(MethodKind::from_str(kind.name(), false), Ok(kind));
         }
     }

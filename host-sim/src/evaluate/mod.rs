@@ -1,6 +1,7 @@
 //! How well a tracker does: methods run over sequences, and what they and others answered, scored by one protocol.
 
 mod baseline;
+mod build;
 mod configs;
 mod core_kind;
 pub mod covered;
@@ -14,18 +15,22 @@ pub mod published;
 mod refused;
 mod results;
 pub mod robustness;
+mod run;
 mod table;
+mod trajectory;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
 pub use core_kind::CoreKind;
 pub use layout::Layout;
-pub use method::{Evidence, Method, MethodKind, Report, Run, lock, name_of};
+pub use method::{Evidence, Method, MethodKind, Report, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
-pub use protocol::{CORRECT, Score, Trajectory, overlaps};
+pub use protocol::{CORRECT, Score, overlaps};
 pub use refused::Refused;
 pub use results::Results;
+pub use run::{Run, lock};
 pub(crate) use table::aligned;
+pub use trajectory::Trajectory;
 pub use vot::Vot;
 
 use crate::sequence::{BoundingBox, GrayFrame, RESULTS, Sequence, boxes};

@@ -1,13 +1,11 @@
 //! The protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
 
 use super::otb::Otb;
+use super::trajectory::Trajectory;
 use super::vot::Vot;
 use crate::sequence::BoundingBox;
 use anyhow::{Result, ensure};
 use serde::Serialize;
-
-/// One entry a frame: where the target is, or was said to be; `None` where it is not visible, or no answer was given.
-pub type Trajectory = [Option<BoundingBox>];
 
 /// A frame is correct if the intersection over union of answer and truth is more than this.
 pub const CORRECT: f64 = 0.25;

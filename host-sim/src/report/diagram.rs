@@ -1,6 +1,6 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
-use super::page::escaped;
+use super::escaped::escaped;
 use super::picture::{Canvas, WHITE, full_palette, ink};
 use super::{Color, color_of, encode, font, pictures};
 use crate::sequence::GrayFrame;

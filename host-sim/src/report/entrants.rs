@@ -28,14 +28,6 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
-/// The result file of another tracker.
-pub struct ResultFile {
-    /// The file's, without its extension.
-    pub name: String,
-    /// One a frame.
-    pub answers: Vec<Option<BoundingBox>>,
-}
-
 pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
         name: method.name.clone(),

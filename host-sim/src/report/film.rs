@@ -1,11 +1,11 @@
 //! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
 
-use super::entrants::ResultFile;
 use super::look::{self, Shown, Sight};
 use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
+use super::result_file::ResultFile;
 use crate::evaluate::{Contestant, Evaluation, Refused, Report, Score, Variant};
-use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence, boxes};
+use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use std::path::PathBuf;
@@ -144,20 +144,14 @@ impl Film {
         self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
     }
 
-    /// Puts the result files of other trackers beside the methods. One that ends early has no answer from there on, and what it
-    /// says of frames that do not exist is not looked at. The files are of the whole recording, the film maybe of a part.
+    /// Puts the result files of other trackers beside the methods. The files are of the whole recording, the film maybe of a
+    /// `part` of it.
     ///
     /// # Errors
     /// A file cannot be read.
     pub fn compare(&mut self, files: &[PathBuf], part: Option<FrameRange>) -> Result<()> {
         for path in files {
-            let mut answers = boxes::read_tld(path)?;
-            if let Some(part) = part {
-                answers = part.of(answers);
-            }
-            answers.resize(self.moments.len(), None);
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            self.files.push(ResultFile { name, answers });
+            self.files.push(ResultFile::read(path, part, self.moments.len())?);
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ pub mod diagram;
 mod difference;
 mod encode;
 mod entrants;
+mod escaped;
 pub mod figures;
 mod film;
 pub(crate) mod font;
@@ -17,6 +18,7 @@ mod picture;
 mod pictures;
 mod plot;
 mod reel;
+mod result_file;
 #[cfg(feature = "bench")]
 pub mod speeds;
 mod tile;

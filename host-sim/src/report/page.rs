@@ -2,6 +2,7 @@
 
 use super::data::{css, data};
 use super::entrants::{Entrant, entrants};
+use super::escaped::escaped;
 use super::film::{Film, Still};
 use super::plot::{self, Line};
 use super::{TRUTH, color_of, pictures, tile};
@@ -389,11 +390,6 @@ fn foot(about: &About) -> String {
     )
 }
 
-/// A name as the text of a page.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -463,7 +459,7 @@ mod tests {
     fn several_recordings_are_set_beside_each_other() {
         let renamed = |name: &str| film(|sequence| Sequence { name: name.to_owned(), ..sequence });
         let mut films = [renamed("one"), renamed("two")];
-        films[0].files.push(crate::report::entrants::ResultFile { name: "other".into(), answers: vec![None; 240] });
+        films[0].files.push(crate::report::result_file::ResultFile { name: "other".into(), answers: vec![None; 240] });
         let page = page(&mut films, &about(), BUDGET).unwrap();
         nests(&page);
         assert!(page.contains("<p>2 recordings with 480 frames in all.</p>"));

@@ -2,7 +2,7 @@
 
 use super::Color;
 use super::data::css;
-use super::page::escaped;
+use super::escaped::escaped;
 use crate::evaluate::{Curves, FARTHEST, NEAR, STEPS};
 use std::fmt::Write as _;
 

@@ -52,19 +52,6 @@ impl BoundingBox {
         })
     }
 
-    /// Intersection over union, 0 to 1; 0 if neither has an area.
-    pub fn iou(&self, other: &Self) -> f64 {
-        let shared =
-            overlap(self.x, self.width, other.x, other.width) * overlap(self.y, self.height, other.y, other.height);
-        let union = self.area() + other.area() - shared;
-        // Far from the origin what is shared can be rounded to more than there is.
-        if union > 0.0 { (shared / union).min(1.0) } else { 0.0 }
-    }
-
-    fn area(&self) -> f64 {
-        self.width.max(0.0) * self.height.max(0.0)
-    }
-
     /// The box in a picture that is so many times as wide and as high.
     #[must_use]
     pub fn scaled(&self, (across, down): (f64, f64)) -> Self {
@@ -124,10 +111,6 @@ impl FromStr for BoundingBox {
         ensure!(typed.has_area() && !x.is_nan() && !y.is_nan(), expected);
         Ok(typed)
     }
-}
-
-fn overlap(a: f64, a_size: f64, b: f64, b_size: f64) -> f64 {
-    ((a + a_size).min(b + b_size) - a.max(b)).max(0.0)
 }
 
 #[allow(clippy::cast_possible_truncation)] // the range is checked
@@ -431,16 +414,6 @@ mod tests {
         assert_eq!(boxed(f64::NAN, 0.0, 1.0, 5.0).to_rect(), None);
     }
 
-    #[test]
-    fn intersection_over_union() {
-        let one = boxed(0.0, 0.0, 10.0, 10.0);
-        assert_eq!(one.iou(&one), 1.0);
-        assert_eq!(one.iou(&boxed(5.0, 0.0, 10.0, 10.0)), 1.0 / 3.0);
-        assert_eq!(one.iou(&boxed(10.0, 0.0, 10.0, 10.0)), 0.0);
-        assert_eq!(one.iou(&boxed(2.0, 2.0, 0.0, 0.0)), 0.0);
-        assert_eq!(boxed(2.0, 2.0, 0.0, 0.0).iou(&boxed(2.0, 2.0, 0.0, 0.0)), 0.0);
-    }
-
     /// Numbers that binary fractions hold exactly, so that x + width - x is width.
     fn sixteenths() -> impl Strategy<Value = f64> {
         (-1_000_000_i32..1_000_000).prop_map(|number| f64::from(number) / 16.0)
@@ -474,21 +447,9 @@ mod tests {
         }
 
         #[test]
-        fn iou_is_symmetric_and_bounded(a in any_box(), b in any_box()) {
-            prop_assert_eq!(a.iou(&b), b.iou(&a));
-            prop_assert!((0.0..=1.0).contains(&a.iou(&b)));
-        }
-
-        #[test]
         fn to_rect_never_panics(x: f64, y: f64, width: f64, height: f64) {
             let _ = boxed(x, y, width, height).to_rect();
         }
-    }
-
-    #[test]
-    fn a_box_far_from_the_origin_overlaps_itself_by_no_more_than_one() {
-        let far = boxed(-1.0, 8223.0, 1.0, 0.2);
-        assert!(far.iou(&far) <= 1.0, "{}", far.iou(&far));
     }
 
     #[test]

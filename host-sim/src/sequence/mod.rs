@@ -9,6 +9,7 @@ pub mod cover;
 mod damage;
 pub mod fault;
 mod images;
+mod iou;
 mod noise;
 mod part;
 mod periodic;

@@ -26,7 +26,7 @@ pub use figures::Figures;
 pub use paired::Former;
 pub use starts::Starts;
 
-use super::method::lock;
+use super::run::lock;
 use super::{Origin, Variant};
 use crate::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};

@@ -112,7 +112,7 @@ fn what_a_client_must_not_say_is_answered_with_the_reason() {
         ("@@TRAX:initialize 1,2,3\n".to_owned(), "expected x,y,width,height or a polygon"),
         (format!("@@TRAX:initialize {frame} 4000,4000,9,9\n"), "frame 1: the region 4000,4000,9,9 has no pixel in"),
         (format!("{locked}@@TRAX:frame file:///no/such.png\n"), "frame 2: cannot read /no/such.png: "),
-        (format!("{locked}@@TRAX:frame image:2;1;gray8;AAA=\n"), "frame 2: the frame is not of the size"),
+        (format!("{locked}@@TRAX:frame image:2;1;gray8;AAA=\n"), "frame 2: the frame has another size than"),
         (format!("{locked}@@TRAX:quit now\n"), "quit has 1 arguments: expected none"),
     ] {
         let (answers, ended) = session(MethodKind::Smr, 4, lines.as_bytes());
