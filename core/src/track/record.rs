@@ -66,11 +66,12 @@
 //! entry that was cut off: firmware that restarts appends to the record.
 
 use super::checksum::Crc;
+use super::paper::Paper;
+use super::robust::Robust;
 use super::saved::Kind;
 use super::update::{SEAL, Seal};
 use super::{Answer, Target, paper, robust};
 use crate::image::{Frame, Image, Rect};
-use crate::{Paper, Robust};
 
 /// The version of the bytes.
 pub const VERSION: u16 = 1;

@@ -2,8 +2,10 @@
 
 use super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
 use super::gradients::Extractor;
+use super::learning;
 use super::response::Responses;
-use super::{learning, scale, verification};
+use super::scale;
+use super::verification;
 use crate::correlation::Coded;
 use heapless::Vec;
 

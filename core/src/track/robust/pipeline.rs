@@ -12,6 +12,8 @@
 use super::buffers::Buffers;
 use super::confidence::{Confidence, Evidence};
 use super::config::{Config, Parts};
+#[cfg(feature = "unstable")]
+use super::constants::SPAN;
 use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
 use super::cost::{CODED, REFINED, weights};
 use super::displacement::Displacement;
@@ -362,10 +364,10 @@ impl Model<'_> {
 
     #[cfg(feature = "unstable")]
     /// The filter's responses to these features.
-    pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; super::SPAN]; super::SPAN] {
+    pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
         let Buffers { extractor, cells, coded, responses, .. } = buffers;
-        responses.rows = [[0; super::SPAN]; super::SPAN];
+        responses.rows = [[0; SPAN]; SPAN];
         let mut parts = 0..;
         while !responses.advance(
             coded,
