@@ -48,6 +48,17 @@ fn convert_reports_and_reads_back() {
 }
 
 #[test]
+fn without_arguments_a_target_is_followed_and_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = Command::new(PROGRAM).current_dir(folder.path()).stdin(Stdio::null()).output().unwrap();
+    let said = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success() && said.contains("smr-demo.html") && said.contains("--init"), "{said}");
+    let page = fs::read_to_string(folder.path().join("smr-demo.html")).unwrap();
+    assert!(page.contains("<html") && page.contains("robust"));
+    host_sim(&["demo", "-o", utf8(&folder.path().join("none/page.html"))]).refuses(&["none/page.html"]);
+}
+
+#[test]
 fn synth_reports_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("frames");

@@ -6,6 +6,7 @@ mod bench;
 mod check;
 mod completions;
 mod convert;
+mod demo;
 mod eval;
 mod figures;
 mod film;
@@ -70,6 +71,9 @@ pub struct HostSim {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
+    #[command(after_help = "Example:\n  host-sim demo -o page.html")]
+    Demo(demo::Demo),
     /// Write one frame with a grid of coordinates as a picture, to choose or check a box
     #[command(after_help = "Examples:
   host-sim frame clip.mp4 1 -o first.png
@@ -198,7 +202,12 @@ pub fn run() -> ExitCode {
         return refused(&error, "");
     }
     let arguments = match settings::arguments(std::env::args_os().collect()) {
-        Ok(arguments) => arguments,
+        Ok(mut arguments) => {
+            if arguments.len() == 1 {
+                arguments.push("demo".into());
+            }
+            arguments
+        }
         Err(error) => return refused(&error, ""),
     };
     let matches = HostSim::command().try_get_matches_from(arguments);
@@ -264,6 +273,7 @@ impl HostSim {
     /// What is read and written.
     fn places(&self) -> Places<'_> {
         let places = match &self.command {
+            Command::Demo(demo) => demo.places(),
             Command::Frame(frame) => frame.places(),
             Command::Track(track) => track.places(),
             Command::Eval(eval) => eval.places(),
@@ -283,6 +293,7 @@ impl HostSim {
 
     fn dispatch(self) -> Result<Outcome> {
         match self.command {
+            Command::Demo(demo) => demo.run(),
             Command::Frame(frame) => frame.run(),
             Command::Track(track) => track.run(),
             Command::Check(check) => check.run(),

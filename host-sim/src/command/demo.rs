@@ -1,0 +1,52 @@
+//! The first thing to run: follows the target of a built-in recording, writes a page, and says what to type next.
+
+use super::places::Places;
+use super::{Command, HostSim, Outcome, say};
+use crate::sequence::synthetic;
+use anyhow::Result;
+use clap::Parser;
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Demo {
+    /// The page to write
+    #[arg(long, short, default_value = "smr-demo.html")]
+    out: PathBuf,
+}
+
+impl Demo {
+    /// What is read and written.
+    pub fn places(&self) -> Places<'_> {
+        Places::default().writes("--out", Some(&self.out))
+    }
+
+    /// Runs `report`, as a user would type it.
+    pub fn run(self) -> Result<Outcome> {
+        let words = ["host-sim", "report", synthetic::NAME, "--method", "smr,robust", "--out"].map(OsStr::new);
+        let line = HostSim::try_parse_from(words.into_iter().chain([self.out.as_os_str()]))?;
+        let Command::Report(report) = line.command else { return Ok(Outcome::CheckFailed) };
+        let outcome = report.run()?;
+        let page = self.out.display();
+        say(|out| {
+            writeln!(
+                out,
+                "Both trackers have followed the target of the built-in recording `{}`. It is half hidden, leaves the",
+                synthetic::NAME
+            )?;
+            writeln!(out, "picture, is lost and is found again. Open {page} in a browser to see it.\n")?;
+            writeln!(out, "Your own video:")?;
+            writeln!(
+                out,
+                "  host-sim frame video.mp4 -o frame.png                               choose a box by the grid"
+            )?;
+            writeln!(
+                out,
+                "  host-sim report video.mp4 --init 150,100,40,48 --out report.html    left, top, width, height\n"
+            )?;
+            writeln!(out, "All commands: host-sim --help")
+        })?;
+        Ok(outcome)
+    }
+}
