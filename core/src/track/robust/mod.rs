@@ -64,7 +64,6 @@ mod workspace;
 
 pub use config::Config;
 #[cfg(feature = "unstable")]
-#[doc(hidden)] // see `crate::unstable`
 pub use config::Part;
 #[cfg(feature = "unstable")]
 pub(crate) use constants::SPAN;
