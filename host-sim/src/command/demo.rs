@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub struct Demo {
-    /// The page to write
+    /// The page to write, or a folder for it
     #[arg(long, short, default_value = "smr-demo.html")]
     out: PathBuf,
 }
@@ -28,7 +28,9 @@ impl Demo {
         let line = HostSim::try_parse_from(words.into_iter().chain([self.out.as_os_str()]))?;
         let Command::Report(report) = line.command else { return Ok(Outcome::CheckFailed) };
         let outcome = report.run()?;
-        let page = self.out.display();
+        // As `report` names it.
+        let page = if self.out.is_dir() { self.out.join(format!("{}.html", synthetic::NAME)) } else { self.out };
+        let page = page.display();
         say(|out| {
             writeln!(
                 out,
