@@ -216,7 +216,9 @@ impl Model<'_> {
             }
             Stage::Refinement(verified) => {
                 let verified = *verified;
-                self.refine(pipeline, verified, buffers, work);
+                if let Some(scale) = self.refine(pipeline, verified, buffers, work) {
+                    self.decide(pipeline, scale, buffers);
+                }
             }
             Stage::Scale(search, growth) => {
                 let (tools, mut scratch) = self.scale_search(buffers);
@@ -276,7 +278,7 @@ impl Model<'_> {
         View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), verification)
     }
 
-    /// Refines a verified candidate, and begins the scale search.
+    /// Refines a verified candidate and begins the scale search. Returns the scale if it is not searched.
     #[inline(never)] // see `advance_stage`
     fn refine(
         &self,
@@ -284,7 +286,7 @@ impl Model<'_> {
         Verified { mut candidate, displacement }: Verified,
         buffers: &mut Buffers,
         work: &mut UnderWay,
-    ) {
+    ) -> Option<u32> {
         let (grid, scratch) = (&self.track.grid, &buffers.verification);
         let refined = match (scratch.patch(grid, displacement), scratch.relit(grid)) {
             (Some(patch), Some(relit)) => refine(candidate.agreement, displacement, patch, relit, scratch.alpha()),
@@ -299,8 +301,9 @@ impl Model<'_> {
             let (tools, mut scratch) = self.scale_search(buffers);
             let search = ScaleSearch::begin(candidate.place, &tools, &mut scratch);
             pipeline.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
+            None
         } else {
-            self.decide(pipeline, candidate.place.scale, buffers);
+            Some(candidate.place.scale)
         }
     }
 
