@@ -1,15 +1,15 @@
 //! Frames that were drawn on, as something to watch: an MP4 file (through ffmpeg), an animated GIF, or a folder of PNG pictures.
 
 use super::draw::{Ink, Overlay};
+use super::picture::rgb_png;
 use crate::ending::Process;
 use crate::output::{Folder, Output};
 use crate::sequence::silent;
 use anyhow::{Context, Error, Result, bail, ensure};
 use gif::{Encoder, EncodingError};
-use image::{ExtendedColorType, ImageFormat};
 use std::borrow::Cow;
 use std::fs;
-use std::io::{Cursor, ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -87,17 +87,7 @@ impl Film {
                 written.map_err(of_gif).with_context(|| cannot_write(&self.name))
             }
             Way::Pictures(folder) => {
-                let mut bytes = Cursor::new(Vec::new());
-                let (rgb, color) = (overlay.rgb(), ExtendedColorType::Rgb8);
-                image::write_buffer_with_format(
-                    &mut bytes,
-                    &rgb,
-                    width.into(),
-                    height.into(),
-                    color,
-                    ImageFormat::Png,
-                )?;
-                folder.write(&format!("{:05}.png", self.frames), &bytes.into_inner())
+                folder.write(&format!("{:05}.png", self.frames), &rgb_png((width, height), &overlay.rgb())?)
             }
         }
     }
@@ -283,6 +273,7 @@ impl Ffmpeg {
 
 #[cfg(test)]
 mod tests {
+    use super::super::picture::Decoded;
     use super::*;
     use crate::sequence::{self, BoundingBox, GrayFrame};
     use std::fs::File;
@@ -314,8 +305,8 @@ mod tests {
         let out = above.path().join("film");
         filmed(&out);
         for (number, frame) in (1..).zip(frames()) {
-            let picture = image::open(out.join(format!("{number:05}.png"))).unwrap().into_rgb8();
-            assert_eq!(picture.into_raw(), frame.rgb());
+            let png = fs::read(out.join(format!("{number:05}.png"))).unwrap();
+            assert_eq!(Decoded::new(&png).rgb(), frame.rgb());
         }
     }
 

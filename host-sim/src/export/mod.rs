@@ -12,5 +12,7 @@ mod writer;
 
 pub use draw::{Ink, Overlay};
 pub use film::Film;
-pub use picture::{pgm, png};
+#[cfg(test)]
+pub(crate) use picture::Decoded;
+pub use picture::{pgm, png, rgb_png};
 pub use writer::{Format, Writer, Written};

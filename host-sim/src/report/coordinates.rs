@@ -171,20 +171,21 @@ fn whole(place: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::Decoded;
 
     fn plain(width: u16, height: u16, gray: u8) -> GrayFrame {
         GrayFrame { width, height, pixels: vec![gray; usize::from(width) * usize::from(height)] }
     }
 
-    fn drawn(frame: &GrayFrame, target: Option<&str>) -> image::RgbImage {
+    fn drawn(frame: &GrayFrame, target: Option<&str>) -> Decoded {
         let target = target.map(|target| target.parse().unwrap());
         let png = coordinates(frame, 1, target.as_ref()).unwrap();
-        image::load_from_memory(&png).unwrap().into_rgb8()
+        Decoded::new(&png)
     }
 
     /// The picture's pixel at the upper left corner of the frame's pixel.
-    fn at(picture: &image::RgbImage, scale: u32, x: u32, y: u32) -> [u8; 3] {
-        picture.get_pixel(MARGIN.0 + x * scale, MARGIN.1 + y * scale).0
+    fn at(picture: &Decoded, scale: u32, x: u32, y: u32) -> [u8; 3] {
+        picture.at(MARGIN.0 + x * scale, MARGIN.1 + y * scale)
     }
 
     #[test]
@@ -217,7 +218,7 @@ mod tests {
         for (x, y) in
             [(left - 1, top), (left - 2, bottom - 1), (right, top), (right + 1, top), (left, top - 2), (left, bottom)]
         {
-            assert_eq!(with.get_pixel(MARGIN.0 + x, MARGIN.1 + y).0, SMR, "({x}, {y})");
+            assert_eq!(with.at(MARGIN.0 + x, MARGIN.1 + y), SMR, "({x}, {y})");
         }
     }
 
@@ -228,7 +229,7 @@ mod tests {
             for target in [None, Some("0,0,1,1"), Some("-50,-50,9999,9999"), Some("1e9,-1e9,65535,1e300")] {
                 let picture = drawn(&frame, target);
                 let expected = (u32::from(width) * scale + 2 * MARGIN.0, u32::from(height) * scale + 3 * MARGIN.1);
-                assert_eq!(picture.dimensions(), expected, "{width}x{height}");
+                assert_eq!(picture.size, expected, "{width}x{height}");
             }
         }
     }

@@ -3,10 +3,8 @@
 use super::escaped::escaped;
 use super::picture::{Canvas, WHITE, full_palette, ink};
 use super::{Color, color_of, encode, font, pictures};
-use crate::sequence::GrayFrame;
-use anyhow::{Context, Result, bail};
-use image::GrayImage;
-use image::imageops::{FilterType, resize};
+use crate::sequence::{GrayFrame, resized};
+use anyhow::{Result, bail};
 use smr_core::State;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -203,10 +201,8 @@ impl Pixels {
         let own = (u32::from(own.0), u32::from(own.1));
         let smooth = !width.is_multiple_of(own.0.max(1)) || !height.is_multiple_of(own.1.max(1));
         if let (Self::Frame(frame), true) = (self, smooth) {
-            let whole =
-                GrayImage::from_raw(own.0, own.1, frame.pixels.clone()).context("a frame has all its pixels")?;
-            let sized = resize(&whole, width, height, FilterType::Triangle);
-            return Ok(sized.into_raw().into_iter().map(|gray| gray / 2).collect());
+            let sized = resized(frame.clone(), width.try_into()?, height.try_into()?);
+            return Ok(sized.pixels.into_iter().map(|gray| gray / 2).collect());
         }
         let nearest = |at: u32| ((at / width * own.1 / height) * own.0 + at % width * own.0 / width) as usize;
         Ok((0..width * height).map(|at| self.ink(nearest(at))).collect())

@@ -1,11 +1,9 @@
 //! Pictures as bytes, and bytes as a part of a page.
 
 use super::Color;
-use crate::sequence::GrayFrame;
-use anyhow::{Context, Result};
-use image::codecs::jpeg::JpegEncoder;
-use image::imageops::{FilterType, resize};
-use image::{ExtendedColorType, GrayImage};
+use crate::sequence::{GrayFrame, resized};
+use anyhow::Result;
+use jpeg_encoder::{ColorType, Encoder};
 
 /// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
 pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
@@ -22,35 +20,28 @@ pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]
 
 /// The frame as a JPEG: a page with many frames must stay small, and they are only looked at.
 pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = JpegEncoder::new_with_quality(&mut bytes, 88);
-    encoder.encode(&frame.pixels, frame.width.into(), frame.height.into(), ExtendedColorType::L8)?;
-    Ok(bytes)
+    jpeg_of(frame, 88)
 }
 
-/// The frame as a JPEG with no side longer than `side`.
-pub(super) fn jpeg_within(frame: &GrayFrame, side: u32) -> Result<Vec<u8>> {
-    let size = (frame.width.into(), frame.height.into());
-    let (width, height) = within(size, side);
-    let whole = GrayImage::from_raw(size.0, size.1, frame.pixels.clone()).context("a frame has all its pixels")?;
-    if size == (width, height) {
-        jpeg_of(&whole)
-    } else {
-        jpeg_of(&resize(&whole, width, height, FilterType::Triangle))
-    }
+/// A frame of a film as a JPEG with no side longer than `side`. It has fewer bytes than one that is looked at for itself.
+pub(super) fn jpeg_within(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
+    let (width, height) = within((frame.width, frame.height), side);
+    jpeg_of(&resized(frame.clone(), width, height), 75)
 }
 
-/// A frame of a film, smaller in bytes than one that is looked at for itself.
-pub(super) fn jpeg_of(image: &GrayImage) -> Result<Vec<u8>> {
+fn jpeg_of(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, 75).encode_image(image)?;
+    Encoder::new(&mut bytes, quality).encode(&frame.pixels, frame.width, frame.height, ColorType::Luma)?;
     Ok(bytes)
 }
 
 /// The size with no side longer than `side`.
-pub(super) fn within((width, height): (u32, u32), side: u32) -> (u32, u32) {
-    let longest = width.max(height).max(1);
-    let fit = |length: u32| if longest <= side { length } else { (length * side / longest).max(1) };
+fn within((width, height): (u16, u16), side: u16) -> (u16, u16) {
+    let longest = u32::from(width.max(height)).max(1);
+    let fit = |length: u16| {
+        let fitted = u32::from(length) * u32::from(side) / longest;
+        if longest <= side.into() { length } else { u16::try_from(fitted).unwrap_or(side).max(1) }
+    };
     (fit(width), fit(height))
 }
 
@@ -78,6 +69,8 @@ pub(super) fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::Decoded;
+    use crate::sequence::decode_picture;
 
     /// The vectors of RFC 4648.
     #[test]
@@ -93,14 +86,11 @@ mod tests {
     fn a_picture_reads_back() {
         let palette = [[0, 0, 0], [255, 0, 0], [0, 0, 255]];
         let bytes = png((3, 2), &[0, 1, 2, 2, 1, 0], &palette).unwrap();
-        let read = image::load_from_memory(&bytes).unwrap().into_rgb8();
-        assert_eq!(
-            (read.dimensions(), read.get_pixel(1, 0).0, read.get_pixel(0, 1).0),
-            ((3, 2), palette[1], palette[2])
-        );
+        let read = Decoded::new(&bytes);
+        assert_eq!((read.size, read.at(1, 0), read.at(0, 1)), ((3, 2), palette[1], palette[2]));
 
         let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
-        let read = image::load_from_memory(&jpeg(&frame).unwrap()).unwrap().into_luma8();
-        assert!(read.pixels().all(|pixel| pixel.0[0].abs_diff(100) <= 2));
+        let read = decode_picture(&jpeg(&frame).unwrap()).unwrap();
+        assert!(read.pixels.iter().all(|pixel| pixel.abs_diff(100) <= 2));
     }
 }

@@ -34,7 +34,7 @@ pub struct Film {
 pub struct Kept {
     pub frames: usize,
     /// In pixels.
-    pub longest_side: u32,
+    pub longest_side: u16,
 }
 
 /// What the methods said about one frame.

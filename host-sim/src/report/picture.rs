@@ -253,6 +253,7 @@ fn whole(place: f64) -> i64 {
 mod tests {
     use super::*;
     use crate::evaluate::Variant;
+    use crate::export::Decoded;
     use crate::report::{Choice, watch};
     use crate::sequence::Damage;
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
@@ -260,11 +261,11 @@ mod tests {
     use std::collections::BTreeSet;
     use std::path::Path;
 
-    fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
+    fn drawn(sequence: Sequence, choice: Choice) -> Decoded {
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
         let film = watch(sequence, &methods, choice, None, || ()).unwrap();
-        image::load_from_memory(&picture(&film).unwrap()).unwrap().into_rgb8()
+        Decoded::new(&picture(&film).unwrap())
     }
 
     fn plain(width: u16, height: u16) -> Sequence {
@@ -283,9 +284,9 @@ mod tests {
     fn boxes_are_where_they_belong_and_all_are_seen() {
         let sequence = sequence::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let picture = drawn(sequence, Choice::Listed([0].into()));
-        assert_eq!(picture.width(), 1000);
+        assert_eq!(picture.size.0, 1000);
         // Frame 1 is twice as large at (10, 10); the target's box begins at (36, 24).
-        let at = |x: u32, y: u32| picture.get_pixel(10 + 2 * 36 + x - 4, 10 + 2 * 24 + y - 4).0;
+        let at = |x: u32, y: u32| picture.at(10 + 2 * 36 + x - 4, 10 + 2 * 24 + y - 4);
         // The edge is the middle of a line of three pixels, on which they take turns.
         let colors = BTreeSet::from([SMR, SAD, TRUTH]);
         for line in [3, 4, 5] {
@@ -301,7 +302,7 @@ mod tests {
     fn frames_of_any_shape_have_a_picture() {
         for (width, height, tile) in [(1, 1, 320), (640, 480, 240), (1, 2000, 320), (2000, 1, 1)] {
             let picture = drawn(plain(width, height), Choice::Spread);
-            assert_eq!(picture.dimensions(), (1000, GAP + tile + LINE + GAP / 2 + LINE), "{width}x{height}");
+            assert_eq!(picture.size, (1000, GAP + tile + LINE + GAP / 2 + LINE), "{width}x{height}");
         }
     }
 }

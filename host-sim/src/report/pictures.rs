@@ -3,15 +3,13 @@
 use super::difference::{BARS, Difference};
 use super::look::Sight;
 use super::{Color, encode};
-use crate::sequence::GrayFrame;
+use crate::sequence::{GrayFrame, decode_picture};
 use anyhow::{Context, Result};
-use image::ImageFormat;
-use image::imageops::{FilterType, resize};
 
 /// The longest side of a frame in a page, however large the budget is.
-const LARGEST: u32 = 960;
+const LARGEST: u16 = 960;
 /// Frames are made smaller while their longest side is above; then every other one is left out.
-const SMALL: u32 = 320;
+const SMALL: u16 = 320;
 /// The longest side of a template and of its difference map; of a larger one every second, third, ... pixel is shown.
 const LARGEST_PATCH: u16 = 64;
 
@@ -20,7 +18,7 @@ pub(super) struct Pictures {
     /// Bytes that they may take in the page.
     limit: usize,
     /// The longest side of a frame.
-    side: u32,
+    side: u16,
     /// Frames are kept whose index this divides.
     pub every: usize,
     pub kept: Vec<Picture>,
@@ -29,6 +27,8 @@ pub(super) struct Pictures {
 /// One frame.
 pub(super) struct Picture {
     index: usize,
+    /// The longest side of the frame as it is kept.
+    side: u16,
     pub jpeg: Vec<u8>,
     /// Of each method; `None` where nothing was compared.
     pub comparisons: Vec<Option<Comparison>>,
@@ -56,7 +56,8 @@ impl Pictures {
         }
         let comparisons = sights.iter().map(comparison).collect::<Result<_>>()?;
         let jpeg = encode::jpeg_within(frame, self.side)?;
-        self.kept.push(Picture { index, jpeg, comparisons });
+        let side = frame.width.max(frame.height).min(self.side);
+        self.kept.push(Picture { index, side, jpeg, comparisons });
         while self.bytes() > self.limit && self.shrink()? {}
         Ok(())
     }
@@ -67,8 +68,8 @@ impl Pictures {
     }
 
     /// The longest side of the frames that are kept; 0 if there are none.
-    pub fn side(&self) -> u32 {
-        self.kept.first().and_then(|first| first.side().ok()).unwrap_or(0)
+    pub fn side(&self) -> u16 {
+        self.kept.first().map_or(0, |first| first.side)
     }
 
     /// Smaller frames, or fewer; false if there is nothing left to leave out.
@@ -77,7 +78,8 @@ impl Pictures {
         if side > SMALL {
             self.side = (side / 2).max(SMALL);
             for picture in &mut self.kept {
-                picture.jpeg = smaller(&picture.jpeg, self.side)?;
+                picture.jpeg = encode::jpeg_within(&decode_picture(&picture.jpeg)?, self.side)?;
+                picture.side = self.side;
             }
             return Ok(true);
         }
@@ -97,19 +99,6 @@ impl Picture {
         let compared = comparisons.map(|one| (one.template.len() + one.map.len()).div_ceil(3) * 4 + 6 * BARS);
         self.jpeg.len().div_ceil(3) * 4 + compared.sum::<usize>()
     }
-
-    fn side(&self) -> Result<u32> {
-        let (width, height) =
-            image::ImageReader::with_format(std::io::Cursor::new(&self.jpeg), ImageFormat::Jpeg).into_dimensions()?;
-        Ok(width.max(height))
-    }
-}
-
-/// The JPEG with no side longer than `side`.
-fn smaller(jpeg: &[u8], side: u32) -> Result<Vec<u8>> {
-    let read = image::load_from_memory_with_format(jpeg, ImageFormat::Jpeg)?.into_luma8();
-    let (width, height) = encode::within(read.dimensions(), side);
-    encode::jpeg_of(&resize(&read, width, height, FilterType::Triangle))
 }
 
 fn comparison(sight: &Sight) -> Result<Option<Comparison>> {

@@ -4,11 +4,10 @@
 //! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
 
 use super::damage::{Damaged, Instead};
-use super::{GrayFrame, has_extension};
+use super::{GrayFrame, has_extension, pnm};
 use crate::input;
-use anyhow::{Context, Result, anyhow, bail, ensure};
-use image::codecs::pnm::PnmDecoder;
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
+use anyhow::{Context, Error, Result, anyhow, ensure};
+use png::{DecodingError, Transformations};
 use std::io::{Cursor, ErrorKind};
 use std::path::{Path, PathBuf};
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -17,7 +16,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
-const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
+pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
 
 pub(super) fn is_picture(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
@@ -47,45 +46,44 @@ pub fn read_picture(file: &Path) -> Result<GrayFrame> {
 
 /// One picture as the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
-    decode(Path::new(""), bytes)
+    decode(bytes)
 }
 
 fn read(file: &Path) -> Result<GrayFrame> {
-    decode(file, &input::bytes(file, &input::PICTURE)?)
+    decode(&input::bytes(file, &input::PICTURE)?)
 }
 
-pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<GrayFrame> {
-    let mut reader = ImageReader::new(Cursor::new(bytes));
-    if let Ok(format) = ImageFormat::from_path(file) {
-        reader.set_format(format);
+pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => png(bytes),
+        [0xFF, 0xD8, ..] => jpeg(bytes),
+        [b'P', b'2' | b'3' | b'5' | b'6' | b'7', ..] => pnm::decode(bytes),
+        _ => Err(damaged(format!("{EXPECTED}: it begins like none of them"))),
     }
-    let reader = reader.with_guessed_format()?;
-    match reader.format() {
-        Some(ImageFormat::Png) => {}
-        Some(ImageFormat::Jpeg) => return jpeg(bytes),
-        Some(ImageFormat::Pnm) => check_header(bytes)?,
-        _ => return Err(damaged(EXPECTED.to_owned())),
-    }
-    gray(reader.decode().map_err(undecodable)?)
 }
 
-/// What the header of a PNM says is checked before memory is taken for it. Where a PGM says that its white is neither 255
-/// nor 65535, its values would have to be scaled; unscaled they would give an almost black picture without a word.
-fn check_header(bytes: &[u8]) -> Result<()> {
-    let decoder = PnmDecoder::new(bytes).map_err(undecodable)?;
-    let largest = decoder.header().maximal_sample();
-    ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
-    check_size(decoder.header().width(), decoder.header().height())
+fn png(bytes: &[u8]) -> Result<GrayFrame> {
+    let limits = png::Limits { bytes: 8 * MOST_PIXELS as usize };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    // To gray or RGB, with or without alpha, of 8 bits each.
+    decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
+    let mut reader = decoder.read_info().map_err(undecodable)?;
+    let (width, height) = reader.info().size();
+    check_size(width, height)?;
+    let mut samples = vec![0; reader.output_buffer_size().context("it is too large")?];
+    let decoded = reader.next_frame(&mut samples).map_err(undecodable)?;
+    samples.truncate(decoded.buffer_size());
+    gray(width, height, decoded.color_type.samples(), samples)
 }
 
-fn check_size(width: u32, height: u32) -> Result<()> {
+pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     ensure!(pixels > 0, "it is {width}x{height}: expected at least 1 pixel on each side");
     ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
     Ok(())
 }
 
-/// The decoder that `image` has, too, which in its usual state conceals whatever is missing.
+/// A decoder conceals what is missing unless it is told to be strict.
 fn jpeg(bytes: &[u8]) -> Result<GrayFrame> {
     let broken = match jpeg_as(bytes, true) {
         Ok(frame) if has_end(bytes) => return Ok(frame),
@@ -132,49 +130,34 @@ fn has_end(bytes: &[u8]) -> bool {
 }
 
 /// What a decoder says is for who wrote it.
-fn undecodable(error: ImageError) -> anyhow::Error {
+fn undecodable(error: DecodingError) -> Error {
     match error {
-        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+        DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
             damaged(format!("{EXPECTED}: it is cut short"))
         }
-        ImageError::Decoding(_) | ImageError::IoError(_) => damaged(format!("{EXPECTED}: it is damaged")),
-        ImageError::Limits(_) => anyhow!("it is too large: expected at most {MOST_PIXELS} pixels"),
-        _ => anyhow!("{EXPECTED}, of a form that cameras and programs write"),
+        DecodingError::LimitsExceeded => anyhow!("it is too large: expected at most {MOST_PIXELS} pixels"),
+        _ => damaged(format!("{EXPECTED}: it is damaged")),
     }
 }
 
 /// Of a picture of which nothing can be decoded.
-fn damaged(why: String) -> anyhow::Error {
+pub(super) fn damaged(why: String) -> Error {
     Damaged { why, instead: Instead::Former }.into()
 }
 
-fn gray(picture: DynamicImage) -> Result<GrayFrame> {
-    let (width, height) = (picture.width(), picture.height());
-    let (Ok(width), Ok(height)) = (u16::try_from(width), u16::try_from(height)) else {
-        bail!("it is {width}x{height}: expected at most 65535 pixels on each side");
+/// A frame of samples of 8 bits: gray or RGB, each with or without alpha.
+pub(super) fn gray(width: u32, height: u32, channels: usize, samples: Vec<u8>) -> Result<GrayFrame> {
+    let side = |side: u32| {
+        u16::try_from(side).map_err(|_| anyhow!("it is {width}x{height}: expected at most 65535 pixels on each side"))
     };
-    // A header may say 0 on one side alone, which decoders take.
-    check_size(width.into(), height.into())?;
-    let pixels = match picture {
-        DynamicImage::ImageLuma8(picture) => picture.into_raw(),
-        DynamicImage::ImageLumaA8(picture) => picture.pixels().map(|pixel| pixel.0[0]).collect(),
-        DynamicImage::ImageRgb8(picture) => picture.pixels().map(|pixel| luma(pixel.0)).collect(),
-        DynamicImage::ImageRgba8(picture) => picture.pixels().map(|pixel| luma(rgb(pixel.0))).collect(),
-        DynamicImage::ImageLuma16(picture) => picture.pixels().map(|pixel| high(pixel.0[0])).collect(),
-        DynamicImage::ImageLumaA16(picture) => picture.pixels().map(|pixel| high(pixel.0[0])).collect(),
-        DynamicImage::ImageRgb16(picture) => picture.pixels().map(|pixel| luma(pixel.0.map(high))).collect(),
-        DynamicImage::ImageRgba16(picture) => picture.pixels().map(|pixel| luma(rgb(pixel.0).map(high))).collect(),
-        other => bail!("its pixels are {:?}: expected 8 or 16 bits each", other.color()),
+    let (width, height) = (side(width)?, side(height)?);
+    let pixels = match channels {
+        1 => samples,
+        2 => samples.iter().step_by(2).copied().collect(),
+        3 => samples.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
+        _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| luma([r, g, b])).collect(),
     };
     Ok(GrayFrame { width, height, pixels })
-}
-
-fn rgb<T: Copy>([r, g, b, _alpha]: [T; 4]) -> [T; 3] {
-    [r, g, b]
-}
-
-fn high(value: u16) -> u8 {
-    value.to_be_bytes()[0]
 }
 
 /// The weights add up to 65536, so the third byte from the right is the quotient and never overflows.

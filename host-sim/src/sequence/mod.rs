@@ -13,6 +13,7 @@ mod iou;
 mod noise;
 mod part;
 mod periodic;
+mod pnm;
 mod raw;
 mod resize;
 pub mod slow;
@@ -26,6 +27,7 @@ pub(crate) use images::luma;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
 pub use resize::Resize;
+pub(crate) use resize::resized;
 pub(crate) use video::{PATIENCE as FFMPEG_PATIENCE, silent};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};

@@ -2,8 +2,7 @@
 
 use super::{GrayFrame, Sequence};
 use anyhow::{Context, Result, bail, ensure};
-use image::imageops::{FilterType, resize};
-use image::{ImageBuffer, Luma};
+use rgb::FromSlice as _;
 use std::str::FromStr;
 
 /// The size that frames are brought to: `320x240`, or a fraction of the size that they have, `1/2`.
@@ -77,14 +76,25 @@ impl Sequence {
     }
 }
 
-fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
+/// The frame in another size, neither side of which may be 0.
+///
+/// # Panics
+/// The frame has less pixels than its size says.
+pub(crate) fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
     if (frame.width, frame.height) == (width, height) {
         return frame;
     }
-    let picture: ImageBuffer<Luma<u8>, _> =
-        ImageBuffer::from_raw(frame.width.into(), frame.height.into(), frame.pixels)
-            .expect("a GrayFrame is made with as many pixels as its size says");
-    let pixels = resize(&picture, width.into(), height.into(), FilterType::Triangle).into_raw();
+    let mut pixels = vec![0; usize::from(width) * usize::from(height)];
+    resize::new(
+        frame.width.into(),
+        frame.height.into(),
+        width.into(),
+        height.into(),
+        resize::Pixel::Gray8,
+        resize::Type::Triangle,
+    )
+    .and_then(|mut resizer| resizer.resize(frame.pixels.as_gray(), pixels.as_gray_mut()))
+    .expect("a GrayFrame is made with as many pixels as its size says");
     GrayFrame { width, height, pixels }
 }
 

@@ -1,7 +1,7 @@
 //! What every source has in common, and each source read from files.
 
 use super::*;
-use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage, Rgba, RgbaImage};
+use png::{BitDepth, ColorType};
 use std::fs::File;
 use std::io::Write;
 use tempfile::TempDir;
@@ -54,8 +54,16 @@ fn first_pixels(frames: &[GrayFrame]) -> Vec<u8> {
     frames.iter().map(|frame| frame.pixels[0]).collect()
 }
 
+fn save_png(path: &Path, (width, height): (u32, u32), color: ColorType, depth: BitDepth, samples: &[u8]) {
+    let mut encoder = png::Encoder::new(File::create(path).unwrap(), width, height);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    encoder.write_header().unwrap().write_image_data(samples).unwrap();
+}
+
 fn save_gray(path: &Path, width: u32, height: u32, value: u8) {
-    GrayImage::from_pixel(width, height, Luma([value])).save(path).unwrap();
+    let pixels = vec![value; (width * height) as usize];
+    save_png(path, (width, height), ColorType::Grayscale, BitDepth::Eight, &pixels);
 }
 
 mod folders {
@@ -237,45 +245,85 @@ mod folders {
 mod pictures {
     use super::*;
 
-    fn one_pixel(picture: impl Into<DynamicImage>, extension: &str) -> u8 {
+    fn gray_of(name: &str, bytes: &[u8]) -> u8 {
         let folder = folder();
-        let file = folder.path().join("1").with_extension(extension);
-        picture.into().save(&file).unwrap();
-        let (frames, error) = read(open_plain(&file));
-        assert_eq!(error, None);
+        let (frames, error) = read(open_plain(&write(&folder, name, bytes)));
+        assert_eq!(error, None, "{name}");
         frames[0].pixels[0]
+    }
+
+    /// The gray of a PNG of 2x2 pixels, each of these samples.
+    fn gray_of_png(color: ColorType, depth: BitDepth, pixel: &[u8]) -> u8 {
+        let folder = folder();
+        let file = folder.path().join("1.png");
+        save_png(&file, (2, 2), color, depth, &pixel.repeat(4));
+        gray_of("1.png", &fs::read(&file).unwrap())
     }
 
     #[test]
     fn colour_becomes_gray_by_bt_601() {
-        for ([r, g, b], gray) in
-            [([255, 0, 0], 76), ([0, 255, 0], 150), ([0, 0, 255], 29), ([255; 3], 255), ([7; 3], 7)]
-        {
-            for extension in ["png", "ppm"] {
-                assert_eq!(one_pixel(RgbImage::from_pixel(2, 2, Rgb([r, g, b])), extension), gray);
-            }
-            assert_eq!(one_pixel(RgbaImage::from_pixel(2, 2, Rgba([r, g, b, 9])), "png"), gray);
+        for (color, gray) in [([255, 0, 0], 76), ([0, 255, 0], 150), ([0, 0, 255], 29), ([255; 3], 255), ([7; 3], 7)] {
+            let [r, g, b] = color;
+            assert_eq!(gray_of_png(ColorType::Rgb, BitDepth::Eight, &color), gray);
+            assert_eq!(gray_of_png(ColorType::Rgba, BitDepth::Eight, &[r, g, b, 9]), gray);
+            assert_eq!(gray_of("1.ppm", &[b"P6 1 1 255\n", &color[..]].concat()), gray);
+            assert_eq!(gray_of("1.ppm", format!("P3 1 1 255\n{r} {g} {b}\n").as_bytes()), gray);
+            let header = b"P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE RGB_ALPHA\nENDHDR\n";
+            assert_eq!(gray_of("1.pnm", &[&header[..], &color, &[9]].concat()), gray);
         }
     }
 
     #[test]
     fn of_16_bits_the_high_byte_is_taken() {
-        let gray = ImageBuffer::<Luma<u16>, _>::from_pixel(2, 2, Luma([0x81FF]));
-        assert_eq!(one_pixel(gray.clone(), "png"), 0x81);
-        assert_eq!(one_pixel(gray, "pgm"), 0x81);
-        let red = ImageBuffer::<Rgb<u16>, _>::from_pixel(2, 2, Rgb([0xFFFF, 0x00FF, 0]));
-        assert_eq!(one_pixel(red, "png"), 76);
+        assert_eq!(gray_of_png(ColorType::Grayscale, BitDepth::Sixteen, &[0x81, 0xFF]), 0x81);
+        assert_eq!(gray_of_png(ColorType::GrayscaleAlpha, BitDepth::Sixteen, &[0x81, 0xFF, 0, 9]), 0x81);
+        assert_eq!(gray_of_png(ColorType::Rgb, BitDepth::Sixteen, &[0xFF, 0xFF, 0, 0xFF, 0, 0]), 76);
+        assert_eq!(gray_of("1.pgm", b"P5 1 1 65535\n\x81\xFF"), 0x81);
+        assert_eq!(gray_of("1.pgm", b"P2 1 1 65535\n33279\n"), 0x81);
+    }
+
+    #[test]
+    fn small_pngs_are_expanded() {
+        for (color, depth, pixel, gray) in [
+            (ColorType::Grayscale, BitDepth::Four, 0xF0, 255),
+            (ColorType::Grayscale, BitDepth::One, 0x80, 255),
+            (ColorType::Indexed, BitDepth::Eight, 1, 76),
+        ] {
+            let mut bytes = Vec::new();
+            let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+            encoder.set_color(color);
+            encoder.set_depth(depth);
+            encoder.set_palette(&[0, 0, 0, 255, 0, 0]);
+            encoder.write_header().unwrap().write_image_data(&[pixel]).unwrap();
+            assert_eq!(gray_of("1.png", &bytes), gray, "{color:?} {depth:?}");
+        }
     }
 
     #[test]
     fn gray_passes_unchanged() {
         let folder = folder();
         let ramp: Vec<u8> = (0..=255).collect();
-        GrayImage::from_raw(16, 16, ramp.clone()).unwrap().save(folder.path().join("1.png")).unwrap();
+        save_png(&folder.path().join("1.png"), (16, 16), ColorType::Grayscale, BitDepth::Eight, &ramp);
         write(&folder, "2.pgm", &[b"P5\n# a comment\n16 16\n255\n", ramp.as_slice()].concat());
         let (frames, error) = read(open_plain(folder.path()));
         assert_eq!(error, None);
         assert!(frames.iter().all(|frame| frame.pixels == ramp) && frames.len() == 2);
+    }
+
+    #[test]
+    fn a_cut_pnm_is_an_error() {
+        for bytes in [
+            &b"P5 2 2 255\n123"[..],
+            b"P5 2 2 65535\n1234567",
+            b"P2 2 2 255\n1 2 3",
+            b"P2 2 1 255 1 256",
+            b"P5 2 2",
+            b"P7\nWIDTH 2",
+        ] {
+            let folder = folder();
+            let error = read(open_plain(&write(&folder, "1.pnm", bytes))).1.unwrap();
+            assert!(error.contains("expected a PNG, JPEG, PGM or PPM picture: "), "{error}");
+        }
     }
 
     #[test]
@@ -311,9 +359,7 @@ mod pictures {
     fn jpeg() -> Vec<u8> {
         let pixels: Vec<u8> = (0..96 * 96_u32).map(|at| at.wrapping_mul(2_654_435_761).to_be_bytes()[0]).collect();
         let mut bytes = Vec::new();
-        image::codecs::jpeg::JpegEncoder::new(&mut bytes)
-            .encode(&pixels, 96, 96, image::ExtendedColorType::L8)
-            .unwrap();
+        jpeg_encoder::Encoder::new(&mut bytes, 75).encode(&pixels, 96, 96, jpeg_encoder::ColorType::Luma).unwrap();
         bytes
     }
 
@@ -342,15 +388,16 @@ mod pictures {
     }
 
     #[test]
-    fn a_jpeg_is_what_image_decodes() {
+    fn the_colours_of_a_jpeg_become_gray() {
         let folder = folder();
-        let color = |x: u32, y: u32| Rgb([x * 5, y * 7, x * y].map(|level| level.to_le_bytes()[0]));
-        RgbImage::from_fn(40, 30, color).save(folder.path().join("1.jpg")).unwrap();
-        let decoded = image::open(folder.path().join("1.jpg")).unwrap().into_rgb8();
-        decoded.save(folder.path().join("2.png")).unwrap();
-        let (frames, error) = read(open_plain(folder.path()));
-        assert_eq!((frames.len(), error), (2, None));
-        assert_eq!(frames[0], frames[1]);
+        for (color, gray) in [([255, 0, 0], 76_u8), ([0, 255, 0], 150), ([0, 0, 255], 29)] {
+            let mut bytes = Vec::new();
+            let encoder = jpeg_encoder::Encoder::new(&mut bytes, 95);
+            encoder.encode(&color.repeat(64), 8, 8, jpeg_encoder::ColorType::Rgb).unwrap();
+            let (frames, error) = read(open_plain(&write(&folder, "1.jpg", &bytes)));
+            assert_eq!(error, None);
+            assert!(frames[0].pixels.iter().all(|pixel| pixel.abs_diff(gray) <= 2), "{:?}", frames[0].pixels);
+        }
     }
 
     #[test]

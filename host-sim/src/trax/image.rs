@@ -74,11 +74,7 @@ mod tests {
     }
 
     fn png() -> Vec<u8> {
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        let format = image::ImageFormat::Png;
-        image::write_buffer_with_format(&mut bytes, &small().pixels, 4, 3, image::ExtendedColorType::L8, format)
-            .unwrap();
-        bytes.into_inner()
+        crate::export::png(&small()).unwrap()
     }
 
     #[test]

@@ -165,6 +165,7 @@ fn clearest(film: &Film) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::evaluate::{Configs, Variant};
+    use crate::export::Decoded;
     use crate::report::diagram::Form;
     use crate::report::{Choice, watch};
     use crate::sequence::{self, OpenOptions, Sequence, synthetic};
@@ -182,12 +183,12 @@ mod tests {
     }
 
     /// Both files, read back.
-    fn drawn(name: &str, figure: Figure, wish: &Wish) -> (Plan, String, image::RgbImage) {
+    fn drawn(name: &str, figure: Figure, wish: &Wish) -> (Plan, String, Decoded) {
         let plan = Plan::new(figure, &watched(open(name), &[]), wish).unwrap();
         let sheet = plan.draw(&watched(open(name), &plan.frames)).unwrap();
         let svg = String::from_utf8(sheet.file(Form::Svg).unwrap()).unwrap();
-        let png = image::load_from_memory(&sheet.file(Form::Png).unwrap()).unwrap().into_rgb8();
-        assert_eq!(png.dimensions(), sheet.size);
+        let png = Decoded::new(&sheet.file(Form::Png).unwrap());
+        assert_eq!(png.size, sheet.size);
         (plan, svg, png)
     }
 
@@ -197,7 +198,7 @@ mod tests {
             let (plan, svg, png) = drawn(synthetic::NAME, figure, &Wish::default());
             let colors = [crate::report::SMR, crate::report::SAD];
             for color in colors.iter().skip(usize::from(figure == Figure::Leaving)) {
-                assert!(png.pixels().any(|pixel| pixel.0 == *color), "{figure}: {color:?}");
+                assert!(png.rgb().as_chunks().0.contains(color), "{figure}: {color:?}");
             }
             // Each tile is a frame, in JPEG; patches are PNG.
             assert_eq!(
