@@ -5,7 +5,7 @@
 
 pub mod robust;
 
-use crate::reference::{Belief, Numbers, Reference, Step};
+use crate::reference::{Decision, Numbers, Reference, Step};
 use std::fmt::Write;
 
 /// Frames of one size, and how the tracker is set up to follow a box through them.
@@ -211,10 +211,10 @@ impl Numbers {
 }
 
 fn answer(step: &Step, area: i64, template: &[f64]) -> String {
-    let state = match step.belief {
-        Belief::Tracking => "tracking",
-        Belief::Leaving => "leaving",
-        Belief::Lost => "lost",
+    let state = match step.decision {
+        Decision::Tracking => "tracking",
+        Decision::Leaving => "leaving",
+        Decision::Lost => "lost",
     };
     let (x, y) = step.position;
     let ((peak_x, peak_y), score) = step.peak;

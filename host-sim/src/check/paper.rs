@@ -10,7 +10,7 @@
 
 use super::{Checked, Mismatch, Sides, differs};
 use crate::Paper;
-use crate::reference::{Belief, Numbers, Reference, Step};
+use crate::reference::{Decision, Numbers, Reference, Step};
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use rayon::prelude::*;
@@ -142,15 +142,15 @@ fn decisions(answer: &Answer, found: &Found, step: &Step) -> Option<Mismatch> {
             differs("runner-up", found.runner_up.map(f64::from), step.runner_up_asked.then_some(step.runner_up))
         })
         .or_else(|| differs("alpha, rounded up", answer.alpha.map(f64::from), Some(step.alpha.ceil())))
-        .or_else(|| differs("state", answer.state, state(step.belief)))
+        .or_else(|| differs("state", answer.state, state(step.decision)))
         .or_else(|| differs("box", position(answer.bbox.x, answer.bbox.y), step.position))
 }
 
-fn state(belief: Belief) -> State {
-    match belief {
-        Belief::Tracking => State::Tracking,
-        Belief::Leaving => State::Leaving,
-        Belief::Lost => State::Lost,
+fn state(decision: Decision) -> State {
+    match decision {
+        Decision::Tracking => State::Tracking,
+        Decision::Leaving => State::Leaving,
+        Decision::Lost => State::Lost,
     }
 }
 

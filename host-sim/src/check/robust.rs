@@ -5,7 +5,7 @@
 //! and the ratio at the place, the confidence, the state, the scale and the box.
 
 use super::{Checked, Mismatch, Sides, differs};
-use crate::reference::robust::{Belief, Numbers, Reference, Step};
+use crate::reference::robust::{Decision, Numbers, Reference, Step};
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -30,8 +30,8 @@ pub struct Counts {
 impl Counts {
     fn add(&mut self, step: &Step) {
         self.responses += step.responses.len() as u64;
-        self.uncertain += usize::from(step.belief == Belief::Uncertain);
-        self.lost += usize::from(step.belief == Belief::Lost);
+        self.uncertain += usize::from(step.decision == Decision::Uncertain);
+        self.lost += usize::from(step.decision == Decision::Lost);
         self.learned += usize::from(step.learned);
         self.swept += usize::from(step.swept);
         self.found_again += usize::from(step.found);
@@ -130,17 +130,17 @@ fn decisions(answer: &Answer, response: i32, step: &Step) -> Option<Mismatch> {
         .or_else(|| differs("response at the place", f64::from(response), step.response))
         .or_else(|| differs("ratio", f64::from(answer.ratio), step.ratio))
         .or_else(|| differs("confidence", f64::from(answer.confidence), step.confidence))
-        .or_else(|| differs("state", answer.state, state(step.belief)))
+        .or_else(|| differs("state", answer.state, state(step.decision)))
         .or_else(|| differs("scale", f64::from(answer.scale) / 65536.0, step.scale))
         .or_else(|| differs("box: left, top, width, height", edges.map(|edge| edge / 256.0), step.fine))
         .or_else(|| differs("box in whole pixels", whole, step.bbox))
 }
 
-fn state(belief: Belief) -> State {
-    match belief {
-        Belief::Tracking => State::Tracking,
-        Belief::Uncertain => State::Uncertain,
-        Belief::Lost => State::Lost,
+fn state(decision: Decision) -> State {
+    match decision {
+        Decision::Tracking => State::Tracking,
+        Decision::Uncertain => State::Uncertain,
+        Decision::Lost => State::Lost,
     }
 }
 
@@ -223,7 +223,7 @@ mod tests {
     fn other_numbers_of_the_configuration_hold() {
         let others: [Both; 5] = [
             ("reach", |config| config.reach = 5, |numbers| numbers.reach = 5),
-            ("patience", |config| config.patience = 240, |numbers| numbers.trust_rate = 16.0),
+            ("patience", |config| config.patience = 240, |numbers| numbers.confidence_rate = 16.0),
             (
                 "states",
                 |config| (config.lost_below, config.uncertain_below) = (30_000, 50_000),
@@ -250,39 +250,39 @@ mod tests {
             ("pixels", |numbers| numbers.pixels = 1599),
             ("cell", |numbers| numbers.cell = 5),
             ("cover", |numbers| numbers.cover = (3.0, 2.0)),
-            ("most cells", |numbers| numbers.most_cells = 190),
-            ("norm's floor", |numbers| numbers.norm_floor = 31.0),
-            ("norm's gain", |numbers| numbers.norm_gain = 634.0),
+            ("most_cells", |numbers| numbers.most_cells = 190),
+            ("norm_floor", |numbers| numbers.norm_floor = 31.0),
+            ("norm_gain", |numbers| numbers.norm_gain = 634.0),
             ("reach", |numbers| numbers.reach = 7),
-            ("bell", |numbers| numbers.bell = (1.0, 9.0)),
-            ("bell's entries", |numbers| numbers.bell_entries = 31.0),
-            ("bell's end", |numbers| numbers.bell_end = 3.0),
-            ("length of a step", |numbers| numbers.step = 0.75),
-            ("pull", |numbers| numbers.pull = 5055.0),
-            ("coded", |numbers| numbers.most_coded = 4095.0),
-            ("gathered", |numbers| numbers.most_gathered = 8191.0),
-            ("first steps", |numbers| numbers.first_steps = 24),
-            ("distance penalty", |numbers| numbers.distance_penalty = 128.0),
-            ("expected", |numbers| numbers.expected = 0.25),
-            ("last move", |numbers| numbers.last_move = 0.25),
-            ("size step", |numbers| numbers.size_step = 1.03),
-            ("size reach", |numbers| numbers.size_reach = 0),
-            ("early rate", |numbers| numbers.early_rate = 1.0 / 64.0),
-            ("scale", |numbers| numbers.scale = 250.0),
-            ("least alpha", |numbers| numbers.alpha_bounds.0 = 99.0),
-            ("most alpha", |numbers| numbers.alpha_bounds.1 = 9.0),
-            ("gain of light", |numbers| numbers.most_gain = 1.0),
-            ("parts", |numbers| numbers.parts_across = 3),
-            ("ratio that counts", |numbers| numbers.ratio_that_counts = 5),
-            ("certain", |numbers| numbers.certain_from = 65_535.0),
-            ("most move", |numbers| numbers.most_move = 0.125),
-            ("most growth", |numbers| numbers.most_growth = 64.0),
-            ("more", |numbers| numbers.more = 32.0),
-            ("most sum", |numbers| numbers.most_sum = 2048.0),
-            ("trust's rate", |numbers| numbers.trust_rate = 76.0),
-            ("velocity", |numbers| numbers.parts.velocity = false),
-            ("distance penalty", |numbers| numbers.parts.distance_penalty = false),
-            ("size", |numbers| numbers.parts.size = false),
+            ("label_width", |numbers| numbers.label_width = (1.0, 9.0)),
+            ("gaussian_entries", |numbers| numbers.gaussian_entries = 31.0),
+            ("gaussian_end", |numbers| numbers.gaussian_end = 3.0),
+            ("step", |numbers| numbers.step = 0.75),
+            ("regularisation", |numbers| numbers.regularisation = 5055.0),
+            ("most_coded", |numbers| numbers.most_coded = 4095.0),
+            ("most_gathered", |numbers| numbers.most_gathered = 8191.0),
+            ("first_steps", |numbers| numbers.first_steps = 24),
+            ("distance_penalty", |numbers| numbers.distance_penalty = 128.0),
+            ("velocity_part", |numbers| numbers.velocity_part = 0.25),
+            ("velocity_rate", |numbers| numbers.velocity_rate = 0.25),
+            ("scale_step", |numbers| numbers.scale_step = 1.03),
+            ("scale_reach", |numbers| numbers.scale_reach = 0),
+            ("early_rate", |numbers| numbers.early_rate = 1.0 / 64.0),
+            ("similarity_scale", |numbers| numbers.similarity_scale = 250.0),
+            ("alpha_bounds.0", |numbers| numbers.alpha_bounds.0 = 99.0),
+            ("alpha_bounds.1", |numbers| numbers.alpha_bounds.1 = 9.0),
+            ("most_gain", |numbers| numbers.most_gain = 1.0),
+            ("parts_across", |numbers| numbers.parts_across = 3),
+            ("counted_ratio", |numbers| numbers.counted_ratio = 5),
+            ("refined_from", |numbers| numbers.refined_from = 65_535.0),
+            ("most_move", |numbers| numbers.most_move = 0.125),
+            ("most_growth", |numbers| numbers.most_growth = 64.0),
+            ("damping", |numbers| numbers.damping = 32.0),
+            ("most_sum", |numbers| numbers.most_sum = 2048.0),
+            ("confidence_rate", |numbers| numbers.confidence_rate = 76.0),
+            ("parts.velocity", |numbers| numbers.parts.velocity = false),
+            ("parts.distance_penalty", |numbers| numbers.parts.distance_penalty = false),
+            ("parts.size", |numbers| numbers.parts.size = false),
         ];
         noticed(&others, |numbers| checked(CHECKED[0], Config::robust(), numbers, 40));
     }
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn other_numbers_of_places_and_sizes_are_noticed() {
         let others: [Change<Numbers>; 2] =
-            [("far", |numbers| numbers.far = 1), ("size part", |numbers| numbers.size_part = 128.0)];
+            [("coarse_step", |numbers| numbers.coarse_step = 1), ("scale_gain", |numbers| numbers.scale_gain = 128.0)];
         assert_eq!(jumping(Numbers::robust()).violation, None);
         noticed(&others, jumping);
     }
@@ -321,11 +321,11 @@ mod tests {
     #[test]
     fn other_bounds_are_noticed() {
         let others: [Change<Numbers>; 5] = [
-            ("finest", |numbers| numbers.finest = 1.0),
-            ("least cells", |numbers| numbers.least_cells = 5),
-            ("most cells on a side", |numbers| numbers.most_cells_on_a_side = 31),
-            ("fewer read of a block", |numbers| numbers.read_of_a_side = 1),
-            ("more read of a block", |numbers| numbers.read_of_a_side = 3),
+            ("least_step", |numbers| numbers.least_step = 1.0),
+            ("least_side", |numbers| numbers.least_side = 5),
+            ("most_side", |numbers| numbers.most_side = 31),
+            ("read_per_side", |numbers| numbers.read_per_side = 1),
+            ("read_per_side", |numbers| numbers.read_per_side = 3),
         ];
         let frame = |step: usize| GrayFrame { width: 240, height: 160, pixels: tiles(240, 160, |x, y| (x + step, y)) };
         let report = |numbers: Numbers, target: Rect| {
@@ -345,16 +345,16 @@ mod tests {
     #[test]
     fn other_numbers_of_trust_are_noticed() {
         let others: [Change<Numbers>; 10] = [
-            ("least contrast", |numbers| numbers.least_contrast = 0.0),
+            ("least_contrast", |numbers| numbers.least_contrast = 0.0),
             ("margin", |numbers| numbers.margin = 5),
-            ("lost", |numbers| numbers.lost_below = 10_000.0),
-            ("uncertain", |numbers| numbers.uncertain_below = 19_300.0),
-            ("learned", |numbers| numbers.learned_from = 98_304.0),
-            ("found", |numbers| numbers.found_from = 98_304.0),
-            ("better", |numbers| numbers.better_by = 98_304.0),
-            ("verification", |numbers| numbers.parts.verification = false),
-            ("gated learning", |numbers| numbers.parts.gated_learning = false),
-            ("sweep", |numbers| numbers.parts.sweep = false),
+            ("lost_below", |numbers| numbers.lost_below = 10_000.0),
+            ("uncertain_below", |numbers| numbers.uncertain_below = 19_300.0),
+            ("learned_from", |numbers| numbers.learned_from = 98_304.0),
+            ("found_from", |numbers| numbers.found_from = 98_304.0),
+            ("better_by", |numbers| numbers.better_by = 98_304.0),
+            ("parts.verification", |numbers| numbers.parts.verification = false),
+            ("parts.gated_learning", |numbers| numbers.parts.gated_learning = false),
+            ("parts.sweep", |numbers| numbers.parts.sweep = false),
         ];
         noticed(&others, hidden);
     }
@@ -362,7 +362,7 @@ mod tests {
     /// What is cut off at black and white, though it has contrast, shows nothing.
     #[test]
     fn another_part_that_is_cut_off_is_noticed() {
-        let others: [Change<Numbers>; 1] = [("most cut off", |numbers| numbers.most_cut_off = 1.0)];
+        let others: [Change<Numbers>; 1] = [("most_cut_off", |numbers| numbers.most_cut_off = 1.0)];
         let cut_off = |mut frame: GrayFrame| {
             frame.pixels.iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });
             frame

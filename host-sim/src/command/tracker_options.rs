@@ -338,7 +338,7 @@ impl TrackerOptions {
             *part.of(&mut numbers.parts) = false;
         }
         numbers.reach = self.reach.map_or(numbers.reach, i64::from);
-        numbers.trust_rate = self.patience.map_or(numbers.trust_rate, |patience| 256.0 - f64::from(patience));
+        numbers.confidence_rate = self.patience.map_or(numbers.confidence_rate, |patience| 256.0 - f64::from(patience));
         numbers.lost_below = self.lost_below.map_or(numbers.lost_below, f64::from);
         numbers.uncertain_below = self.uncertain_below.map_or(numbers.uncertain_below, f64::from);
         numbers.step = self.learning_rate.map_or(numbers.step, |rate| f64::from(rate) / 256.0);

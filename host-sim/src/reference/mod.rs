@@ -3,4 +3,4 @@
 mod paper;
 pub mod robust;
 
-pub use paper::{Belief, GateNumbers, Numbers, Reference, Scores, Step, Sums};
+pub use paper::{Decision, GateNumbers, Numbers, Reference, Scores, Step, Sums};

@@ -104,9 +104,9 @@ impl Numbers {
     }
 }
 
-/// What the reference believes after a frame.
+/// What the reference decides after a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Belief {
+pub enum Decision {
     Tracking,
     Leaving,
     Lost,
@@ -151,9 +151,9 @@ pub struct Step {
     pub runner_up_asked: bool,
     /// The alpha that this frame was scored with.
     pub alpha: f64,
-    /// What is believed after it.
-    pub belief: Belief,
-    /// Where the target is believed to be after it: left and top.
+    /// The decision after it.
+    pub decision: Decision,
+    /// The place of the target after it: left and top.
     pub position: (i64, i64),
 }
 
@@ -217,7 +217,7 @@ pub struct Reference {
     template: Picture,
     position: (i64, i64),
     alpha: f64,
-    belief: Belief,
+    decision: Decision,
     been_at_border: bool, // `edge`
     lost_for: i64,
 }
@@ -229,8 +229,8 @@ impl Reference {
         let p = (0..=255).map(|d| similarity(f64::from(d), numbers.scale)).collect();
         let alpha = numbers.first_alpha;
         let template = Picture::new(frame, frame_size.0, frame_size.1).cut(x, y, width, height);
-        let (belief, position) = (Belief::Tracking, (x, y));
-        Self { numbers, p, frame_size, template, position, alpha, belief, been_at_border: false, lost_for: 0 }
+        let (decision, position) = (Decision::Tracking, (x, y));
+        Self { numbers, p, frame_size, template, position, alpha, decision, been_at_border: false, lost_for: 0 }
     }
 
     /// The template's intensities, row by row.
@@ -251,26 +251,26 @@ impl Reference {
         let needed = self.needed_ratio(over_border);
         let as_large = needed.0 == needed.1 && peak.1 > 0.0 && peak.1 == runner_up;
         let runner_up_asked = needed.0 > needed.1 || as_large || self.numbers.runner_up_always;
-        let was_lost = self.belief == Belief::Lost;
+        let was_lost = self.decision == Decision::Lost;
         if !was_lost && over_border {
             self.been_at_border = true;
         }
-        if self.is_believed(peak.1, runner_up, needed) && (over_border || self.is_shown(&frame, peak.0)) {
+        if self.is_accepted(peak.1, runner_up, needed) && (over_border || self.is_shown(&frame, peak.0)) {
             self.position = peak.0;
             self.lost_for = 0;
             if was_lost {
                 self.been_at_border = false;
             }
-            self.belief = if over_border { Belief::Leaving } else { Belief::Tracking };
+            self.decision = if over_border { Decision::Leaving } else { Decision::Tracking };
             if self.keeps(self.numbers.zone, peak.0) {
                 self.replace_template(&frame);
             }
         } else {
-            self.belief = Belief::Lost;
+            self.decision = Decision::Lost;
             self.lost_for += 1;
         }
-        let (belief, position) = (self.belief, self.position);
-        Step { scores, peak, exact_peak, runner_up, runner_up_asked, alpha, belief, position }
+        let (decision, position) = (self.decision, self.position);
+        Step { scores, peak, exact_peak, runner_up, runner_up_asked, alpha, decision, position }
     }
 
     /// Step 1: all positions within the window, one pixel apart, that keep the box within the padded frame.
@@ -344,7 +344,7 @@ impl Reference {
     }
 
     /// The gate: P > ratio * R, or P > R + 100; and the least ratio where there is one.
-    fn is_believed(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
+    fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
@@ -363,7 +363,7 @@ impl Reference {
     /// How many times as large as the runner-up the peak must be.
     fn needed_ratio(&self, over_border: bool) -> (f64, f64) {
         let gate = &self.numbers.gate;
-        if self.belief == Belief::Lost {
+        if self.decision == Decision::Lost {
             gate.lost
         } else if over_border {
             gate.border

@@ -3,7 +3,7 @@
 use super::difference::Difference;
 use crate::Paper;
 use crate::evaluate::{Method, MethodKind, Report, Variant};
-use crate::reference::robust::{Lattice, Numbers, Patch, Picture, in_light_of, threshold};
+use crate::reference::robust::{Lattice, Numbers, Patch, Picture, relit, threshold};
 use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
@@ -110,7 +110,7 @@ impl Shown for Tracker<Robust> {
         let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
         let numbers = Numbers::robust();
         let seen = lattice.sample(&numbers, &picture);
-        let lit = in_light_of(&numbers, &early, &seen);
+        let lit = relit(&numbers, &early, &seen);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
         let byte = |level: f64| level as u8;
         let pairs = seen.pixels.iter().zip(&lit.pixels);

@@ -1,8 +1,8 @@
-//! Agreement: the early template in today's light against what is seen, part by part.
+//! Agreement: the early template in the light of the frame against what is seen, part by part.
 
 use super::Numbers;
 use super::grid::Patch;
-use super::light::{in_light_of, threshold};
+use super::lighting::{relit, threshold};
 use super::rounding::{index, real, whole};
 use crate::reference::paper::similarity;
 
@@ -18,9 +18,9 @@ impl Similarity {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
 
-    /// Of the ratios of all parts the one that counts: 0 to 65535.
+    /// The ratio of the parts that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
     pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
-        let lit = in_light_of(numbers, early, seen);
+        let lit = relit(numbers, early, seen);
         let (alpha, across) = (threshold(numbers, seen), numbers.parts_across);
         let mut ratios: Vec<f64> = (0..across * across)
             .map(|part| {
@@ -32,7 +32,7 @@ impl Similarity {
             })
             .collect();
         ratios.sort_by(f64::total_cmp);
-        ratios[numbers.ratio_that_counts - 1].min(UNITS)
+        ratios[numbers.counted_ratio - 1].min(UNITS)
     }
 
     pub fn score(&self, seen: &Patch, lit: &Patch, alpha: f64) -> f64 {

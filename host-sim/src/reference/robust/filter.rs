@@ -1,15 +1,15 @@
-//! The filter: weights for the bytes of cells, and how they learn.
+//! The filter: weights for the features of cells, and how they are learned.
 //!
-//! It lessens, by steepest descent, the sum over all offsets of (response - label)^2, and `pull` times the sum of all weights
-//! squared. Weights, slopes and errors are coded for the sums: divided by a power of two, the least by which
-//! the largest fits, and rounded. All sums are of whole numbers below 2^53, so f64 has them exactly.
+//! Steepest descent on the sum over all offsets of (response - label)^2, plus `regularisation` times the sum of all squared weights.
+//! Weights, gradients and errors are coded for the sums: divided by the least power of two by which the largest one fits, and rounded.
+//! All sums are of whole numbers below 2^53, so they are exact in f64.
 //!
 //! Units: responses, labels and errors 1/16384; weights 1/65536 of that.
 
 use super::Numbers;
 use super::features::{CHANNELS, Cells};
+use super::gaussian::{ONE, label, learning_window, part};
 use super::grid::Shape;
-use super::label::{ONE, label, learns, part};
 use super::rounding::{divisor, index, nearest, quotient, real};
 
 /// The weights, cell by cell.
@@ -17,7 +17,7 @@ pub struct Filter {
     pub weights: Vec<f64>,
 }
 
-/// The weights as they are multiplied with bytes: each, times `divisor`, is about the weight.
+/// Numbers as they are multiplied with features: each, times `divisor`, is about the number that was coded.
 pub struct Coded {
     pub numbers: Vec<f64>,
     pub divisor: f64,
@@ -46,7 +46,7 @@ impl Coded {
 }
 
 impl Filter {
-    /// Knows nothing.
+    /// All weights are 0.
     pub fn new(shape: &Shape) -> Self {
         Self { weights: vec![0.0; index(shape.across * shape.down) * CHANNELS] }
     }
@@ -55,23 +55,23 @@ impl Filter {
         Coded::new(&self.weights, numbers.most_coded)
     }
 
-    /// One step, of so much of the best length.
+    /// One step of `step` times the best length.
     pub fn learn(&mut self, numbers: &Numbers, shape: &Shape, sample: &Sample<'_>, step: f64) {
         let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
-        let gathered = gathered(numbers, shape, sample.cells, &errors.numbers);
+        let correlated = correlated(numbers, shape, sample.cells, &errors.numbers);
         // Weights are in 1/65536 of what errors are in.
-        let slope = |(weight, sum): (&f64, &f64)| numbers.pull * weight + sum * errors.divisor * 65536.0;
-        let slopes: Vec<f64> = self.weights.iter().zip(&gathered).map(slope).collect();
-        let slopes = Coded::new(&slopes, numbers.most_coded);
-        let directions = directions(numbers, shape, &slopes);
-        let length = (best_length(numbers, shape, sample.cells, &slopes, &directions) * step).floor();
+        let gradient = |(weight, sum): (&f64, &f64)| numbers.regularisation * weight + sum * errors.divisor * 65536.0;
+        let gradients: Vec<f64> = self.weights.iter().zip(&correlated).map(gradient).collect();
+        let gradients = Coded::new(&gradients, numbers.most_coded);
+        let directions = directions(numbers, shape, &gradients);
+        let length = (best_length(numbers, shape, sample.cells, &gradients, &directions) * step).floor();
         for (weight, direction) in self.weights.iter_mut().zip(&directions.numbers) {
             *weight -= nearest(direction * length * directions.divisor / 2.0_f64.powi(44), 1.0);
         }
     }
 }
 
-/// A search window in which the target was seen.
+/// A search window that is learned from.
 pub struct Sample<'a> {
     pub cells: &'a Cells,
     /// The filter's responses to it, row by row.
@@ -96,8 +96,8 @@ fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
     offsets(numbers).zip(sample.responses).map(error).collect()
 }
 
-/// For each weight the sum of all errors times the byte it lay on.
-fn gathered(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> Vec<f64> {
+/// For each weight, the sum over all offsets of error times feature.
+fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; index(shape.across * shape.down) * CHANNELS];
     for ((x, y), error) in offsets(numbers).zip(errors) {
         for (sums, row) in sums.chunks_mut(index(shape.across) * CHANNELS).zip(y..) {
@@ -108,28 +108,31 @@ fn gathered(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> 
     sums
 }
 
-/// Where a step goes: each slope lessened by how far its cell is from the target's middle, on both axes.
-fn directions(numbers: &Numbers, shape: &Shape, slopes: &Coded) -> Coded {
+/// The direction of a step: each gradient times the learning window at its cell.
+fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
     let axis = |cells: i64, side: i64| -> Vec<f64> {
-        (0..cells).map(|at| learns(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()
+        (0..cells).map(|at| learning_window(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()
     };
     let (across, down) = (axis(shape.across, shape.columns), axis(shape.down, shape.rows));
     let parts = down.iter().flat_map(|down| across.iter().map(|across| label(*across, *down)));
-    let lessened =
-        |(slopes, part): (&[f64], f64)| slopes.iter().map(|slope| nearest(slope * part / ONE, 1.0)).collect();
-    let numbers = slopes.numbers.chunks(CHANNELS).zip(parts).flat_map::<Vec<f64>, _>(lessened).collect();
-    Coded { numbers, divisor: slopes.divisor }
+    let weighted = |(gradients, part): (&[f64], f64)| {
+        gradients.iter().map(|gradient| nearest(gradient * part / ONE, 1.0)).collect()
+    };
+    let numbers = gradients.numbers.chunks(CHANNELS).zip(parts).flat_map::<Vec<f64>, _>(weighted).collect();
+    Coded { numbers, divisor: gradients.divisor }
 }
 
-/// How far down a step goes at best, on a grid of 2^-44: slopes times directions over what the step bends, which is `pull` times the directions squared and the responses to the directions squared.
+/// The best length of a step (exact line search), in units of 2^-44: gradients times directions, over the curvature along the direction.
 ///
-/// The bend is in units of 2^18: of a response 9 binary places are left out, rounded down.
-fn best_length(numbers: &Numbers, shape: &Shape, cells: &Cells, slopes: &Coded, directions: &Coded) -> f64 {
-    let descent: f64 = slopes.numbers.iter().zip(&directions.numbers).map(|(slope, direction)| slope * direction).sum();
+/// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. Nine
+/// binary places of a response are left out, rounded down.
+fn best_length(numbers: &Numbers, shape: &Shape, cells: &Cells, gradients: &Coded, directions: &Coded) -> f64 {
+    let descent: f64 =
+        gradients.numbers.iter().zip(&directions.numbers).map(|(gradient, direction)| gradient * direction).sum();
     let squared: f64 = directions.numbers.iter().map(|direction| direction * direction).sum();
-    let mut bend = (numbers.pull * squared / 262_144.0).floor();
+    let mut curvature = (numbers.regularisation * squared / 262_144.0).floor();
     for (x, y) in offsets(numbers) {
-        bend += (directions.sum(shape, cells, x, y) / 512.0).floor().powi(2);
+        curvature += (directions.sum(shape, cells, x, y) / 512.0).floor().powi(2);
     }
-    quotient(descent * 67_108_864.0, bend.max(1.0))
+    quotient(descent * 67_108_864.0, curvature.max(1.0))
 }

@@ -49,10 +49,10 @@ impl Shape {
     /// the template's to even numbers; the longer one is cut until all has room.
     pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
         let area = real(width * height);
-        let step = down((area / real(numbers.pixels)).sqrt(), POSITION).max(numbers.finest);
+        let step = down((area / real(numbers.pixels)).sqrt(), POSITION).max(numbers.least_step);
         let (cover, of) = numbers.cover;
         let cells = |size: i64| whole(nearest(cover * real(size) / (of * real(numbers.cell) * step), 1.0));
-        let cells = |size: i64| cells(size).clamp(numbers.least_cells, numbers.most_cells_on_a_side);
+        let cells = |size: i64| cells(size).clamp(numbers.least_side, numbers.most_side);
         let (across, down) = fitting(cells(width), cells(height), numbers.most_cells);
         let half = |size: i64, cells: i64| {
             whole(nearest(real(size) / (2.0 * step), 1.0)).clamp(2, (cells * numbers.cell).max(4) / 2)
@@ -130,7 +130,7 @@ impl Lattice {
         while self.step / real(side) >= 2.0 {
             side *= 2;
         }
-        Block::new(side, numbers.read_of_a_side)
+        Block::new(side, numbers.read_per_side)
     }
 }
 

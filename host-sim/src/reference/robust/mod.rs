@@ -1,74 +1,79 @@
 //! The robust method in f64, written from its description and meant to be checked against it by eye.
 //!
-//! It takes no number, no table and no arithmetic from `smr-core`, and it is slow. Positions are in pixels, scales in 1; where
-//! the method says on which grid a number lies it is rounded to that grid (`rounding.rs`), so that both trackers walk through
-//! a recording side by side. All sums are of numbers that f64 has exactly.
+//! It takes no number, no table and no arithmetic from `smr-core`, and it is slow. Positions are in pixels of the frame. Where the method
+//! rounds a number, so does the reference (`rounding.rs`), so that all numbers of both trackers are equal in every frame. All sums are
+//! exact in f64.
+//!
+//! The files have the names of the stages in `core/src/track/robust`: `grid` (sampling), `features` (gradients), `filter` (learning),
+//! `response`, `refinement` (displacement, too), `agreement` and `lighting` (verification), `confidence`, `place` (motion and redetection).
 
 mod agreement;
-mod exact;
+mod confidence;
 mod features;
 mod filter;
+mod gaussian;
 mod grid;
-mod label;
-mod light;
-mod look;
+mod lighting;
 mod numbers;
 mod place;
+mod refinement;
+mod response;
 mod rounding;
-mod trust;
 
+pub use confidence::Decision;
 pub use features::Cells;
 pub use grid::{Lattice, Patch, Picture, Shape};
-pub use light::{in_light_of, threshold};
+pub use lighting::{relit, threshold};
 pub use numbers::{Numbers, Parts};
-pub use trust::Belief;
 
 use agreement::Similarity;
-use exact::Nearest;
+use confidence::{FULL, confidence, decision, evidence, running_mean};
 use features::features;
 use filter::{Coded, Filter, Sample};
-use look::{Peak, nearer, peak, responses};
 use place::{Place, sweep, whole_box};
+use refinement::Displaced;
+use response::{Peak, peak, penalised, responses};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
-use trust::{CLEAR, after, belief, confidence, evidence};
 
 /// All that happened in one frame.
 pub struct Step {
     /// The features of the search window, and the filter's responses to them.
     pub cells: Cells,
     pub responses: Vec<f64>,
-    /// Of the place that is answered.
+    /// At the place of the answer.
     pub response: f64,
     pub ratio: f64,
-    pub belief: Belief,
+    pub decision: Decision,
     pub confidence: f64,
     pub scale: f64,
     /// The box: left, top, width, height; and its edges rounded, as left, top, width, height.
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
-    /// Whether it was learned from, whether the sweep looked, and whether it found.
+    /// The filter learned from this frame.
     pub learned: bool,
+    /// A window of the sweep was searched.
     pub swept: bool,
+    /// The sweep found the target.
     pub found: bool,
-    /// Whether it was lost before and is not any more: found by the sweep, or seen again where it was followed.
+    /// The target was lost and is not any more: the sweep found it, or it came back where it was followed.
     pub found_again: bool,
 }
 
-/// What was seen in a window.
-struct Look {
+/// The best place in a search window, and what verifies it.
+struct Candidate {
     cells: Cells,
     responses: Vec<f64>,
     place: Place,
     response: f64,
-    nearest: Nearest,
+    displaced: Displaced,
     agreement: f64,
-    /// What is seen there can show the target.
-    shows: bool,
+    /// The contrast there is enough for the target.
+    can_show: bool,
 }
 
-impl Look {
+impl Candidate {
     fn evidence(&self) -> f64 {
-        if self.shows { evidence(self.agreement, self.response) } else { 0.0 }
+        if self.can_show { evidence(self.agreement, self.response) } else { 0.0 }
     }
 }
 
@@ -86,9 +91,9 @@ pub struct Reference {
     /// A running mean on the grid of 1/256.
     early: Patch,
     /// The running mean of the evidence.
-    trust: f64,
-    /// The scale when it was last tracked.
-    believed: f64,
+    mean_evidence: f64,
+    /// The scale in the last frame with the decision tracking.
+    tracked_scale: f64,
     /// The number of the sweep's next window.
     next_window: i64,
 }
@@ -109,16 +114,16 @@ impl Reference {
             filter.learn(&numbers, &shape, &sample, numbers.first_step);
         }
         Self {
-            similarity: Similarity::new(numbers.scale),
+            similarity: Similarity::new(numbers.similarity_scale),
             frame_size,
             target_size: (width, height),
             shape,
             place,
             velocity: (0.0, 0.0),
             filter,
-            early: middle_of(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
-            trust: CLEAR,
-            believed: 1.0,
+            early: without_margin(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
+            mean_evidence: FULL,
+            tracked_scale: 1.0,
             next_window: 0,
             numbers,
         }
@@ -139,34 +144,35 @@ impl Reference {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
 
-    /// The frame pixels that the next update may read where the target is followed: left, top, right, bottom. The other scales are
-    /// looked at anywhere in the window.
+    /// The frame pixels that the next update may read around the expected place: left, top, right, bottom. Other scales may be
+    /// searched anywhere in the window.
     pub fn region(&self) -> [i64; 4] {
-        let Numbers { parts, reach, size_reach, .. } = self.numbers;
-        let around = |place: Place, reach| self.around(place, reach);
+        let Numbers { parts, reach, scale_reach, .. } = self.numbers;
+        let around = |place: Place, reach| self.region_around(place, reach);
         let centre = self.expected();
-        let mut all = vec![around(centre, reach + self.rim())];
+        let mut all = vec![around(centre, reach + self.margin_cells())];
         if parts.size {
-            let larger = |scale| around(Place { scale, ..centre }, reach + 2 * size_reach);
+            let larger = |scale| around(Place { scale, ..centre }, reach + 2 * scale_reach);
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         let both = |a: [i64; 4], b: [i64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
         all.into_iter().reduce(both).expect("there is a window")
     }
 
-    /// Those that it may read elsewhere: the sweep's window, if a frame without evidence would make the target lost.
+    /// The frame pixels of the sweep's window, if the target would be lost after a frame without evidence.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { parts, reach, .. } = self.numbers;
-        let lost_next = belief(&self.numbers, after(&self.numbers, self.trust, 0.0)) == Belief::Lost;
-        (parts.verification && parts.sweep && lost_next).then(|| self.around(self.sweep(), reach + self.rim()))
+        let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
+        (parts.verification && parts.sweep && lost_next)
+            .then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
     }
 
-    /// The cells that the margin of a view lies on.
-    fn rim(&self) -> i64 {
+    /// The margin of a view in whole cells.
+    fn margin_cells(&self) -> i64 {
         (self.numbers.margin + self.numbers.cell - 1) / self.numbers.cell
     }
 
-    fn around(&self, place: Place, reach: i64) -> [i64; 4] {
+    fn region_around(&self, place: Place, reach: i64) -> [i64; 4] {
         place.window(&self.numbers, &self.shape, reach).region(&self.numbers, self.frame_size)
     }
 
@@ -175,66 +181,66 @@ impl Reference {
         let frame = Picture { pixels: frame, width: self.frame_size.0, height: self.frame_size.1 };
         let parts = self.numbers.parts;
         let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
-        let mut look = self.look(&frame, &coded, centre);
-        let growth = self.refine(&mut look);
-        let was_lost = belief(&self.numbers, self.trust) == Belief::Lost;
+        let mut candidate = self.candidate(&frame, &coded, centre);
+        let growth = self.refine(&mut candidate);
+        let was_lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
         if parts.verification {
-            self.trust = after(&self.numbers, self.trust, look.evidence());
+            self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
         }
-        let lost = belief(&self.numbers, self.trust) == Belief::Lost;
-        let seen = look.evidence() >= self.numbers.learned_from;
+        let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
+        let seen = candidate.evidence() >= self.numbers.learned_from;
         let learned = !lost && (seen || !parts.gated_learning || !parts.verification);
         if learned {
-            towards(&mut self.early, &look.nearest.seen, self.numbers.early_rate);
+            blend(&mut self.early, &candidate.displaced.seen, self.numbers.early_rate);
         }
         // In cells, on a grid of 1/256.
         let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
-        let target = (moved(look.place.x, centre.x), moved(look.place.y, centre.y));
+        let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));
         if parts.size {
-            look.place.scale = match growth {
-                Some(growth) => self.within(look.place.scale + down(look.place.scale * growth, SCALE)),
-                None => self.size(&frame, &coded, &look),
+            candidate.place.scale = match growth {
+                Some(growth) => self.limited(candidate.place.scale + down(candidate.place.scale * growth, SCALE)),
+                None => self.best_scale(&frame, &coded, &candidate),
             };
         }
-        if parts.verification && !look.shows {
-            look.place = self.place;
+        if parts.verification && !candidate.can_show {
+            candidate.place = self.place;
         }
         let followed = |to: f64, from: f64, velocity: f64| {
-            down(velocity + (to - from - velocity) * self.numbers.last_move, POSITION)
+            down(velocity + (to - from - velocity) * self.numbers.velocity_rate, POSITION)
         };
         self.velocity = (
-            followed(look.place.x, self.place.x, self.velocity.0),
-            followed(look.place.y, self.place.y, self.velocity.1),
+            followed(candidate.place.x, self.place.x, self.velocity.0),
+            followed(candidate.place.y, self.place.y, self.velocity.1),
         );
-        let (cells, responses) = (look.cells.clone(), look.responses.clone());
+        let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
         let swept = lost && parts.sweep;
-        let found = if swept { self.find(&frame, &coded, &look) } else { None };
+        let found = if swept { self.redetect(&frame, &coded, &candidate) } else { None };
         self.next_window += i64::from(swept);
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
-            (self.velocity, self.trust) = ((0.0, 0.0), elsewhere.evidence());
-            look = elsewhere;
+            (self.velocity, self.mean_evidence) = ((0.0, 0.0), elsewhere.evidence());
+            candidate = elsewhere;
         }
-        self.place = look.place;
+        self.place = candidate.place;
         if learned {
             let sample = Sample { cells: &cells, responses: &responses, target };
             self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step);
         }
-        let belief = belief(&self.numbers, self.trust);
-        if belief == Belief::Tracking {
-            self.believed = self.place.scale;
+        let decision = decision(&self.numbers, self.mean_evidence);
+        if decision == Decision::Tracking {
+            self.tracked_scale = self.place.scale;
         }
         let (fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
-        let (response, ratio, confidence) = (look.response, look.agreement, confidence(self.trust));
+        let (response, ratio, confidence) = (candidate.response, candidate.agreement, confidence(self.mean_evidence));
         let bbox = whole_box(fine);
-        let (found, found_again) = (is_found, was_lost && belief != Belief::Lost);
+        let (found, found_again) = (is_found, was_lost && decision != Decision::Lost);
         Step {
             cells,
             responses,
             response,
             ratio,
-            belief,
+            decision,
             confidence,
             scale,
             fine,
@@ -248,68 +254,68 @@ impl Reference {
 
     /// Where the target is expected.
     fn expected(&self) -> Place {
-        let part = if self.numbers.parts.velocity { self.numbers.expected } else { 0.0 };
+        let part = if self.numbers.parts.velocity { self.numbers.velocity_part } else { 0.0 };
         self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
     }
 
     /// The sweep's next place.
     fn sweep(&self) -> Place {
-        sweep(&self.numbers, &self.shape, self.frame_size, self.believed, self.next_window)
+        sweep(&self.numbers, &self.shape, self.frame_size, self.tracked_scale, self.next_window)
     }
 
-    fn look(&self, frame: &Picture<'_>, coded: &Coded, centre: Place) -> Look {
+    fn candidate(&self, frame: &Picture<'_>, coded: &Coded, centre: Place) -> Candidate {
         let Numbers { reach, cell, parts, .. } = self.numbers;
         let cells =
             features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
         let responses = responses(&self.shape, coded, &cells, reach);
         let Peak { x, y, response, .. } = if parts.distance_penalty {
-            peak(&nearer(&self.numbers, &responses), reach)
+            peak(&penalised(&self.numbers, &responses), reach)
         } else {
             peak(&responses, reach)
         };
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
-        let nearest = exact::nearest(&self.numbers, &self.similarity, &view, &self.early());
-        let shows = light::shows(&self.numbers, &self.early(), &nearest.seen);
+        let displaced = refinement::displaced(&self.numbers, &self.similarity, &view, &self.early());
+        let can_show = lighting::can_show(&self.numbers, &self.early(), &displaced.seen);
         let agreement =
-            if shows { self.similarity.agreement(&self.numbers, &nearest.seen, &self.early()) } else { 0.0 };
-        Look { cells, responses, place, response, nearest, agreement, shows }
+            if can_show { self.similarity.agreement(&self.numbers, &displaced.seen, &self.early()) } else { 0.0 };
+        Candidate { cells, responses, place, response, displaced, agreement, can_show }
     }
 
-    /// Moves a place to where the early template lies, if it agrees well; then says how much the target has grown, too.
-    fn refine(&self, look: &mut Look) -> Option<f64> {
-        if look.agreement < self.numbers.certain_from {
+    /// Moves the place to the best displacement of the early template, if the agreement is high. Returns the growth of the target.
+    fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
+        if candidate.agreement < self.numbers.refined_from {
             return None;
         }
-        let (nearest, pixel) = (&look.nearest, self.shape.step_at(look.place.scale));
-        let step = exact::step(&self.numbers, &self.early(), &nearest.seen);
-        let place = look.place.moved((real(nearest.x) + step.x) * pixel, (real(nearest.y) + step.y) * pixel);
-        look.place = place.inside(self.frame_size);
+        let (displaced, pixel) = (&candidate.displaced, self.shape.step_at(candidate.place.scale));
+        let step = refinement::step(&self.numbers, &self.early(), &displaced.seen);
+        let place = candidate.place.moved((real(displaced.x) + step.x) * pixel, (real(displaced.y) + step.y) * pixel);
+        candidate.place = place.inside(self.frame_size);
         Some(step.growth)
     }
 
     /// The next smaller scale and the next larger one.
     fn other_scales(&self, scale: f64) -> [f64; 2] {
-        let Numbers { size_step, .. } = self.numbers;
-        [self.within(scale / size_step), self.within(scale * size_step)]
+        let Numbers { scale_step, .. } = self.numbers;
+        [self.limited(scale / scale_step), self.limited(scale * scale_step)]
     }
 
-    /// The next scale that is not larger, among those that a target can have.
-    fn within(&self, scale: f64) -> f64 {
+    /// The scale rounded down, within the bounds.
+    fn limited(&self, scale: f64) -> f64 {
         let most = self.numbers.most_scale;
         down(scale, SCALE).clamp(down(1.0 / most, SCALE), most)
     }
 
-    /// The scale whose response is largest: the last one, the next smaller one, or the next larger one.
-    fn size(&self, frame: &Picture<'_>, coded: &Coded, look: &Look) -> f64 {
-        let Numbers { size_part, size_reach, .. } = self.numbers;
-        let (mut highest, mut best) = (f64::NEG_INFINITY, look.place.scale);
-        let [smaller, larger] = self.other_scales(look.place.scale);
-        for (scale, part) in [(best, FINE), (smaller, size_part), (larger, size_part)] {
-            let window = Place { scale, ..look.place }.window(&self.numbers, &self.shape, size_reach);
+    /// The scale with the highest response: the last one, the next smaller one, or the next larger one.
+    fn best_scale(&self, frame: &Picture<'_>, coded: &Coded, candidate: &Candidate) -> f64 {
+        let Numbers { scale_gain, scale_reach, .. } = self.numbers;
+        let (mut highest, mut best) = (f64::NEG_INFINITY, candidate.place.scale);
+        let [smaller, larger] = self.other_scales(candidate.place.scale);
+        for (scale, part) in [(best, FINE), (smaller, scale_gain), (larger, scale_gain)] {
+            let window = Place { scale, ..candidate.place }.window(&self.numbers, &self.shape, scale_reach);
             let cells = features(&self.numbers, &window.sample(&self.numbers, frame));
-            let peak = peak(&responses(&self.shape, coded, &cells, size_reach), size_reach);
+            let peak = peak(&responses(&self.shape, coded, &cells, scale_reach), scale_reach);
             let counts = (peak.height * part / FINE).floor();
             if counts > highest {
                 (highest, best) = (counts, scale);
@@ -318,23 +324,24 @@ impl Reference {
         best
     }
 
-    /// The lost target, if the sweep's next window has clearly more of it than `followed`.
-    fn find(&self, frame: &Picture<'_>, coded: &Coded, followed: &Look) -> Option<Look> {
+    /// The candidate in the sweep's next window, if its evidence is enough and clearly more than that of `followed`.
+    fn redetect(&self, frame: &Picture<'_>, coded: &Coded, followed: &Candidate) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
-        let look = self.look(frame, coded, self.sweep());
-        (look.evidence() >= found_from && look.evidence() >= followed.evidence() + better_by).then_some(look)
+        let candidate = self.candidate(frame, coded, self.sweep());
+        (candidate.evidence() >= found_from && candidate.evidence() >= followed.evidence() + better_by)
+            .then_some(candidate)
     }
 }
 
-/// What a view has within its margin.
-fn middle_of(numbers: &Numbers, view: &Patch) -> Patch {
+/// A view without its margin.
+fn without_margin(numbers: &Numbers, view: &Patch) -> Patch {
     let margin = numbers.margin;
     let middle = view.cut(margin, margin, view.columns - 2 * margin, view.rows - 2 * margin);
     middle.expect("a view has a margin")
 }
 
 /// Moves a running mean one part in `rate` of the way to `patch`.
-fn towards(mean: &mut Patch, patch: &Patch, rate: f64) {
+fn blend(mean: &mut Patch, patch: &Patch, rate: f64) {
     for (mean, new) in mean.pixels.iter_mut().zip(&patch.pixels) {
         *mean += nearest((new - *mean) * rate, FINE);
     }

@@ -1,13 +1,13 @@
-//! The numbers of the method, all of them, each as its description has it.
+//! All numbers of the method, as its description has them.
 
-/// What the tracker consists of.
+/// The parts that can be left out.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     pub velocity: bool,
     pub distance_penalty: bool,
     pub size: bool,
     pub verification: bool,
-    /// Needs verification, and so does the sweep.
+    /// Needs verification, as the sweep does.
     pub gated_learning: bool,
     pub sweep: bool,
 }
@@ -15,84 +15,92 @@ pub struct Parts {
 #[derive(Clone, Debug)]
 pub struct Numbers {
     pub parts: Parts,
-    /// The grid: the template's most pixels, the least step, how many pixels are read on each side of a block, and pixels on a side of a
-    /// cell.
+    /// Grid: the most pixels of the template; the least step, in pixels of the frame.
     pub pixels: i64,
-    pub finest: f64,
-    pub read_of_a_side: i64,
+    pub least_step: f64,
+    /// Sampling: how many pixels of a block are read on each axis.
+    pub read_per_side: i64,
+    /// Pixels of the grid on a side of a cell.
     pub cell: i64,
-    /// The filter covers .0 / .1 of the box; its least and most cells on a side, and its most cells.
+    /// The filter covers .0 / .1 of the box on each axis.
     pub cover: (f64, f64),
-    pub least_cells: i64,
-    pub most_cells_on_a_side: i64,
+    /// The filter's size in cells: the least and the most on a side, the most in all.
+    pub least_side: i64,
+    pub most_side: i64,
     pub most_cells: i64,
-    /// Features: what is added to a norm, in gray levels, and that which a gradient is multiplied with over its norm.
+    /// Features: what is added to a norm, in gray levels; the gain of a gradient over its norm.
     pub norm_floor: f64,
     pub norm_gain: f64,
     /// How far the filter searches and learns, in cells.
     pub reach: i64,
-    /// The label's standard deviation over the root of the target's area; entries of its table for each, and where it ends.
-    pub bell: (f64, f64),
-    pub bell_entries: f64,
-    pub bell_end: f64,
-    /// What squared weights count; the largest coded number, gathered error, and error.
-    pub pull: f64,
+    /// The label's standard deviation: .0 / .1 of the root of the target's area.
+    pub label_width: (f64, f64),
+    /// The table of the Gaussian: entries for a standard deviation, and after how many it ends.
+    pub gaussian_entries: f64,
+    pub gaussian_end: f64,
+    /// The weight of the squared filter weights in the error.
+    pub regularisation: f64,
+    /// Bounds: of a coded number, of a coded error, and of an error.
     pub most_coded: f64,
     pub most_gathered: f64,
     pub most_error: f64,
-    /// The part of the best length that a step has, and one of those from the first frame.
+    /// The part of the best length that a step has: in an update, and in a lock.
     pub step: f64,
     pub first_step: f64,
-    /// Steps of learning from the first frame; all others take one.
+    /// Steps of a lock. An update takes one.
     pub first_steps: usize,
-    /// By how much less a response counts at the search's edge, in units of 1/256.
+    /// How much less a response counts at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
-    /// The part of the velocity that is expected, and that of the last move in it.
-    pub expected: f64,
-    pub last_move: f64,
-    /// From one scale to the next, what the other scales' responses count in units of 1/256, and how far they are searched.
-    pub size_step: f64,
-    pub size_part: f64,
-    pub size_reach: i64,
-    /// The largest scale; the least is 1 over it.
+    /// Motion: the part of the velocity that is added to the last place, and the weight of the last move in the velocity.
+    pub velocity_part: f64,
+    pub velocity_rate: f64,
+    /// Scale search: the factor between scales, what the other scales' responses count in units of 1/256, and their reach in cells.
+    pub scale_step: f64,
+    pub scale_gain: f64,
+    pub scale_reach: i64,
+    /// The largest scale. The least is 1 over it.
     pub most_scale: f64,
-    /// The part of each patch that the early template learns.
+    /// The weight of a new patch in the early template.
     pub early_rate: f64,
-    /// Agreement: p = exp(-d / scale); contrast of the light may change by the gain; bounds of alpha; parts on a side, and the
-    /// ratio that counts from the least.
-    pub scale: f64,
+    /// Similarity: p = exp(-d / similarity_scale).
+    pub similarity_scale: f64,
+    /// The most that the contrast of the template is changed by.
     pub most_gain: f64,
     pub alpha_bounds: (f64, f64),
-    /// What can show the target at all: its contrast over the early template's is at least this; the part of its pixels that are cut off
-    /// at black or white is not more than the most.
+    /// A patch can show the target if its contrast is at least this part of the early template's, and at most this part of its pixels is
+    /// cut off at black or white.
     pub least_contrast: f64,
     pub most_cut_off: f64,
+    /// Verification: parts on a side, and which of their sorted ratios counts (1 is the least).
     pub parts_across: i64,
-    pub ratio_that_counts: usize,
-    /// How far the template is compared beyond the filter's place and from one place to the next at first, in pixels of the grid; the
-    /// agreement from which on place and size go by its differences; the most that these move, in pixels, and grow, in units of 1/65536.
+    pub counted_ratio: usize,
+    /// Displacement: the most on each axis, and the step of the first nine, in pixels of the grid.
     pub margin: i64,
-    pub far: i64,
-    pub certain_from: f64,
+    pub coarse_step: i64,
+    /// The agreement from which place and size are refined.
+    pub refined_from: f64,
+    /// The most that a Gauss-Newton step moves, in pixels of the grid, and grows, in units of 1/65536.
     pub most_move: f64,
     pub most_growth: f64,
-    /// Sums of squared slopes grow by 1 over `more`, and are divided by a power of two until they are below the most.
-    pub more: f64,
+    /// Each diagonal element of the normal equations grows by 1 / damping of itself.
+    pub damping: f64,
+    /// The elements are divided by a power of two until they are below this.
     pub most_sum: f64,
-    /// Trust: how far the mean moves, in units of 1/256, how much it may be beyond the evidence, and what is believed by the confidence,
-    /// two thirds of it.
-    pub trust_rate: f64,
-    pub beyond: f64,
+    /// Confidence: the weight of a frame in the mean evidence, in units of 1/256; how much the mean may be above the evidence; the bounds
+    /// of the decisions.
+    pub confidence_rate: f64,
+    pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// Evidence from which on a look is learned; from which on a lost target is found, and how much more than elsewhere.
+    /// The evidence from which a frame is learned.
     pub learned_from: f64,
+    /// Redetection: the least evidence, and how much more it must be than at the followed place.
     pub found_from: f64,
     pub better_by: f64,
 }
 
 impl Numbers {
-    /// As measured, with all parts.
+    /// The preset, with all parts.
     pub fn robust() -> Self {
         Self {
             parts: Parts {
@@ -104,20 +112,20 @@ impl Numbers {
                 sweep: true,
             },
             pixels: 1600,
-            finest: 0.5,
-            read_of_a_side: 2,
+            least_step: 0.5,
+            read_per_side: 2,
             cell: 4,
             cover: (7.0, 5.0),
-            least_cells: 4,
-            most_cells_on_a_side: 32,
+            least_side: 4,
+            most_side: 32,
             most_cells: 200,
             norm_floor: 32.0,
             norm_gain: 635.0,
             reach: 8,
-            bell: (1.0, 10.0),
-            bell_entries: 32.0,
-            bell_end: 5.0,
-            pull: 5056.0,
+            label_width: (1.0, 10.0),
+            gaussian_entries: 32.0,
+            gaussian_end: 5.0,
+            regularisation: 5056.0,
             most_coded: 8191.0,
             most_gathered: 16_383.0,
             most_error: 65_535.0,
@@ -125,29 +133,29 @@ impl Numbers {
             first_step: 5.0 / 8.0,
             first_steps: 25,
             distance_penalty: 77.0,
-            expected: 0.5,
-            last_move: 0.5,
-            size_step: 66_847.0 / 65_536.0,
-            size_part: 252.0,
-            size_reach: 1,
+            velocity_part: 0.5,
+            velocity_rate: 0.5,
+            scale_step: 66_847.0 / 65_536.0,
+            scale_gain: 252.0,
+            scale_reach: 1,
             most_scale: 5.0,
             early_rate: 1.0 / 1024.0,
-            scale: 255.0,
+            similarity_scale: 255.0,
             most_gain: 2.0,
             alpha_bounds: (8.0, 100.0),
             least_contrast: 0.25,
             most_cut_off: 0.5,
             parts_across: 4,
-            ratio_that_counts: 4,
+            counted_ratio: 4,
             margin: 3,
-            far: 2,
-            certain_from: 55_000.0,
+            coarse_step: 2,
+            refined_from: 55_000.0,
             most_move: 1.0,
             most_growth: 1310.0,
-            more: 64.0,
+            damping: 64.0,
             most_sum: 4096.0,
-            trust_rate: 77.0,
-            beyond: 29_000.0,
+            confidence_rate: 77.0,
+            most_lead: 29_000.0,
             lost_below: 19_200.0,
             uncertain_below: 32_500.0,
             learned_from: 37_500.0,

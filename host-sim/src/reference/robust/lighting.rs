@@ -1,4 +1,4 @@
-//! Light: a template with the brightness and the contrast of what is seen.
+//! Lighting: a template with the brightness and the contrast of what is seen.
 
 use super::Numbers;
 use super::grid::Patch;
@@ -11,15 +11,15 @@ fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
-/// alpha of a comparison with `seen`: its mean absolute deviation, rounded down, within bounds.
+/// The threshold alpha of a comparison with `seen`: its mean absolute deviation, rounded down, within bounds.
 pub fn threshold(numbers: &Numbers, seen: &Patch) -> f64 {
     let (_, deviation) = mean_and_deviation(seen);
     let (least, most) = numbers.alpha_bounds;
     (deviation / real(seen.columns * seen.rows)).floor().clamp(least, most)
 }
 
-/// Whether `seen` can show `target`: it has at least a part of its contrast, and not too many of its pixels are cut off at black or white.
-pub fn shows(numbers: &Numbers, target: &Patch, seen: &Patch) -> bool {
+/// True if `seen` can show `target`: its contrast is large enough, and not too many of its pixels are cut off at black or white.
+pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch) -> bool {
     let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
     let cut_off = seen.pixels.iter().filter(|&&pixel| pixel <= 0.0 || pixel >= 255.0).count();
     #[allow(clippy::cast_precision_loss)] // a few thousand
@@ -28,7 +28,7 @@ pub fn shows(numbers: &Numbers, target: &Patch, seen: &Patch) -> bool {
 }
 
 /// `template` in the light of `seen`: the gain is on a grid of 1/256, its product with a deviation is rounded down.
-pub fn in_light_of(numbers: &Numbers, template: &Patch, seen: &Patch) -> Patch {
+pub fn relit(numbers: &Numbers, template: &Patch, seen: &Patch) -> Patch {
     let (was, is) = (mean_and_deviation(template), mean_and_deviation(seen));
     // Of a template without contrast nothing but its mean is left, whatever the gain.
     let gain = down(is.1 / was.1.max(1.0), FINE).clamp(1.0 / numbers.most_gain, numbers.most_gain);

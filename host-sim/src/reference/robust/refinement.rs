@@ -1,29 +1,29 @@
-//! Where exactly: the early template at pixel resolution around a place, and what its differences say of place and size.
+//! The exact place and size: the best displacement of the early template in pixels of the grid, then a Gauss-Newton step.
 
 use super::Numbers;
 use super::agreement::Similarity;
 use super::grid::Patch;
-use super::light::{in_light_of, threshold};
+use super::lighting::{relit, threshold};
 use super::rounding::{SCALE, SUB, real, to_zero};
 
-/// What the early template agrees with best in a view.
-pub struct Nearest {
+/// The best displacement of the early template in a view.
+pub struct Displaced {
     /// From the view's middle, in pixels of the grid.
     pub x: i64,
     pub y: i64,
     pub seen: Patch,
 }
 
-/// By its score in the light of the middle: of nine places two pixels apart, then of those around the best of them. Places come row by row,
-/// but the middle first; the first of equals is the best.
-pub fn nearest(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch) -> Nearest {
+/// Scores nine displacements two pixels apart, then the eight around the best of them, with the template in the light of the middle. Of
+/// equal scores the first wins; the middle comes first, the others row by row.
+pub fn displaced(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch) -> Displaced {
     let margin = numbers.margin;
     let cut =
         |x: i64, y: i64| view.cut(margin + x, margin + y, early.columns, early.rows).expect("it lies in the view");
     let middle = cut(0, 0);
-    let (lit, alpha) = (in_light_of(numbers, early, &middle), threshold(numbers, &middle));
+    let (lit, alpha) = (relit(numbers, early, &middle), threshold(numbers, &middle));
     let (mut best, mut highest) = ((0, 0), similarity.score(&middle, &lit, alpha));
-    for step in [numbers.far, 1] {
+    for step in [numbers.coarse_step, 1] {
         let (x, y) = best;
         for (right, down) in (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down))) {
             let place = (x + step * right, y + step * down);
@@ -33,20 +33,20 @@ pub fn nearest(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: 
             }
         }
     }
-    Nearest { x: best.0, y: best.1, seen: cut(best.0, best.1) }
+    Displaced { x: best.0, y: best.1, seen: cut(best.0, best.1) }
 }
 
-/// Right and down in pixels of the grid, on a grid of 1/64, and the growth, on one of 1/65536.
+/// Right and down in pixels of the grid, in steps of 1/64; the growth in steps of 1/65536.
 pub struct Step {
     pub x: f64,
     pub y: f64,
     pub growth: f64,
 }
 
-/// The Gauss-Newton step from the early template to what is seen: the least squares of difference + slope * (x, y) + outward * growth, the
-/// slope being that of both pictures' mean.
+/// The Gauss-Newton step from the early template to what is seen: the least squares of difference + slope * (x, y) + outward * growth. The
+/// slope is that of the mean of both pictures.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch) -> Step {
-    let (lit, alpha) = (in_light_of(numbers, early, seen), threshold(numbers, seen));
+    let (lit, alpha) = (relit(numbers, early, seen), threshold(numbers, seen));
     let mut sums = [[0.0; 4]; 3];
     for (y, x) in (1..seen.rows - 1).flat_map(|y| (1..seen.columns - 1).map(move |x| (y, x))) {
         let both = |x: i64, y: i64| seen.row(x, y, 1)[0] + lit.row(x, y, 1)[0];
@@ -62,9 +62,9 @@ pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch) -> Step {
     solve(numbers, sums)
 }
 
-/// Each row is an equation: three coefficients, and what their sum is.
+/// Solves three equations. A row holds three coefficients and the right side.
 fn solve(numbers: &Numbers, sums: [[f64; 4]; 3]) -> Step {
-    let square = |at: usize| sums[at][at] + (sums[at][at] / numbers.more).floor();
+    let square = |at: usize| sums[at][at] + (sums[at][at] / numbers.damping).floor();
     let largest = (0..3).map(square).fold(0.0, f64::max);
     let mut unit = 1.0;
     while (largest / unit).floor() >= numbers.most_sum {

@@ -1,4 +1,4 @@
-//! A look: the responses at all offsets of a window, and their peak.
+//! The filter's responses at all offsets of a search window, and their peak.
 
 use super::Numbers;
 use super::features::Cells;
@@ -12,9 +12,9 @@ pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec
     (0..span).flat_map(|y| (0..span).map(move |x| coded.response(shape, cells, x, y))).collect()
 }
 
-/// The same, positive ones lessened by the square of their distance to the middle: at the search's edge, and farther, by
-/// `distance_penalty` / 256. Both roundings are downwards.
-pub fn nearer(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
+/// The responses with the penalty for their distance to the middle. It grows with the squared distance, up to `distance_penalty` / 256 at
+/// the edge of the search. Negative responses stay as they are. Both roundings are downwards.
+pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
     let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
     let less = |(at, &response): (i64, &f64)| {
@@ -25,12 +25,13 @@ pub fn nearer(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     (0..).zip(responses).map(less).collect()
 }
 
-/// Where the largest response is (of equals the middle one, or the first), in cells from the middle, refined on each axis by a parabola; how large; and how
-/// high both parabolas' tops are.
+/// The largest response. Of equal ones it is the one in the middle, else the first.
 pub struct Peak {
+    /// In cells from the middle, refined on each axis by a parabola.
     pub x: f64,
     pub y: f64,
     pub response: f64,
+    /// The response at the top of both parabolas.
     pub height: f64,
 }
 
@@ -55,8 +56,8 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
     Peak { x: real(x - reach) + across, y: real(y - reach) + down, response, height: response + wider + deeper }
 }
 
-/// How far the top of the parabola through three responses, one apart, lies from the middle one: at most half, on a grid of
-/// 1/256 towards 0; and how much higher than it, rounded down. 0 if it has none.
+/// The top of the parabola through three neighbouring responses: its distance from the middle one (at most 1/2, rounded towards 0 to
+/// 1/256) and its height above it (rounded down). Both are 0 if the parabola has no top.
 fn top(before: f64, at: f64, after: f64) -> (f64, f64) {
     let bend = before - 2.0 * at + after;
     if bend >= 0.0 {

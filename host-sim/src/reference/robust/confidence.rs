@@ -1,0 +1,42 @@
+//! Confidence: the evidence of a frame, its running mean, and the decision that follows. All in units of 1/65536, rounded down.
+
+use super::Numbers;
+use super::gaussian::ONE;
+
+/// What the reference decides after a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    Tracking,
+    Uncertain,
+    Lost,
+}
+
+/// The agreement plus the response, which counts 1/2 at most.
+pub fn evidence(agreement: f64, response: f64) -> f64 {
+    agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
+}
+
+/// The most evidence there can be. The mean begins with it.
+pub const FULL: f64 = 98304.0;
+
+/// The running mean after a frame. It may be at most [`Numbers::most_lead`] above the evidence of that frame.
+pub fn running_mean(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
+    let mean = mean + ((evidence - mean) * numbers.confidence_rate / 256.0).floor();
+    mean.min(evidence + numbers.most_lead)
+}
+
+pub fn decision(numbers: &Numbers, mean: f64) -> Decision {
+    let confidence = confidence(mean);
+    if confidence < numbers.lost_below {
+        Decision::Lost
+    } else if confidence < numbers.uncertain_below {
+        Decision::Uncertain
+    } else {
+        Decision::Tracking
+    }
+}
+
+/// Two thirds of the mean: 0 to 65535.
+pub fn confidence(mean: f64) -> f64 {
+    (mean.max(0.0) * 2.0 / 3.0).floor().min(65535.0)
+}
