@@ -1,6 +1,6 @@
 //! Times the same searches with every backend, the plain SAD search and OpenCV, in one run.
 
-use super::case::{Case, Size, Triple};
+use super::case::{self, Case, Size, Triple};
 use super::opencv::{Followed, Search};
 use super::sad::Sad;
 use crate::clock::{Budget, Patience, shortest, timed};
@@ -154,8 +154,8 @@ impl Searches {
 }
 
 /// One way in one case.
-struct Done {
-    time: Duration,
+pub(super) struct Done {
+    pub time: Duration,
     /// With all that had to be prepared, and all repetitions.
     spent: Duration,
     work: Option<u64>,
@@ -174,7 +174,7 @@ impl Way {
                 done.work = if pruning { done.work } else { Some(case.comparisons()) };
                 Ok(Some(done))
             }
-            Self::Robust(backend) => update(case, &mut *Case::robust(backend)?, patience).map(Some),
+            Self::Robust(backend) => update(case, &mut *case::robust(backend)?, patience).map(Some),
             Self::Sad(sad) => Ok(Some(least_sum(case, sad, patience)?)),
             Self::OpenCv | Self::Csrt => Ok(None),
         });
@@ -182,7 +182,7 @@ impl Way {
     }
 }
 
-fn update<T: Target>(case: &Case, tracker: &mut Tracker<T>, patience: Patience) -> Result<Done> {
+pub(super) fn update<T: Target>(case: &Case, tracker: &mut Tracker<T>, patience: Patience) -> Result<Done> {
     let mut answer = None;
     // The search changes the tracker: each time it starts from the same state.
     let time = shortest(patience, || {

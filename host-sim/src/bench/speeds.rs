@@ -1,7 +1,8 @@
 //! Frames per second by size of template and of window, with the fastest backend of this machine.
 
-use super::case::{Case, Size, Triple};
-use crate::clock::{Budget, Patience, shortest, timed};
+use super::case::{self, Case, Size, Triple};
+use super::searches;
+use crate::clock::{Budget, Patience, timed};
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::Serialize;
@@ -85,8 +86,7 @@ impl Speeds {
             (!seconds.is_empty()).then(|| 1.0 / Spread::of(&seconds).median.max(1e-9))
         };
         let row = |cell: &Cell| {
-            let Radius { x, y } = cell.radius;
-            let offsets = (2 * u32::from(x) + 1) * (2 * u32::from(y) + 1);
+            let offsets = case::offsets(cell.radius);
             let [pruned, exhaustive] = cell.times.each_ref().map(speed);
             Speed { template: cell.template, window: cell.radius, offsets, pruned, exhaustive }
         };
@@ -96,11 +96,5 @@ impl Speeds {
 
 fn update(case: &Case, pruning: bool, patience: Patience) -> Result<Duration> {
     let mut tracker = case.tracker(Backend::best(), pruning)?;
-    shortest(patience, || {
-        case.prepare(&mut tracker)?;
-        let frame = case.frame();
-        let (result, time) = timed(|| tracker.update(&frame));
-        result?;
-        Ok(time)
-    })
+    Ok(searches::update(case, &mut tracker, patience)?.time)
 }

@@ -3,18 +3,17 @@
 use super::number::from;
 use super::places::Places;
 use super::recording_options::RecordingOptions;
-use super::recordings::recordings;
-use super::robustness::{self, end, progress_bar, say_what_failed};
+use super::robustness::{self, end, say_what_failed};
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, progress};
+use super::{Outcome, progress, tell};
 use crate::evaluate::robustness::{Former, Robustness, Starts};
 use crate::evaluate::{self, Evaluation, Layout, MethodKind, Results, Variant, published};
 use crate::evaluate::{covered, faults};
-use crate::output::{Output, print};
+use crate::output::Output;
 use crate::report::calibration;
 use crate::report::diagram::Form;
 use crate::sequence::fault::{Fault, Faults};
-use crate::sequence::{self, FrameRange, OpenOptions, Resize, Sequence, slow, synthetic};
+use crate::sequence::{self, OpenOptions, Resize, Sequence, slow, synthetic};
 use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -40,7 +39,7 @@ pub struct Eval {
     ///
     /// One line x1,y1,x2,y2 for each frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
     /// last frame are ignored.
-    #[arg(long, conflicts_with = "resize")]
+    #[arg(long, conflicts_with_all = ["resize", "frames"])]
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
@@ -107,10 +106,6 @@ pub struct Eval {
     /// How the tables are written
     #[arg(long, value_enum, default_value_t, conflicts_with_all = ["json", "robustness"])]
     format: Layout,
-    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
-    /// from is the one that the ground truth has there
-    #[arg(long, value_name = "A..B", conflicts_with = "compare")]
-    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -124,7 +119,6 @@ impl Eval {
     }
 
     pub fn run(mut self) -> Result<Outcome> {
-        self.recording = self.recording.of_frames(self.frames);
         if (!self.fault.is_empty() || self.covered) && self.method.is_empty() {
             self.method = faults::METHODS.to_vec();
         }
@@ -143,9 +137,7 @@ impl Eval {
             return self.measure_covered(&variants);
         }
 
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let found = found?.concat();
-        self.recording.check_for(found.len())?;
+        let found = self.recording.find(&self.paths)?;
         // The paper's recordings have the paper's table, with all that can stand in it.
         let table = self.says_nothing() && found.iter().all(|path| is_published(path));
         let variants = if table { Variant::all() } else { variants };
@@ -166,7 +158,9 @@ impl Eval {
         }
         let failed = say_what_failed(&failures, NAME);
         say_what_to_know(&evaluations);
-        self.print(&Results::new(&evaluations))?;
+        let results = Results::new(&evaluations);
+        let text = results.text(self.format)?;
+        tell(self.json, &results.rows(), |_, out| out.write_all(text.as_bytes()))?;
         end(failed)
     }
 
@@ -214,12 +208,11 @@ impl Eval {
                 list.push(*fault);
             }
         }
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let (mut all, mut failures) = (faults::Measured::default(), Vec::new());
         // One recording after the other is in memory; its runs are spread over the threads that there are.
-        let found = found?.concat();
+        let found = self.recording.find(&self.paths)?;
         let recordings = found.len();
-        let bar = progress::bar("faults", Some(recordings));
+        let bar = progress::of("faults", Some(recordings), "recordings");
         for path in found {
             match self.recording.open(&path).and_then(|sequence| faults::measure(sequence, variants, &list)) {
                 Ok(measured) => all.add(measured),
@@ -233,17 +226,15 @@ impl Eval {
         }
         let failed = say_what_failed(&failures, NAME);
         let rows = all.rows(variants, &list);
-        let text =
-            if self.json { serde_json::to_string_pretty(&rows)? + "\n" } else { faults::table(&rows, self.format)? };
-        print(|out| out.write_all(text.as_bytes()))?;
+        let table = faults::table(&rows, self.format)?;
+        tell(self.json, &rows, |_, out| out.write_all(table.as_bytes()))?;
         end(failed)
     }
 
     fn measure_covered(&self, variants: &[Variant]) -> Result<Outcome> {
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let found = found?.concat();
+        let found = self.recording.find(&self.paths)?;
         let generated = slow::sequences();
-        let bar = progress::bar("covered", Some(found.len() + generated.len()));
+        let bar = progress::of("covered", Some(found.len() + generated.len()), "recordings");
         let measure = |sequence: Result<Sequence>, other: &Path| {
             let measured = sequence.and_then(|sequence| self.cover(sequence, other, variants));
             bar.inc(1);
@@ -262,9 +253,8 @@ impl Eval {
         let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), NAME);
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
-        let text =
-            if self.json { serde_json::to_string_pretty(&results)? + "\n" } else { results.text(self.format)? };
-        print(|out| out.write_all(text.as_bytes()))?;
+        let text = results.text(self.format)?;
+        tell(self.json, &results, |_, out| out.write_all(text.as_bytes()))?;
         end(failed)
     }
 
@@ -280,19 +270,17 @@ impl Eval {
     }
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        let text = if self.json {
-            serde_json::to_string_pretty(robustness)? + "\n"
-        } else {
+        tell(self.json, robustness, |robustness, out| {
             let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table());
-            let parts = [robustness.table(), robustness.paired_table(), calibration];
-            parts.iter().filter(|part| !part.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n")
-        };
-        print(|out| out.write_all(text.as_bytes()))
+            let mut parts = vec![robustness.table(), robustness.paired_table(), calibration];
+            parts.retain(|part| !part.is_empty());
+            out.write_all(parts.join("\n").as_bytes())
+        })
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
     fn evaluate(&self, paths: &[PathBuf], variants: &[Variant], compare: bool) -> Vec<Result<Evaluation>> {
-        let bar = progress_bar();
+        let bar = progress::bar(NAME, Some(0));
         let one = |path: &PathBuf| self.evaluate_one(path, variants, compare, &bar);
         let evaluations = paths.par_iter().map(one).collect();
         bar.finish_and_clear();
@@ -301,21 +289,13 @@ impl Eval {
 
     fn evaluate_one(&self, path: &Path, variants: &[Variant], compare: bool, bar: &ProgressBar) -> Result<Evaluation> {
         let mut sequence = self.recording.open(path)?;
-        if let Some(frames) = self.frames {
+        if let Some(frames) = self.recording.frames {
             // What is published is of all frames: under this name there is nothing.
             sequence.name = format!("{} {frames}", sequence.name);
         }
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
         let files = if compare { evaluate::result_files(path)? } else { Vec::new() };
         evaluate::evaluate(sequence, variants, &files, || bar.inc(1))
-    }
-
-    fn print(&self, results: &Results) -> Result<()> {
-        let text = match self.json {
-            true => serde_json::to_string_pretty(&results.rows())? + "\n",
-            false => results.text(self.format)?,
-        };
-        print(|out| out.write_all(text.as_bytes()))
     }
 }
 

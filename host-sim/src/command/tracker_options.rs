@@ -182,7 +182,7 @@ impl TrackerOptions {
         let first = |index: usize| !methods[..index].contains(&methods[index]);
         let variant = |index: usize| {
             let kind = methods[index];
-            Variant::new(kind, &configs).given(self.options_of(kind))
+            Variant { options: self.options_of(kind), ..Variant::new(kind, &configs) }
         };
         Ok((0..methods.len()).filter(|&index| first(index)).map(variant).collect())
     }
@@ -193,7 +193,7 @@ impl TrackerOptions {
     /// An option that it does not take, or that is out of range.
     pub fn variant(&self, method: MethodKind) -> Result<Variant> {
         self.check_for(&[method])?;
-        Ok(Variant::new(method, &self.configs()?).given(self.options_of(method)))
+        Ok(Variant { options: self.options_of(method), ..Variant::new(method, &self.configs()?) })
     }
 
     /// All that is given, in the order of the help.

@@ -29,7 +29,7 @@ impl Variant {
     /// # Errors
     /// A number of the configuration that smr-core cannot use.
     pub fn build(&self) -> Result<Box<dyn Method>> {
-        self.kind.build(self.configs())
+        self.kind.build(&self.configs)
     }
 }
 

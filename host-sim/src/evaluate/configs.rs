@@ -34,10 +34,11 @@ impl From<robust::Config> for Configs {
 pub struct Variant {
     pub name: String,
     pub kind: MethodKind,
-    configs: Configs,
+    pub configs: Configs,
     /// As on the command line, where they are given.
-    options: Map<String, Value>,
-    inclusive: bool,
+    pub options: Map<String, Value>,
+    /// Whether the right and lower edges of the box to start from belong to it.
+    pub inclusive: bool,
 }
 
 /// What a figure or an answer is of: in every JSON object that is printed.
@@ -64,26 +65,9 @@ impl Variant {
         Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
     }
 
-    /// The same, with the options that led to its configuration.
-    #[must_use]
-    pub fn given(self, options: Map<String, Value>) -> Self {
-        Self { options, ..self }
-    }
-
     #[must_use]
     pub fn origin(&self) -> Origin {
         Origin::new(self.kind, self.options.clone())
-    }
-
-    #[must_use]
-    pub const fn configs(&self) -> &Configs {
-        &self.configs
-    }
-
-    /// The same under another name.
-    #[must_use]
-    pub fn named(self, name: String) -> Self {
-        Self { name, ..self }
     }
 
     /// All that is set beside each other: both readings of the paper, the robust tracker, and the baselines.
@@ -93,10 +77,11 @@ impl Variant {
         let mut other = paper;
         other.k = Fraction::new(7, 20);
         let options = Map::from_iter([("k".to_owned(), "7/20".into()), ("inclusive".to_owned(), true.into())]);
-        let other = Self { inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
+        let name = "smr, k = 7/20, inclusive".to_owned();
+        let other = Self { name, inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
         let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());
         let mut all: Vec<Self> = MethodKind::value_variants().iter().map(of_kind).collect();
-        all.insert(1, other.named("smr, k = 7/20, inclusive".to_owned()));
+        all.insert(1, other);
         all
     }
 

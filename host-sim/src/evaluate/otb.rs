@@ -10,7 +10,7 @@
 //! A frame without an answer is in neither. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the
 //! benchmark's own code.
 
-use super::trajectory::Trajectory;
+use super::Trajectory;
 use crate::sequence::BoundingBox;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! What was measured, as one matrix: contestants down, sequences across. Everything that is printed comes from here.
 
-use super::means::{mean, standard_error};
+use super::means::Named;
 use super::{Contestant, Evaluation, Origin, Score, published};
 use serde::Serialize;
 
@@ -28,53 +28,24 @@ pub(super) const MEASURED: &str = "measured";
 /// What marks a mean over recordings.
 const MEAN: &str = "mean";
 
-/// The figures that have a mean over recordings; each recording counts alike.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Fractions {
-    pub precision: f64,
-    pub recall: f64,
-    pub f: f64,
-    pub mean_iou: f64,
-    pub otb_auc: f64,
-    pub otb_precision: f64,
-    pub vot_f: f64,
-}
-
-impl Fractions {
-    fn of(score: &Score) -> [f64; 7] {
-        let (otb, vot) = (score.otb.unwrap_or_default(), score.vot.unwrap_or_default());
-        let tld = [score.precision, score.recall, score.f, score.mean_iou];
-        [tld[0], tld[1], tld[2], tld[3], otb.otb_auc, otb.otb_precision, vot.vot_f]
-    }
-
-    fn from_values([precision, recall, f, mean_iou, otb_auc, otb_precision, vot_f]: [f64; 7]) -> Self {
-        Self { precision, recall, f, mean_iou, otb_auc, otb_precision, vot_f }
-    }
-
-    pub(super) const fn values(self) -> [f64; 7] {
-        [self.precision, self.recall, self.f, self.mean_iou, self.otb_auc, self.otb_precision, self.vot_f]
-    }
-}
-
 /// The means over recordings.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Means {
     pub recordings: usize,
-    pub mean: Fractions,
-    pub standard_error: Fractions,
+    pub mean: Named,
+    pub standard_error: Named,
 }
 
 impl Line {
-    /// `None` of fewer than two recordings.
+    /// `None` of fewer than two recordings; each of them counts alike.
     pub fn means(&self) -> Option<Means> {
-        let scores: Vec<[f64; 7]> = self.scores.iter().flatten().map(Fractions::of).collect();
-        let column = |figure: usize| scores.iter().map(|score| score[figure]).collect::<Vec<_>>();
-        let over = |of: fn(&[f64]) -> f64| Fractions::from_values(std::array::from_fn(|figure| of(&column(figure))));
-        (scores.len() > 1).then(|| Means {
-            recordings: scores.len(),
-            mean: over(mean),
-            standard_error: over(|values| standard_error(values).unwrap_or(0.0)),
-        })
+        let fractions = |score: &Score| {
+            let with_mean = Score::FIGURES.iter().filter(|figure| figure.has_mean);
+            Named(with_mean.map(|figure| (figure.key, (figure.of)(score).unwrap_or(0.0))).collect())
+        };
+        let scores: Vec<Named> = self.scores.iter().flatten().map(fractions).collect();
+        let (mean, standard_error) = (Named::mean(&scores), Named::standard_error(&scores)?);
+        Some(Means { recordings: scores.len(), mean, standard_error })
     }
 }
 
@@ -135,9 +106,9 @@ impl Results {
 
     fn means(&self) -> impl Iterator<Item = Row<'_>> {
         self.lines.iter().filter_map(|line| {
-            let (origin, tracker, score) =
-                (line.contestant.origin(), line.contestant.name(), Figures::Mean(line.means()?));
-            Some(Row { origin, tracker, source: MEAN, sequence: None, score })
+            let Contestant { name, origin } = &line.contestant;
+            let score = Figures::Mean(line.means()?);
+            Some(Row { origin: origin.as_ref(), tracker: name, source: MEAN, sequence: None, score })
         })
     }
 
@@ -147,9 +118,9 @@ impl Results {
         let rows = self.lines.iter().flat_map(|line| {
             let scores = self.sequences.iter().zip(&line.scores);
             scores.filter_map(|(sequence, score)| {
-                let (tracker, sequence) = (line.contestant.name(), Some(sequence.name.as_str()));
-                let score = Figures::Measured(score.as_ref()?);
-                Some(Row { origin: line.contestant.origin(), tracker, source: MEASURED, sequence, score })
+                let Contestant { name, origin } = &line.contestant;
+                let (score, sequence) = (Figures::Measured(score.as_ref()?), Some(sequence.name.as_str()));
+                Some(Row { origin: origin.as_ref(), tracker: name, source: MEASURED, sequence, score })
             })
         });
         rows.collect()
@@ -174,9 +145,9 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
         }
     }
     // The sort is stable: methods, being equal here, keep their order.
-    all.sort_by(|a, b| match (a, b) {
-        (Contestant::File(a), Contestant::File(b)) => natord::compare(a, b),
-        (a, b) => matches!(a, Contestant::File(_)).cmp(&matches!(b, Contestant::File(_))),
+    all.sort_by(|a, b| match (&a.origin, &b.origin) {
+        (None, None) => natord::compare(&a.name, &b.name),
+        (a, b) => a.is_none().cmp(&b.is_none()),
     });
     all
 }
