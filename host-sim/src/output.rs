@@ -25,9 +25,7 @@ struct Whole {
 
 impl Output {
     /// Begins the file `name`. To be called before the work of which it will hold the result.
-    ///
-    /// # Errors
-    /// There is no such folder, it cannot be written to, or `name` is a folder.
+    /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
         Self::at(name, name)
     }
@@ -41,21 +39,15 @@ impl Output {
     }
 
     /// Where another program writes what will have the name; `None` of a device or a pipe.
-    #[must_use]
     pub fn path(&self) -> Option<&Path> {
         self.whole.as_ref().map(|whole| &*whole.path)
     }
 
-    /// # Errors
-    /// The disk's, for example that it is full.
     pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
         self.file.write_all(bytes).with_context(|| cannot_write(&self.name))
     }
 
     /// Gives the file its name.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn finish(self) -> Result<()> {
         let Self { name, mut file, whole } = self;
         let finish = || {
@@ -107,9 +99,6 @@ fn open(name: &Path) -> io::Result<(fs::File, Option<Whole>)> {
 }
 
 /// Writes the file `name`.
-///
-/// # Errors
-/// As [`Output`]'s.
 pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     let mut output = Output::create(name)?;
     output.write(bytes)?;
@@ -125,9 +114,7 @@ pub struct Folder {
 
 impl Folder {
     /// Begins the folder `name`, with all folders above it.
-    ///
-    /// # Errors
-    /// There is something in it, or it cannot be made.
+    /// Errors: There is something in it, or it cannot be made.
     pub fn create(name: &Path) -> Result<Self> {
         if fs::symlink_metadata(name).is_ok() {
             let mut entries = fs::read_dir(name).with_context(|| cannot_make(name))?;
@@ -142,23 +129,16 @@ impl Folder {
     }
 
     /// Where its files are written until it has its name.
-    #[must_use]
     pub fn path(&self) -> &Path {
         self.made.path()
     }
 
     /// Begins a file in it.
-    ///
-    /// # Errors
-    /// As [`Output::create`].
     pub fn file(&self, name: &str) -> Result<Output> {
         Output::at(&self.path().join(name), &self.name.join(name))
     }
 
     /// Writes a file in it.
-    ///
-    /// # Errors
-    /// As [`Output`]'s.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let mut output = self.file(name)?;
         output.write(bytes)?;
@@ -166,9 +146,6 @@ impl Folder {
     }
 
     /// Gives the folder its name.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn finish(self) -> Result<()> {
         let Self { name, made, _kept } = self;
         let finish = || -> io::Result<()> {
@@ -204,24 +181,20 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// # Errors
-    /// The system has no place for it.
+    /// Errors: The system has no place for it.
     pub fn create() -> Result<Self> {
         let make = || tempfile::Builder::new().prefix("smr-").tempdir();
         let (made, _kept) = ending::folder(make).context("cannot make a temporary folder")?;
         Ok(Self { made, _kept })
     }
 
-    #[must_use]
     pub fn path(&self) -> &Path {
         self.made.path()
     }
 }
 
 /// Writes to standard output.
-///
-/// # Errors
-/// Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
+/// Errors: Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
 pub fn print(text: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
     let mut out = io::stdout().lock();
     text(&mut out).and_then(|()| out.flush()).context("cannot write to standard output")

@@ -31,18 +31,14 @@ pub struct Triple {
 }
 
 /// How many triples [`triples`] gives.
-///
-/// # Errors
-/// There is no ground truth.
+/// Errors: There is no ground truth.
 pub fn count(sequence: &Sequence, every: usize) -> Result<usize> {
     let truth = truth_of(&sequence.name, sequence.truth.as_deref())?;
     Ok(truth.iter().take(truth.len().saturating_sub(2)).step_by(every).flatten().count())
 }
 
 /// Every `every`th frame in which the target is visible, with the two after it.
-///
-/// # Errors
-/// A frame that cannot be read, no ground truth, no box to start from.
+/// Errors: A frame that cannot be read, no ground truth, no box to start from.
 pub fn triples(sequence: Sequence, every: usize, mut found: impl FnMut(&Triple) -> Result<()>) -> Result<()> {
     let start = sequence.start()?;
     let truth = truth_of(&sequence.name, sequence.truth)?;
@@ -74,9 +70,6 @@ pub struct Case {
 impl Case {
     /// A template of `size`, as close to the middle of the target as leaves the window of `radius` inside the frame.
     /// `None` if there is no room: the window does not fit, or the target has moved to the edge.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn new(triple: &Triple, size: Size, radius: Radius) -> Result<Option<Self>> {
         let Some(target) = place(triple, size, radius) else { return Ok(None) };
         let frames = triple.frames.clone();
@@ -93,44 +86,32 @@ impl Case {
     }
 
     /// Comparisons of two pixels in an exhaustive search: offsets times pixels of the template.
-    #[must_use]
     pub fn comparisons(&self) -> u64 {
         u64::from(offsets(self.radius)) * u64::from(self.template.width) * u64::from(self.template.height)
     }
 
     /// A tracker of the paper's with this window, without a target.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn tracker(&self, backend: Backend, pruning: bool) -> Result<Box<Tracker<Paper>>> {
         tracker(backend, pruning, self.radius)
     }
 
     /// The frame that is searched.
-    #[must_use]
     pub fn frame(&self) -> smr_core::Frame<'_> {
         self.frames[2].frame()
     }
 
     /// Brings a tracker, whatever it did before, to the state before the search.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn prepare<T: Target>(&self, tracker: &mut Tracker<T>) -> Result<()> {
         prepare(tracker, &self.frames, self.target)
     }
 }
 
 /// The offsets of a window.
-#[must_use]
 pub fn offsets(radius: Radius) -> u32 {
     (2 * u32::from(radius.x) + 1) * (2 * u32::from(radius.y) + 1)
 }
 
 /// A robust tracker without a target. Its window is its own.
-///
-/// # Errors
-/// The tracker's.
 pub fn robust(backend: Backend) -> Result<Box<Tracker<Robust>>> {
     let mut config = robust::Config::robust();
     config.backend = Some(backend);

@@ -44,7 +44,6 @@ impl fmt::Display for Way {
 
 impl Way {
     /// What this machine can run of `methods` and beside them; the fastest backends first.
-    #[must_use]
     pub fn all(methods: &[CoreKind]) -> Vec<Self> {
         let of_method = |method: &CoreKind| match method {
             CoreKind::Smr => {
@@ -84,7 +83,6 @@ pub struct Timed {
 
 impl Searches {
     /// Nothing timed yet. Each way may take `each` in all, for about `expected` cases.
-    #[must_use]
     pub fn new(radius: Radius, size: Size, ways: &[Way], each: Duration, expected: u32) -> Self {
         let timed = |&way| Timed { way, times: vec![], work: vec![], budget: Budget::new(each, expected) };
         let ways = ways.iter().map(timed).collect();
@@ -92,9 +90,7 @@ impl Searches {
     }
 
     /// Times the search of `triple` in every way that runs here.
-    ///
-    /// # Errors
-    /// The tracker fails, or a SAD search finds another place.
+    /// Errors: The tracker fails, or a SAD search finds another place.
     pub fn add(&mut self, triple: &Triple, recording: &str, patience: Patience) -> Result<()> {
         let Some(case) = Case::new(triple, self.size, self.radius)? else {
             self.skipped += 1;
@@ -123,7 +119,6 @@ impl Searches {
     }
 
     /// What OpenCV is still to time.
-    #[must_use]
     pub fn pending(&self) -> &[Search] {
         &self.pending
     }
@@ -145,7 +140,6 @@ impl Searches {
     }
 
     /// How many times as long `of` took as `to`, in every case that both were timed in.
-    #[must_use]
     pub fn ratios(&self, of: Way, to: Way) -> Vec<f64> {
         let times = |way| self.ways.iter().find(|timed| timed.way == way).map_or(&[][..], |timed| &timed.times);
         let both = times(of).iter().zip(times(to)).filter_map(|(of, to)| Some(((*of)?, (*to)?)));

@@ -49,7 +49,6 @@ pub struct Speed {
 
 impl Speeds {
     /// Nothing timed yet. Each combination may take `each`, for about `expected` cases.
-    #[must_use]
     pub fn new(each: Duration, expected: u32) -> Self {
         let cell = |template, radius| {
             let budgets = [Budget::new(each, expected); 2];
@@ -60,9 +59,6 @@ impl Speeds {
     }
 
     /// Times the search of `triple` in every combination that has room.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn add(&mut self, triple: &Triple, patience: Patience) -> Result<()> {
         for cell in &mut self.cells {
             let Some(case) = Case::new(triple, Size::Of(cell.template, cell.template), cell.radius)? else { continue };
@@ -79,7 +75,6 @@ impl Speeds {
     }
 
     /// Frames per second of the median update, template by template, window by window.
-    #[must_use]
     pub fn rows(&self) -> Vec<Speed> {
         let speed = |times: &Vec<Duration>| {
             let seconds: Vec<f64> = times.iter().map(Duration::as_secs_f64).collect();

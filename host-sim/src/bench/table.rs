@@ -10,7 +10,6 @@ use crate::spread::Spread;
 use smr_core::paper::Radius;
 
 /// Everything that was measured, table by table.
-#[must_use]
 pub fn text(report: &Report) -> String {
     let Report { processor, recordings, template, every, .. } = report;
     let mut parts = vec![format!(

@@ -62,7 +62,6 @@ impl Window {
     }
 
     /// How many times as long `of` takes as `to`.
-    #[must_use]
     pub fn ratio(&self, of: Way, to: Way) -> Option<f64> {
         self.ratios.iter().find(|ratio| (ratio.of, ratio.to) == (of, to)).map(|ratio| ratio.median)
     }

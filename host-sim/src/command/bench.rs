@@ -6,7 +6,7 @@ use super::qemu_options::EmulatorOptions;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::Pair;
 use super::{Outcome, progress, tell};
-use crate::bench::boards::{Board, Figures};
+use crate::bench::boards::{self, Figures};
 use crate::bench::case::{self, Size};
 use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
@@ -108,10 +108,7 @@ impl Bench {
     /// All that is timed on this machine.
     fn time(&self, paths: &[PathBuf]) -> Result<Run> {
         let every = self.every.map_or_else(|| self.usual_distance(paths), |every| Ok(every.get()))?;
-        let mut expected = 0;
-        for path in paths {
-            expected += case::count(&self.recording.open(path)?, every)?;
-        }
+        let expected = self.count(paths, every)?;
         ensure!(expected > 0, "no frame to time: there must be ground truth, and two frames after it");
         let mut run = Run::new(self.settings(every), expected);
         let bar = progress::bar("bench", Some(expected));
@@ -123,11 +120,11 @@ impl Bench {
     }
 
     fn usual_distance(&self, paths: &[PathBuf]) -> Result<usize> {
-        let mut frames = 0;
-        for path in paths {
-            frames += case::count(&self.recording.open(path)?, 1)?;
-        }
-        Ok((frames / SEARCHES).max(1))
+        Ok((self.count(paths, 1)? / SEARCHES).max(1))
+    }
+
+    fn count(&self, paths: &[PathBuf], every: usize) -> Result<usize> {
+        paths.iter().map(|path| case::count(&self.recording.open(path)?, every)).sum()
     }
 
     /// Each once.
@@ -156,12 +153,11 @@ impl Bench {
         for (&machine, &method) in
             self.machine.iter().flat_map(|machine| methods.iter().map(move |method| (machine, method)))
         {
-            let mut board = Board::new(self.emulator.setup(machine), method)?;
-            for path in paths {
-                board.add(self.recording.open(path)?)?;
+            let sequences = paths.iter().map(|path| {
                 bar.inc(1);
-            }
-            figures.push(board.figures());
+                self.recording.open(path)
+            });
+            figures.push(boards::measure(&self.emulator.setup(machine), method, sequences)?);
         }
         bar.finish_and_clear();
         Ok(figures)

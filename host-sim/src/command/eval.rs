@@ -31,8 +31,8 @@ pub struct Eval {
     paths: Vec<PathBuf>,
     /// What is measured; several are separated by commas [default: smr]
     ///
-    /// On the recordings of the paper's table, and without an option that says something of start or tracker, the default is
-    /// all there is: both readings of the paper, the robust tracker, the baselines, and other trackers' results (--compare).
+    /// If all recordings are those of the paper's table, and no option changes the start or the tracker, the default is everything:
+    /// both readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).
     #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
@@ -43,20 +43,22 @@ pub struct Eval {
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
-    /// The numbers of a changed box are rounded to whole pixels once, and what lies outside the frame is cut off. Of each
-    /// recording: correct frames over visible ones, mean over the starts and from the worst; the same where IoU must be above
-    /// 0.5; F, the harmonic mean of correct answers over all answers (those while the target is hidden, too) and of correct
-    /// over visible frames; mean IoU where there is an answer and the target is visible; correct answers over all answers;
-    /// answers while the target is hidden; how often it came back, and in how many of these a correct answer came within 50
-    /// frames; how often `tracking` was said and wrong (target hidden, or IoU at most 0.25), and how often it was not said
-    /// although the box was right; work (comparisons or products, at most) and time of an update. Then means over recordings with their
-    /// standard errors, and over those of each folder; of several methods the paired differences to the first. All of a recording
-    /// is in memory, at most 1 GiB of frames.
+    /// A changed box is rounded to whole pixels, and what lies outside the frame is cut off. The columns are:
+    /// correct: correct frames over visible ones, mean over the starts; worst: the same from the worst start; correct@0.5: the same
+    /// where IoU must be above 0.5; F: the harmonic mean of precision and correct; mean IoU: where there is an answer and the
+    /// target is visible; precision: correct answers over all answers, also those while the target is hidden; answered/hidden:
+    /// answers while the target is hidden; found/returns: how often the target came back, and how often a correct answer followed
+    /// within 50 frames; wrong/tracking and tracking/wrong: frames that were called `tracking` although the target was hidden or IoU
+    /// at most 0.25, over all that were called so, and over all wrong frames; unsaid/right: frames that were not called `tracking`
+    /// although the box was right; work/frame: comparisons or products of an update, at most; us/frame: its time.
+    ///
+    /// Then come means over recordings with their standard errors, means over each folder, and of several methods the paired
+    /// differences to the first. A recording is held in memory, with at most 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
     robustness: bool,
     /// With --robustness: in place of the 5, start at every N-th frame in which the target is visible
     ///
-    /// From the ground truth's box, cut to the frame, to the end of the recording; not in the last frame.
+    /// Each run goes from the box of the ground truth, cut to the frame, to the end of the recording. The last frame is no start.
     #[arg(long, value_name = "N", requires = "robustness", conflicts_with_all = ["init", "inclusive"], value_parser = from::<NonZeroUsize>(1))]
     starts_every: Option<NonZeroUsize>,
     /// With --robustness: run from the given box alone, in place of the 5
@@ -64,8 +66,8 @@ pub struct Eval {
     single_start: bool,
     /// With --robustness: print paired differences to what was measured before: a file that the same command wrote with --json
     ///
-    /// Each tracker is set against that of its name in the file, else against the file's first. Without this option, each is
-    /// set against the first method.
+    /// Each tracker is compared with the one of its name in the file, or else with the first in the file. Without this option, each
+    /// is compared with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
     /// With --robustness: draw the chance that a frame is correct by the confidence that was reported in it: FILE.svg or FILE.png
@@ -74,7 +76,7 @@ pub struct Eval {
     /// neither is one in which the target is hidden.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     calibration: Option<PathBuf>,
-    /// Put a fault of the camera into the recordings, and say what the trackers make of it; several are separated by commas, `all` is a
+    /// Put faults of the camera into the recordings, and measure what the trackers do; several are separated by commas, `all` is a
     /// list [default methods: smr,robust]
     ///
     /// NAME:N is one of dropped:N (every second of 2 N frames never comes), repeated:N (the frame before comes N times more), torn:N (the
@@ -88,7 +90,7 @@ pub struct Eval {
     /// wrong. `none` are the same runs without a fault. What is random is the same each time.
     #[arg(long, value_name = "NAME:N|all", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
-    /// Cover the lens in the middle of each recording for 300 frames, and say what the trackers make of it [default methods: smr,robust]
+    /// Cover the lens in the middle of each recording for 300 frames, and measure what the trackers do [default methods: smr,robust]
     ///
     /// From the middle of a recording on come 300 frames that are black, white, gray (128), noise, or a frozen frame of another scene: the first
     /// frame of another recording of the list, resized (of the built-in `synthetic` if there is no other). Then the recording goes on where it was

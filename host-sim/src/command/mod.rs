@@ -226,7 +226,6 @@ pub enum Outcome {
 }
 
 /// Runs what the command line of this process says.
-#[must_use]
 pub fn run() -> ExitCode {
     if let Err(error) = ending::heed_signals().context("cannot wait for signals") {
         return refused(&error, "");

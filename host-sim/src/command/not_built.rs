@@ -14,8 +14,7 @@ pub struct NotBuilt<const BENCH: bool> {
 }
 
 impl<const BENCH: bool> NotBuilt<BENCH> {
-    /// # Errors
-    /// Always: the one line that says what to type instead.
+    /// Errors: Always: the one line that says what to type instead.
     pub fn run(self) -> Result<Outcome> {
         let feature = if BENCH { "bench" } else { "emulator" };
         bail!(

@@ -18,13 +18,13 @@ pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true)]
     init: Option<BoundingBox>,
-    /// The right and lower edges of the box to start from belong to it: one pixel wider and higher
+    /// Count the right and lower edges as part of the box to start from: it is one pixel wider and higher
     #[arg(long)]
     inclusive: bool,
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
-    /// Bring all frames to this size, or to a fraction of theirs; --init and the boxes beside the recording are in pixels of the size before
+    /// Resize all frames to this size or fraction; --init and the boxes beside the recording are in pixels of the original size
     #[arg(long, value_name = "WxH|1/2")]
     resize: Option<Resize>,
     /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1
@@ -90,17 +90,14 @@ impl RecordingOptions {
     }
 
     /// The recordings at `paths`, and in folders there.
-    ///
-    /// # Errors
-    /// There is none, or one box is given for several of them.
+    /// Errors: There is none, or one box is given for several of them.
     pub fn find(&self, paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let found = recordings(paths)?;
         self.check_for(found.len())?;
         Ok(found)
     }
 
-    /// # Errors
-    /// One box is given for several recordings.
+    /// Errors: One box is given for several recordings.
     pub fn check_for(&self, recordings: usize) -> Result<()> {
         ensure!(
             self.init.is_none() || recordings <= 1,

@@ -9,9 +9,7 @@ use anyhow::{Error, Result, bail};
 use std::path::{Path, PathBuf};
 
 /// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
-///
-/// # Errors
-/// No recording is there, or the only thing that was asked for failed.
+/// Errors: No recording is there, or the only thing that was asked for failed.
 pub fn measure(
     command: &str,
     paths: &[PathBuf],
@@ -45,9 +43,7 @@ pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command:
 }
 
 /// The end of a command of which so many parts failed.
-///
-/// # Errors
-/// There is such a part.
+/// Errors: one part or more failed.
 pub fn end(failed: usize) -> Result<Outcome> {
     if failed > 0 {
         bail!("{failed} of what was asked for could not be measured (see above); results are of the rest");

@@ -18,9 +18,7 @@ use std::path::PathBuf;
 use toml::{Table, Value};
 
 /// The command line `given` with the settings of the file that it names, after the command. If clap refuses it, it is left as it is.
-///
-/// # Errors
-/// The file cannot be read, is not TOML, or holds what is no tracker option of the command.
+/// Errors: The file cannot be read, is not TOML, or holds what is no tracker option of the command.
 pub fn arguments(given: Vec<OsString>) -> Result<Vec<OsString>> {
     let command = HostSim::command();
     let Ok(matches) = command.clone().try_get_matches_from(&given) else { return Ok(given) };
@@ -65,8 +63,7 @@ fn options(text: &str, command: &Command, given: &ArgMatches) -> Result<Vec<OsSt
     Ok(options)
 }
 
-/// # Errors
-/// The option does not take its value.
+/// Errors: The option does not take its value.
 fn check(argument: &Arg, option: &OsString) -> Result<()> {
     let alone = Command::new("settings").no_binary_name(true).arg(argument.clone());
     let error = alone.try_get_matches_from([option]).err();

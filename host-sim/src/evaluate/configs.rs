@@ -52,7 +52,6 @@ pub struct Origin {
 }
 
 impl Origin {
-    #[must_use]
     pub fn new(kind: MethodKind, options: Map<String, Value>) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), method: kind.name(), options }
     }
@@ -60,18 +59,15 @@ impl Origin {
 
 impl Variant {
     /// `kind`, under its own name.
-    #[must_use]
     pub fn new(kind: MethodKind, configs: &Configs) -> Self {
         Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
     }
 
-    #[must_use]
     pub fn origin(&self) -> Origin {
         Origin::new(self.kind, self.options.clone())
     }
 
     /// All that is set beside each other: both readings of the paper, the robust tracker, and the baselines.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         let paper = Config::paper();
         let mut other = paper;
@@ -86,7 +82,6 @@ impl Variant {
     }
 
     /// The box that it is locked on where `given` is the one to start from.
-    #[must_use]
     pub fn start(&self, given: Rect) -> Rect {
         let more = u16::from(self.inclusive);
         let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));

@@ -84,9 +84,7 @@ pub struct Results {
 }
 
 /// Runs every variant through every cover in the middle of a recording. `other` is a frame of another scene, of this recording's size.
-///
-/// # Errors
-/// No ground truth, a frame that cannot be read, frames that are too few, or a method that fails.
+/// Errors: No ground truth, a frame that cannot be read, frames that are too few, or a method that fails.
 pub fn measure(sequence: Sequence, other: &GrayFrame, variants: &[Variant]) -> Result<Vec<Run>> {
     let start = sequence.start()?;
     let recording = Recording::read(sequence, recording::MOST_BYTES)?;
@@ -134,7 +132,6 @@ fn run(recording: &Recording, variant: &Variant, start: smr_core::Rect, cover: (
 
 impl Results {
     /// Of the runs of all recordings: one row for each variant and cover.
-    #[must_use]
     pub fn of(recordings: Vec<Run>, variants: &[Variant]) -> Self {
         let cases = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover)));
         let row = |(variant, cover): (&Variant, Cover)| {
@@ -145,9 +142,6 @@ impl Results {
     }
 
     /// The table, and what misses a goal. CSV has both in one table.
-    ///
-    /// # Errors
-    /// What serde_json says; it has no reason to.
     pub fn text(&self, layout: Layout) -> Result<String> {
         if layout == Layout::Csv {
             return csv(CSV_COLUMNS, &self.covers);

@@ -71,9 +71,7 @@ fn cases<'a>(variants: &'a [Variant], faults: &'a [Fault]) -> impl Iterator<Item
 }
 
 /// Runs every variant without a fault, and through every fault, at every place of a recording.
-///
-/// # Errors
-/// No ground truth, a frame that cannot be read, or a method that fails.
+/// Errors: No ground truth, a frame that cannot be read, or a method that fails.
 pub fn measure(sequence: Sequence, variants: &[Variant], faults: &[Fault]) -> Result<Measured> {
     let recording = Recording::read(sequence, recording::MOST_BYTES)?;
     let longest = faults.iter().map(Fault::frames).max().unwrap_or(0);
@@ -101,7 +99,6 @@ impl Measured {
     }
 
     /// One row for each variant and fault; none if nothing was measured.
-    #[must_use]
     pub fn rows(&self, variants: &[Variant], faults: &[Fault]) -> Vec<Row> {
         cases(variants, faults).zip(&self.0).map(|((variant, fault), runs)| Row::of(variant, fault, runs)).collect()
     }
@@ -207,9 +204,6 @@ impl Row {
 }
 
 /// All rows as a table.
-///
-/// # Errors
-/// What serde_json says; it has no reason to.
 pub fn table(rows: &[Row], layout: Layout) -> Result<String> {
     if layout == Layout::Csv {
         return csv(CSV_COLUMNS, rows);

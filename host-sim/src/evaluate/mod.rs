@@ -47,12 +47,10 @@ pub struct Contestant {
 }
 
 impl Contestant {
-    #[must_use]
     pub fn of(variant: &Variant) -> Self {
         Self { name: variant.name.clone(), origin: Some(variant.origin()) }
     }
 
-    #[must_use]
     pub const fn file(name: String) -> Self {
         Self { name, origin: None }
     }
@@ -73,9 +71,7 @@ pub struct Evaluation {
 /// Runs `variants` over the sequence, and scores `files`, other trackers' results on it, too.
 ///
 /// One thread; each frame is decoded once and dropped when all methods have seen it. `progress` is called after each.
-///
-/// # Errors
-/// No ground truth or one of another length, no box to start from, or a frame that cannot be read. What fails for one
+/// Errors: No ground truth or one of another length, no box to start from, or a frame that cannot be read. What fails for one
 /// contestant only is one of [`Evaluation::failures`].
 pub fn evaluate(
     sequence: Sequence,

@@ -94,9 +94,7 @@ impl Score {
 
     /// The score of `answers` by `truth`, with what follows from the confidence that was reported in each frame; `None`
     /// where none was.
-    ///
-    /// # Errors
-    /// The three are not of the same length.
+    /// Errors: The three are not of the same length.
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
         ensure!(frames == count, "there are {frames} frames, but {count} confidences");
@@ -104,9 +102,7 @@ impl Score {
     }
 
     /// The score of `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
-    ///
-    /// # Errors
-    /// The two are not of the same length.
+    /// Errors: The two are not of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
@@ -157,9 +153,7 @@ impl Score {
 
 /// Intersection over union in each frame, as the scores count it: of the normalised answers, 0 where there is none;
 /// `None` where the target is not visible.
-///
-/// # Errors
-/// The two are not of the same length.
+/// Errors: The two are not of the same length.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
     ensure!(frames == boxes, "there are {frames} frames, but the ground truth has {boxes} boxes");

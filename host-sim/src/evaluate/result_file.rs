@@ -18,9 +18,7 @@ pub struct ResultFile {
 impl ResultFile {
     /// The answers for `frames` frames, those of `part` if only a part of the recording is shown. A file that ends early has no
     /// answer from there on; lines beyond the last frame are ignored. Published files are of both kinds.
-    ///
-    /// # Errors
-    /// The file cannot be read.
+    /// Errors: The file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
         let mut answers = boxes::read_tld(path)?;
         if let Some(part) = part {
@@ -32,8 +30,7 @@ impl ResultFile {
         Ok(Self { name: name(path), answers, note })
     }
 
-    /// # Errors
-    /// The ground truth is of another length.
+    /// Errors: The ground truth is of another length.
     pub fn score(&self, truth: &Trajectory) -> Result<Score> {
         Score::with_confidence(&self.answers, &vec![None; truth.len()], truth)
     }
@@ -44,9 +41,7 @@ pub(super) fn name(path: &Path) -> String {
 }
 
 /// Other trackers' results on the sequence at `path`: `trackers/*.txt` in its folder, in natural order; often none.
-///
-/// # Errors
-/// There is such a folder, but it cannot be read.
+/// Errors: There is such a folder, but it cannot be read.
 pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
     let folder = folder.join(RESULTS);

@@ -25,9 +25,6 @@ pub(super) struct Line {
 /// What marks a figure of ours.
 pub(super) const MEASURED: &str = "measured";
 
-/// What marks a mean over recordings.
-const MEAN: &str = "mean";
-
 /// The means over recordings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Means {
@@ -37,6 +34,11 @@ pub struct Means {
 }
 
 impl Line {
+    fn row<'a>(&'a self, source: &'static str, sequence: Option<&'a str>, score: Figures<'a>) -> Row<'a> {
+        let Contestant { name, origin } = &self.contestant;
+        Row { origin: origin.as_ref(), tracker: name, source, sequence, score }
+    }
+
     /// `None` of fewer than two recordings; each of them counts alike.
     pub fn means(&self) -> Option<Means> {
         let fractions = |score: &Score| {
@@ -78,7 +80,6 @@ enum Figures<'a> {
 
 impl Results {
     /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
-    #[must_use]
     pub fn new(evaluations: &[Evaluation]) -> Self {
         let column = |e: &Evaluation| Column { name: e.sequence.clone(), visible: e.visible };
         let line = |contestant: Contestant| {
@@ -92,35 +93,26 @@ impl Results {
     }
 
     /// True if nobody has a score.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
     /// All scores, contestant by contestant; then the paper's Table 2, as far as its sequences are here; then the means
     /// over recordings of all that have several.
-    #[must_use]
     pub fn rows(&self) -> Vec<Row<'_>> {
         self.measured().into_iter().chain(self.printed()).chain(self.means()).collect()
     }
 
     fn means(&self) -> impl Iterator<Item = Row<'_>> {
-        self.lines.iter().filter_map(|line| {
-            let Contestant { name, origin } = &line.contestant;
-            let score = Figures::Mean(line.means()?);
-            Some(Row { origin: origin.as_ref(), tracker: name, source: MEAN, sequence: None, score })
-        })
+        self.lines.iter().filter_map(|line| Some(line.row("mean", None, Figures::Mean(line.means()?))))
     }
 
     /// All scores, contestant by contestant.
-    #[must_use]
     pub fn measured(&self) -> Vec<Row<'_>> {
         let rows = self.lines.iter().flat_map(|line| {
             let scores = self.sequences.iter().zip(&line.scores);
             scores.filter_map(|(sequence, score)| {
-                let Contestant { name, origin } = &line.contestant;
-                let (score, sequence) = (Figures::Measured(score.as_ref()?), Some(sequence.name.as_str()));
-                Some(Row { origin: origin.as_ref(), tracker: name, source: MEASURED, sequence, score })
+                Some(line.row(MEASURED, Some(&sequence.name), Figures::Measured(score.as_ref()?)))
             })
         });
         rows.collect()

@@ -9,9 +9,6 @@ use serde_json::{Map, Value};
 
 impl Results {
     /// All that there is. Nothing if nobody has a score.
-    ///
-    /// # Errors
-    /// What serde_json says; it has no reason to.
     pub fn text(&self, layout: Layout) -> Result<String> {
         Ok(match layout {
             _ if self.is_empty() => String::new(),
@@ -30,7 +27,6 @@ impl Results {
 
     /// Every score in full, contestant by contestant; of several a total over all frames, the mean over recordings, and
     /// its standard error.
-    #[must_use]
     pub fn details(&self, layout: Layout) -> String {
         let names = header("tracker|sequence").into_iter();
         let mut lines = vec![names.chain(columns().map(|figure| figure.title.to_owned())).collect()];
@@ -58,7 +54,6 @@ impl Results {
 
     /// The paper's Table 2 if one of its sequences is here, and correct frames as they were measured: contestants down,
     /// sequences across.
-    #[must_use]
     pub fn correct_frames(&self, layout: Layout) -> String {
         let mut header = header("correct frames|source");
         header.extend(self.sequences.iter().map(|sequence| format!("{} /{}", sequence.name, sequence.visible)));

@@ -5,7 +5,6 @@ use anyhow::{Context, Result};
 use smr_core::{Answer, FineRect, State};
 
 /// Every value of an answer, by the name that people read.
-#[must_use]
 pub fn values(answer: &Answer) -> [(&'static str, String); 8] {
     let number = |number: Option<u16>| number.map_or("none".to_owned(), |number| number.to_string());
     [
@@ -21,16 +20,13 @@ pub fn values(answer: &Answer) -> [(&'static str, String); 8] {
 }
 
 /// The state with this code, as records and firmware write it.
-///
-/// # Errors
-/// There is none.
+/// Errors: no state has this code.
 pub fn state(code: u32) -> Result<State> {
     let state = u8::try_from(code).ok().and_then(State::from_code);
     state.with_context(|| format!("state {code}: expected 0 to 3"))
 }
 
 /// A box, in the units of the answer.
-#[must_use]
 pub fn described(FineRect { x, y, width, height }: FineRect) -> String {
     format!("{width}x{height} at ({x}, {y})")
 }

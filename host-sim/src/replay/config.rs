@@ -10,8 +10,7 @@ use std::sync::LazyLock;
 
 /// A tracker whose configuration can be read from a record.
 pub trait Configured: Recorded {
-    /// # Errors
-    /// They are not those of this version.
+    /// Errors: They are not those of this version.
     fn configuration(numbers: &[u16]) -> Result<Self::Config>;
 }
 
@@ -60,8 +59,7 @@ impl Configured for smr_core::Robust {
 struct Rest<'a>(&'a [u16]);
 
 impl<'a> Rest<'a> {
-    /// # Errors
-    /// There are not so many numbers in all.
+    /// Errors: There are not so many numbers in all.
     fn of(numbers: &'a [u16], expected: usize) -> Result<Self> {
         let count = numbers.len();
         ensure!(count == expected, "the configuration has {count} numbers: expected {expected}");

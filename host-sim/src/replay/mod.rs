@@ -79,9 +79,7 @@ pub struct Difference {
 }
 
 /// Replays the record in `source`, to its end or to the first difference. `progress` is called after each entry.
-///
-/// # Errors
-/// It is no record, or cannot be read. What is wrong further on is [`Report::damage`].
+/// Errors: It is no record, or cannot be read. What is wrong further on is [`Report::damage`].
 pub fn replay(source: impl Read + 'static, progress: impl Fn()) -> Result<Report> {
     let mut entries = Entries::new(entries::bytes_of(source)?);
     let mut report = Report::default();

@@ -120,8 +120,7 @@ fn first_template(frame: &Frame<'_>, target: Rect) -> Result<Vec<u8>> {
     Ok(patch.rows().flatten().copied().collect())
 }
 
-/// # Errors
-/// The frame that was locked on, if one was, did not have the size of `bounds`.
+/// Errors: The frame that was locked on, if one was, did not have the size of `bounds`.
 fn check_size(frame: &Frame<'_>, bounds: Rect) -> Result<(), UpdateError> {
     match bounds {
         bounds if bounds.is_empty() => Err(UpdateError::NotLocked),

@@ -82,13 +82,11 @@ fn bin(ratio: f64) -> usize {
 
 impl Bin {
     /// The middle of its ratios.
-    #[must_use]
     pub fn middle(&self) -> f64 {
         f64::midpoint(self.from, self.to)
     }
 
     /// The part of its frames that is correct; `None` without frames.
-    #[must_use]
     pub fn chance(&self) -> Option<f64> {
         (self.frames > 0).then(|| self.correct as f64 / self.frames as f64)
     }
@@ -96,13 +94,11 @@ impl Bin {
 
 impl Robustness {
     /// The bins of all trackers that report a ratio.
-    #[must_use]
     pub fn calibration(&self) -> &[Bin] {
         &self.calibration
     }
 
     /// The same as text, without the bins that have no frames.
-    #[must_use]
     pub fn calibration_table(&self) -> String {
         let line = |bin: &Bin| {
             let range = format!("{:.3} to {:.3}", bin.from, bin.to);

@@ -65,7 +65,6 @@ pub struct Robustness {
 
 impl Robustness {
     /// True if there is no result at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.recordings.is_empty()
     }

@@ -50,9 +50,7 @@ struct FormerStart {
 
 impl Former {
     /// Reads a file that `eval --robustness --json` wrote.
-    ///
-    /// # Errors
-    /// It is none.
+    /// Errors: the file cannot be read, or is of another kind.
     pub fn read(file: &Path) -> Result<Self> {
         let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
         let read = serde_json::from_str(&text);
@@ -110,9 +108,7 @@ impl Robustness {
     }
 
     /// Sets every method against what was measured before.
-    ///
-    /// # Errors
-    /// That was from other starts, or on no recording that is here.
+    /// Errors: That was from other starts, or on no recording that is here.
     pub fn compare_with(&mut self, former: &Former) -> Result<()> {
         let rows: Vec<FormerRow> = self.recordings.iter().map(FormerRow::from).collect();
         let mut compared = Vec::new();
@@ -135,7 +131,6 @@ impl Robustness {
     }
 
     /// The differences as text; nothing if there is none.
-    #[must_use]
     pub fn paired_table(&self) -> String {
         if self.paired.is_empty() {
             return String::new();

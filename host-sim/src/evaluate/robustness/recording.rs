@@ -18,8 +18,7 @@ pub(in crate::evaluate) struct Recording {
 }
 
 impl Recording {
-    /// # Errors
-    /// No ground truth, one that shows the target nowhere, or one of another length; no box to start from; a frame that
+    /// Errors: No ground truth, one that shows the target nowhere, or one of another length; no box to start from; a frame that
     /// cannot be read; more than `most_bytes` of frames.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
@@ -55,9 +54,7 @@ impl Recording {
     }
 
     /// A tracker that is locked on `target` in frame `start`, counted from 0.
-    ///
-    /// # Errors
-    /// It cannot be built, or refuses the target.
+    /// Errors: It cannot be built, or refuses the target.
     pub fn watch(&self, variant: &Variant, start: usize, target: Rect) -> Result<Watch<'_>> {
         let mut method = variant.build()?;
         lock(method.as_mut(), &self.frames[start].frame(), target)?;
@@ -85,9 +82,6 @@ pub(in crate::evaluate) struct Watch<'a> {
 
 impl Watch<'_> {
     /// What it says of `frame`, and whether its box is right if the target is where it is in frame `number` of the recording.
-    ///
-    /// # Errors
-    /// The method's.
     pub fn update(&mut self, number: usize, frame: &GrayFrame) -> Result<(State, bool)> {
         let report = self.method.update(&frame.frame()).with_context(|| format!("frame {}", number + 1))?;
         let iou = report.target.zip(self.truth[number]).map_or(0.0, |(answer, truth)| truth.iou(&answer));

@@ -29,7 +29,6 @@ fn part(part: usize, all: usize) -> String {
 
 impl Robustness {
     /// Of each method its recordings, then the means over them if there are several. Nothing if nothing was measured.
-    #[must_use]
     pub fn table(&self) -> String {
         if self.is_empty() {
             return String::new();
@@ -56,7 +55,6 @@ impl Robustness {
 
     /// One row a tracker, over all recordings, with the correct frames of each folder if there are several. Nothing if nothing
     /// was measured.
-    #[must_use]
     pub fn summary(&self) -> String {
         if self.is_empty() {
             return String::new();
