@@ -3,7 +3,6 @@
 mod baseline;
 mod build;
 mod configs;
-mod core_kind;
 pub mod covered;
 pub mod faults;
 mod layout;
@@ -21,10 +20,9 @@ mod table;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
-pub use core_kind::CoreKind;
 pub use layout::Layout;
 pub(crate) use layout::{NOTHING, aligned, cell, header};
-pub use method::{Evidence, Method, MethodKind, Report, name_of};
+pub use method::{CoreKind, Evidence, Method, MethodKind, Report, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use refused::Refused;
