@@ -3,8 +3,11 @@
 use super::{Figures, Mean, Robustness};
 use crate::evaluate::{NOTHING, aligned, cell, header};
 
+/// A title, and what stands below it.
+type Column = (&'static str, fn(&Figures) -> String);
+
 /// The columns of figures. The first, the second, and those from the sixth on are in a summary, too.
-const COLUMNS: [(&str, fn(&Figures) -> String); 13] = [
+const COLUMNS: [Column; 13] = [
     ("correct", |of| cell(Some(of.mean_correct), 3)),
     ("worst", |of| cell(Some(of.worst_correct), 3)),
     ("correct@0.5", |of| cell(Some(of.mean_correct_50), 3)),
