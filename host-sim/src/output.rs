@@ -5,27 +5,27 @@ use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, TempDir};
+use tempfile::{TempDir, TempPath};
 
 /// A file under way. Until [`Output::finish`] nothing has its name: dropped before, it leaves what was there as it was.
 pub struct Output {
     /// As it was asked for.
     name: PathBuf,
-    way: Way,
+    file: BufWriter<fs::File>,
+    /// `None` of a device or a pipe, which cannot be replaced.
+    whole: Option<Whole>,
 }
 
-enum Way {
-    /// Beside the file, and renamed in the end.
-    Whole { file: BufWriter<NamedTempFile>, target: PathBuf, _kept: Kept },
-    /// A device or a pipe, which cannot be replaced.
-    Direct(BufWriter<fs::File>),
+/// A file that lies beside the one that it will replace.
+struct Whole {
+    path: TempPath,
+    target: PathBuf,
+    _kept: Kept,
 }
 
 impl Output {
     /// Begins the file `name`. To be called before the work of which it will hold the result.
-    ///
-    /// # Errors
-    /// There is no such folder, it cannot be written to, or `name` is a folder.
+    /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
         Self::at(name, name)
     }
@@ -34,44 +34,25 @@ impl Output {
     fn at(place: &Path, name: &Path) -> Result<Self> {
         let folder = folder_of(place);
         ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
-        let way = way(place).with_context(|| cannot_write(name))?;
-        Ok(Self { name: name.to_owned(), way })
+        let (file, whole) = open(place).with_context(|| cannot_write(name))?;
+        Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
     }
 
     /// Where another program writes what will have the name; `None` of a device or a pipe.
-    #[must_use]
     pub fn path(&self) -> Option<&Path> {
-        match &self.way {
-            Way::Whole { file, .. } => Some(file.get_ref().path()),
-            Way::Direct(_) => None,
-        }
+        self.whole.as_ref().map(|whole| &*whole.path)
     }
 
-    /// # Errors
-    /// The disk's, for example that it is full.
     pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
-        let written = match &mut self.way {
-            Way::Whole { file, .. } => file.write_all(bytes),
-            Way::Direct(file) => file.write_all(bytes),
-        };
-        written.with_context(|| cannot_write(&self.name))
+        self.file.write_all(bytes).with_context(|| cannot_write(&self.name))
     }
 
     /// Gives the file its name.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn finish(self) -> Result<()> {
-        let Self { name, way } = self;
-        let finish = || match way {
-            Way::Whole { file, target, _kept } => {
-                file.into_inner()
-                    .map_err(io::IntoInnerError::into_error)?
-                    .persist(target)
-                    .map_err(|error| error.error)?;
-                Ok(())
-            }
-            Way::Direct(mut file) => file.flush(),
+        let Self { name, mut file, whole } = self;
+        let finish = || {
+            file.flush()?;
+            whole.map_or(Ok(()), |Whole { path, target, _kept }| path.persist(target).map_err(|error| error.error))
         };
         finish().with_context(|| cannot_write(&name))
     }
@@ -80,17 +61,11 @@ impl Output {
 /// For encoders, which write by themselves. Their errors are the system's alone: they do not name the file.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.way {
-            Way::Whole { file, .. } => file.write(bytes),
-            Way::Direct(file) => file.write(bytes),
-        }
+        self.file.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match &mut self.way {
-            Way::Whole { file, .. } => file.flush(),
-            Way::Direct(file) => file.flush(),
-        }
+        self.file.flush()
     }
 }
 
@@ -99,12 +74,12 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn way(name: &Path) -> io::Result<Way> {
+fn open(name: &Path) -> io::Result<(fs::File, Option<Whole>)> {
     let there = fs::metadata(name);
     match &there {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
         Ok(data) if !data.is_file() => {
-            return Ok(Way::Direct(BufWriter::new(fs::OpenOptions::new().write(true).open(name)?)));
+            return Ok((fs::OpenOptions::new().write(true).open(name)?, None));
         }
         _ => {}
     }
@@ -115,17 +90,15 @@ fn way(name: &Path) -> io::Result<Way> {
     // Not for the eyes of the user alone, as temporary files are, but as any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let (file, kept) = ending::file(|| builder.tempfile_in(folder_of(&target)))?;
+    let (made, _kept) = ending::file(|| builder.tempfile_in(folder_of(&target)))?;
     if let Ok(data) = there {
-        fs::set_permissions(file.path(), data.permissions())?;
+        fs::set_permissions(made.path(), data.permissions())?;
     }
-    Ok(Way::Whole { file: BufWriter::new(file), target, _kept: kept })
+    let (file, path) = made.into_parts();
+    Ok((file, Some(Whole { path, target, _kept })))
 }
 
 /// Writes the file `name`.
-///
-/// # Errors
-/// As [`Output`]'s.
 pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     let mut output = Output::create(name)?;
     output.write(bytes)?;
@@ -141,41 +114,31 @@ pub struct Folder {
 
 impl Folder {
     /// Begins the folder `name`, with all folders above it.
-    ///
-    /// # Errors
-    /// There is something in it, or it cannot be made.
+    /// Errors: There is something in it, or it cannot be made.
     pub fn create(name: &Path) -> Result<Self> {
-        let cannot_make = || format!("cannot make the folder {}", name.display());
         if fs::symlink_metadata(name).is_ok() {
-            let mut entries = fs::read_dir(name).with_context(cannot_make)?;
+            let mut entries = fs::read_dir(name).with_context(|| cannot_make(name))?;
             let empty = entries.next().is_none();
             ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
         }
         let above = folder_of(name);
-        fs::create_dir_all(above).with_context(cannot_make)?;
+        fs::create_dir_all(above).with_context(|| cannot_make(name))?;
         let make = || tempfile::Builder::new().prefix(".smr-").tempdir_in(above);
-        let (made, _kept) = ending::folder(make).with_context(cannot_make)?;
+        let (made, _kept) = ending::folder(make).with_context(|| cannot_make(name))?;
         Ok(Self { name: name.to_owned(), made, _kept })
     }
 
     /// Where its files are written until it has its name.
-    #[must_use]
     pub fn path(&self) -> &Path {
         self.made.path()
     }
 
     /// Begins a file in it.
-    ///
-    /// # Errors
-    /// As [`Output::create`].
     pub fn file(&self, name: &str) -> Result<Output> {
         Output::at(&self.path().join(name), &self.name.join(name))
     }
 
     /// Writes a file in it.
-    ///
-    /// # Errors
-    /// As [`Output`]'s.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let mut output = self.file(name)?;
         output.write(bytes)?;
@@ -183,32 +146,31 @@ impl Folder {
     }
 
     /// Gives the folder its name.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn finish(self) -> Result<()> {
-        let name = self.name.clone();
-        let cannot_make = || format!("cannot make the folder {}", name.display());
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // As a new folder: the temporary one is closed to others.
-            let like = tempfile::Builder::new().permissions(fs::Permissions::from_mode(0o777)).tempdir_in(self.path());
-            let like = like.and_then(|like| fs::metadata(like.path())).with_context(cannot_make)?;
-            fs::set_permissions(self.path(), like.permissions()).with_context(cannot_make)?;
-        }
-        if self.name.is_dir() {
-            // It is empty; where it is a mount or a link it stays, and its files are moved into it.
-            for entry in fs::read_dir(self.path()).with_context(cannot_make)? {
-                let entry = entry.with_context(cannot_make)?;
-                fs::rename(entry.path(), self.name.join(entry.file_name())).with_context(cannot_make)?;
+        let Self { name, made, _kept } = self;
+        let finish = || -> io::Result<()> {
+            #[cfg(unix)]
+            {
+                use std::os::unix::fs::PermissionsExt;
+                // As a new folder: the temporary one is closed to others.
+                let like = fs::Permissions::from_mode(0o777);
+                let like = tempfile::Builder::new().permissions(like).tempdir_in(made.path())?;
+                fs::set_permissions(made.path(), fs::metadata(like.path())?.permissions())?;
             }
-            return Ok(());
-        }
-        fs::rename(self.path(), &name).with_context(cannot_make)?;
-        // There is nothing to remove under the former name.
-        let _ = self.made.keep();
-        Ok(())
+            if name.is_dir() {
+                // It is empty; where it is a mount or a link it stays, and its files are moved into it.
+                for entry in fs::read_dir(made.path())? {
+                    let entry = entry?;
+                    fs::rename(entry.path(), name.join(entry.file_name()))?;
+                }
+                return Ok(());
+            }
+            fs::rename(made.path(), &name)?;
+            // There is nothing to remove under the former name.
+            let _ = made.keep();
+            Ok(())
+        };
+        finish().with_context(|| cannot_make(&name))
     }
 }
 
@@ -219,24 +181,20 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// # Errors
-    /// The system has no place for it.
+    /// Errors: The system has no place for it.
     pub fn create() -> Result<Self> {
         let make = || tempfile::Builder::new().prefix("smr-").tempdir();
         let (made, _kept) = ending::folder(make).context("cannot make a temporary folder")?;
         Ok(Self { made, _kept })
     }
 
-    #[must_use]
     pub fn path(&self) -> &Path {
         self.made.path()
     }
 }
 
 /// Writes to standard output.
-///
-/// # Errors
-/// Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
+/// Errors: Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
 pub fn print(text: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
     let mut out = io::stdout().lock();
     text(&mut out).and_then(|()| out.flush()).context("cannot write to standard output")
@@ -244,6 +202,10 @@ pub fn print(text: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result
 
 fn cannot_write(name: &Path) -> String {
     format!("cannot write {}", name.display())
+}
+
+fn cannot_make(folder: &Path) -> String {
+    format!("cannot make the folder {}", folder.display())
 }
 
 #[cfg(test)]

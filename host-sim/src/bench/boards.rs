@@ -11,17 +11,7 @@ use crate::sequence::Sequence;
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
 use std::process::Stdio;
-
-/// A board.
-pub struct Board {
-    setup: Setup,
-    method: CoreKind,
-    elf: PathBuf,
-    counts: Vec<u64>,
-    figures: Figures,
-}
 
 /// What was measured on a board.
 #[derive(Clone, Debug, Serialize)]
@@ -48,61 +38,34 @@ pub struct Measured {
     pub instructions: Spread<u64>,
 }
 
-impl Board {
-    /// Builds the firmware.
-    ///
-    /// # Errors
-    /// It does not build.
-    pub fn new(setup: Setup, method: CoreKind) -> Result<Self> {
-        let elf = firmware::build("replay", setup.machine)?;
-        let figures = Figures {
-            origin: Origin::new(method.into(), serde_json::Map::new()),
-            machine: setup.machine.name(),
-            instructions: Spread::default(),
-            recordings: vec![],
-            skipped: vec![],
-            differences: vec![],
-        };
-        Ok(Self { setup, method, elf, counts: vec![], figures })
-    }
-
-    /// Runs it on a recording, in whole.
-    ///
-    /// # Errors
-    /// QEMU fails, or the recording cannot be read. A box that is too big for the firmware is not an error: it is noted.
-    pub fn add(&mut self, sequence: Sequence) -> Result<()> {
+/// Builds the firmware, and runs it on recordings, in whole.
+/// Errors: it does not build, QEMU fails, or a recording cannot be read. A box that is too big for the firmware is not an error: it is noted.
+pub fn measure(setup: &Setup, method: CoreKind, sequences: impl Iterator<Item = Result<Sequence>>) -> Result<Figures> {
+    let elf = firmware::build("replay", setup.machine)?;
+    let (mut counts, mut recordings) = (Vec::new(), Vec::new());
+    let (mut skipped, mut differences) = (Vec::new(), Vec::new());
+    for sequence in sequences {
+        let sequence = sequence?;
         let target = sequence.start()?;
         let folder = Exchange::create()?;
         let Sequence { name, frames, .. } = sequence;
-        let recording = Recording::write(&name, (self.method, 0), frames, target, folder.path())?;
-        let report = match self.run(&recording, folder.path()) {
+        let recording = Recording::write(&name, (method, 0), frames, target, folder.path())?;
+        let mut qemu = Qemu::start(setup, &elf, folder.path(), Stdio::null())?;
+        let report = match recording.compare(&mut qemu, folder.path()) {
             Err(error) if error.is::<TooBig>() => {
-                self.figures.skipped.push(format!("{name}: {error}"));
-                return Ok(());
+                skipped.push(format!("{name}: {error}"));
+                continue;
             }
             report => report?,
         };
         if let Some(difference) = &report.difference {
-            self.figures.differences.push(format!("{name}, frame {}: {}", difference.frame, difference.what));
+            differences.push(format!("{name}, frame {}: {}", difference.frame, difference.what));
         }
-        self.counts.extend(&report.counts);
-        self.figures.recordings.push(Measured {
-            sequence: name,
-            target: [target.width, target.height],
-            frames: report.frames,
-            instructions: report.instructions,
-        });
-        Ok(())
+        counts.extend(&report.counts);
+        let target = [target.width, target.height];
+        let (frames, instructions) = (report.frames, report.instructions);
+        recordings.push(Measured { sequence: name, target, frames, instructions });
     }
-
-    fn run(&self, recording: &Recording, folder: &Path) -> Result<crate::emulator::Report> {
-        let mut qemu = Qemu::start(&self.setup, &self.elf, folder, Stdio::null())?;
-        recording.compare(&mut qemu, folder)
-    }
-
-    /// What was measured so far.
-    #[must_use]
-    pub fn figures(&self) -> Figures {
-        Figures { instructions: Spread::of(&self.counts), ..self.figures.clone() }
-    }
+    let (origin, machine) = (Origin::new(method.into(), serde_json::Map::new()), setup.machine.name());
+    Ok(Figures { origin, machine, instructions: Spread::of(&counts), recordings, skipped, differences })
 }

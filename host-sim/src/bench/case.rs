@@ -1,6 +1,7 @@
 //! What is timed: one search of one template in one frame of a recording.
 
 use crate::Paper;
+use crate::evaluate::truth_of;
 use crate::sequence::{GrayFrame, Sequence};
 use anyhow::{Context, Result};
 use smr_core::paper::{Config, Radius};
@@ -30,27 +31,17 @@ pub struct Triple {
 }
 
 /// How many triples [`triples`] gives.
-///
-/// # Errors
-/// There is no ground truth.
+/// Errors: There is no ground truth.
 pub fn count(sequence: &Sequence, every: usize) -> Result<usize> {
-    let truth = truth(sequence)?;
+    let truth = truth_of(&sequence.name, sequence.truth.as_deref())?;
     Ok(truth.iter().take(truth.len().saturating_sub(2)).step_by(every).flatten().count())
 }
 
-fn truth(sequence: &Sequence) -> Result<&[Option<crate::sequence::BoundingBox>]> {
-    let what =
-        || format!("{}: no ground truth beside it: gt.txt, groundtruth_rect.txt or groundtruth.txt", sequence.name);
-    sequence.truth.as_deref().with_context(what)
-}
-
 /// Every `every`th frame in which the target is visible, with the two after it.
-///
-/// # Errors
-/// A frame that cannot be read, no ground truth, no box to start from.
+/// Errors: A frame that cannot be read, no ground truth, no box to start from.
 pub fn triples(sequence: Sequence, every: usize, mut found: impl FnMut(&Triple) -> Result<()>) -> Result<()> {
     let start = sequence.start()?;
-    let truth = truth(&sequence)?.to_vec();
+    let truth = truth_of(&sequence.name, sequence.truth)?;
     let mut last = VecDeque::new();
     for (index, frame) in sequence.frames.enumerate() {
         last.push_back(Rc::new(frame?));
@@ -79,9 +70,6 @@ pub struct Case {
 impl Case {
     /// A template of `size`, as close to the middle of the target as leaves the window of `radius` inside the frame.
     /// `None` if there is no room: the window does not fit, or the target has moved to the edge.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn new(triple: &Triple, size: Size, radius: Radius) -> Result<Option<Self>> {
         let Some(target) = place(triple, size, radius) else { return Ok(None) };
         let frames = triple.frames.clone();
@@ -98,47 +86,36 @@ impl Case {
     }
 
     /// Comparisons of two pixels in an exhaustive search: offsets times pixels of the template.
-    #[must_use]
     pub fn comparisons(&self) -> u64 {
-        self.offsets() * u64::from(self.template.width) * u64::from(self.template.height)
-    }
-
-    #[must_use]
-    pub fn offsets(&self) -> u64 {
-        (2 * u64::from(self.radius.x) + 1) * (2 * u64::from(self.radius.y) + 1)
+        u64::from(offsets(self.radius)) * u64::from(self.template.width) * u64::from(self.template.height)
     }
 
     /// A tracker of the paper's with this window, without a target.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn tracker(&self, backend: Backend, pruning: bool) -> Result<Box<Tracker<Paper>>> {
         tracker(backend, pruning, self.radius)
     }
 
-    /// A robust tracker without a target. Its window is its own.
-    ///
-    /// # Errors
-    /// The tracker's.
-    pub fn robust(backend: Backend) -> Result<Box<Tracker<Robust>>> {
-        let mut config = robust::Config::robust();
-        config.backend = Some(backend);
-        Ok(Box::new(Tracker::new(config)?))
-    }
-
-    /// Brings a tracker, whatever it did before, to the state before the search.
-    ///
-    /// # Errors
-    /// The tracker's.
-    pub fn prepare<T: Target>(&self, tracker: &mut Tracker<T>) -> Result<()> {
-        prepare(tracker, &self.frames, self.target)
-    }
-
     /// The frame that is searched.
-    #[must_use]
     pub fn frame(&self) -> smr_core::Frame<'_> {
         self.frames[2].frame()
     }
+
+    /// Brings a tracker, whatever it did before, to the state before the search.
+    pub fn prepare<T: Target>(&self, tracker: &mut Tracker<T>) -> Result<()> {
+        prepare(tracker, &self.frames, self.target)
+    }
+}
+
+/// The offsets of a window.
+pub fn offsets(radius: Radius) -> u32 {
+    (2 * u32::from(radius.x) + 1) * (2 * u32::from(radius.y) + 1)
+}
+
+/// A robust tracker without a target. Its window is its own.
+pub fn robust(backend: Backend) -> Result<Box<Tracker<Robust>>> {
+    let mut config = robust::Config::robust();
+    config.backend = Some(backend);
+    Ok(Box::new(Tracker::new(config)?))
 }
 
 fn tracker(backend: Backend, pruning: bool, radius: Radius) -> Result<Box<Tracker<Paper>>> {
@@ -209,7 +186,7 @@ mod tests {
             let case = Case::new(triple, Size::Of(32, 16), Radius { x: 8, y: 4 })?.context("there is room")?;
             assert_eq!((case.crop.width, case.crop.height), (48, 24));
             assert_eq!((case.template.width, case.template.height), (32, 16));
-            assert_eq!((case.offsets(), case.comparisons()), (17 * 9, 17 * 9 * 32 * 16));
+            assert_eq!((offsets(case.radius), case.comparisons()), (17 * 9, 17 * 9 * 32 * 16));
             let mut tracker = case.tracker(Backend::Scalar, false)?;
             case.prepare(&mut tracker)?;
             let template: Vec<u8> = tracker.target().template().unwrap().rows().flatten().copied().collect();

@@ -1,10 +1,9 @@
 //! The goals for smr-core's speed, beside the measured figures. Each goal is stated for certain recordings; figures from
 //! other recordings are shown next to it, but do not say whether it is reached.
 
-use super::boards::Figures;
+use super::report::Report;
 use super::sad::Sad;
 use super::searches::Way;
-use super::window::Window;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
@@ -27,14 +26,12 @@ pub struct Goal {
 
 impl Goal {
     /// What was measured, if it was, against what is wanted.
-    #[must_use]
     pub fn new(work: String, at_most: f64, unit: &'static str, measured: Option<f64>) -> Self {
         let within = measured.map(|measured| measured <= at_most);
         Self { work, at_most, unit, measured, within }
     }
 
     /// In words, as far as is known.
-    #[must_use]
     pub fn compared(&self) -> String {
         let share = self.measured.unwrap_or(0.0) / self.at_most;
         match self.within {
@@ -48,17 +45,8 @@ impl Goal {
 const NEAR: Radius = Radius { x: 16, y: 16 };
 const FAR: Radius = Radius { x: 60, y: 50 };
 
-/// The measurements that goals are stated for.
-pub struct Measured<'a> {
-    pub template: &'a str,
-    pub windows: &'a [Window],
-    pub boards: &'a [Figures],
-    pub eval_seconds: Option<f64>,
-}
-
 /// Every goal, with what was measured for it.
-#[must_use]
-pub fn all(measured: &Measured<'_>) -> Vec<Goal> {
+pub fn all(measured: &Report) -> Vec<Goal> {
     let avx2 = |pruning| Way::Update { backend: Backend::Avx2, pruning };
     let psadbw = Way::Sad(Sad::Psadbw);
     vec![
@@ -74,7 +62,7 @@ pub fn all(measured: &Measured<'_>) -> Vec<Goal> {
     ]
 }
 
-fn ratio(measured: &Measured<'_>, radius: Radius, of: Way, to: Way, at_most: f64) -> Goal {
+fn ratio(measured: &Report, radius: Radius, of: Way, to: Way, at_most: f64) -> Goal {
     let work = format!("+-{}x{}: {of} / {to}", radius.x, radius.y);
     let window = measured.windows.iter().find(|window| window.window == radius);
     // No goal is stated for templates of another size.
@@ -82,7 +70,7 @@ fn ratio(measured: &Measured<'_>, radius: Radius, of: Way, to: Way, at_most: f64
     Goal::new(work, at_most, "", ratio)
 }
 
-fn instructions(measured: &Measured<'_>, machine: &str, processor: &str, at_most: f64) -> Goal {
+fn instructions(measured: &Report, machine: &str, processor: &str, at_most: f64) -> Goal {
     let board = measured
         .boards
         .iter()

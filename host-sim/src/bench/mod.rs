@@ -64,7 +64,6 @@ const SPEEDS_EVERY: u32 = 3;
 
 impl Bench {
     /// About `expected` cases will come.
-    #[must_use]
     pub fn new(settings: Settings, expected: usize) -> Self {
         let ways = Way::all(&settings.methods);
         let expected = u32::try_from(expected).unwrap_or(u32::MAX);
@@ -76,9 +75,7 @@ impl Bench {
     }
 
     /// Times the searches in a recording; `progress` is called after each case.
-    ///
-    /// # Errors
-    /// The recording cannot be read or tracked. If OpenCV cannot be timed, that is not an error.
+    /// Errors: The recording cannot be read or tracked. If OpenCV cannot be timed, that is not an error.
     pub fn add(&mut self, sequence: Sequence, progress: impl Fn()) -> Result<()> {
         let name = sequence.name.clone();
         // It names the recording by itself.

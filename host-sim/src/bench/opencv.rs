@@ -57,9 +57,7 @@ pub struct Times {
 }
 
 /// Times `matchTemplate` of each template in its crop, and what CSRT follows, run by `python`.
-///
-/// # Errors
-/// Why it was not timed.
+/// Errors: Why it was not timed.
 pub fn times(python: &str, searches: &[Search], patience: Patience) -> Result<Times> {
     let folder = Exchange::create()?;
     write(searches, folder.path()).context("cannot write the searches for OpenCV")?;

@@ -1,7 +1,7 @@
 //! The measurements as `--json` prints them; the tables are made from the same data.
 
 use super::boards::Figures;
-use super::goals::{self, Goal, Measured};
+use super::goals::{self, Goal};
 use super::speeds::Speed;
 use super::window::Window;
 use super::{Bench, opencv};
@@ -42,7 +42,6 @@ pub struct OpenCv {
 }
 
 impl Report {
-    #[must_use]
     pub fn new(bench: &Bench, boards: Vec<Figures>, eval: Option<Duration>) -> Self {
         let mut report = Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -68,12 +67,7 @@ impl Report {
             let named = board.differences.iter().map(|difference| format!("{name}: {difference}"));
             report.differences.extend(named);
         }
-        report.goals = goals::all(&Measured {
-            template: &report.template,
-            windows: &report.windows,
-            boards: &report.boards,
-            eval_seconds: report.eval_seconds,
-        });
+        report.goals = goals::all(&report);
         report
     }
 }

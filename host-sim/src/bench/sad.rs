@@ -20,7 +20,6 @@ impl Sad {
     }
 
     /// Column and row of the place of `template` in `crop` with the least sum, the first of equal ones; and the sum.
-    #[must_use]
     pub fn search(self, crop: &GrayFrame, template: &GrayFrame) -> (usize, usize, u32) {
         match self {
             Self::Plain => least(crop, template, plain),

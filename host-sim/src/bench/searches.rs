@@ -1,6 +1,6 @@
 //! Times the same searches with every backend, the plain SAD search and OpenCV, in one run.
 
-use super::case::{Case, Size, Triple};
+use super::case::{self, Case, Size, Triple};
 use super::opencv::{Followed, Search};
 use super::sad::Sad;
 use crate::clock::{Budget, Patience, shortest, timed};
@@ -44,7 +44,6 @@ impl fmt::Display for Way {
 
 impl Way {
     /// What this machine can run of `methods` and beside them; the fastest backends first.
-    #[must_use]
     pub fn all(methods: &[CoreKind]) -> Vec<Self> {
         let of_method = |method: &CoreKind| match method {
             CoreKind::Smr => {
@@ -84,7 +83,6 @@ pub struct Timed {
 
 impl Searches {
     /// Nothing timed yet. Each way may take `each` in all, for about `expected` cases.
-    #[must_use]
     pub fn new(radius: Radius, size: Size, ways: &[Way], each: Duration, expected: u32) -> Self {
         let timed = |&way| Timed { way, times: vec![], work: vec![], budget: Budget::new(each, expected) };
         let ways = ways.iter().map(timed).collect();
@@ -92,9 +90,7 @@ impl Searches {
     }
 
     /// Times the search of `triple` in every way that runs here.
-    ///
-    /// # Errors
-    /// The tracker fails, or a SAD search finds another place.
+    /// Errors: The tracker fails, or a SAD search finds another place.
     pub fn add(&mut self, triple: &Triple, recording: &str, patience: Patience) -> Result<()> {
         let Some(case) = Case::new(triple, self.size, self.radius)? else {
             self.skipped += 1;
@@ -123,7 +119,6 @@ impl Searches {
     }
 
     /// What OpenCV is still to time.
-    #[must_use]
     pub fn pending(&self) -> &[Search] {
         &self.pending
     }
@@ -145,7 +140,6 @@ impl Searches {
     }
 
     /// How many times as long `of` took as `to`, in every case that both were timed in.
-    #[must_use]
     pub fn ratios(&self, of: Way, to: Way) -> Vec<f64> {
         let times = |way| self.ways.iter().find(|timed| timed.way == way).map_or(&[][..], |timed| &timed.times);
         let both = times(of).iter().zip(times(to)).filter_map(|(of, to)| Some(((*of)?, (*to)?)));
@@ -154,8 +148,8 @@ impl Searches {
 }
 
 /// One way in one case.
-struct Done {
-    time: Duration,
+pub(super) struct Done {
+    pub time: Duration,
     /// With all that had to be prepared, and all repetitions.
     spent: Duration,
     work: Option<u64>,
@@ -174,7 +168,7 @@ impl Way {
                 done.work = if pruning { done.work } else { Some(case.comparisons()) };
                 Ok(Some(done))
             }
-            Self::Robust(backend) => update(case, &mut *Case::robust(backend)?, patience).map(Some),
+            Self::Robust(backend) => update(case, &mut *case::robust(backend)?, patience).map(Some),
             Self::Sad(sad) => Ok(Some(least_sum(case, sad, patience)?)),
             Self::OpenCv | Self::Csrt => Ok(None),
         });
@@ -182,7 +176,7 @@ impl Way {
     }
 }
 
-fn update<T: Target>(case: &Case, tracker: &mut Tracker<T>, patience: Patience) -> Result<Done> {
+pub(super) fn update<T: Target>(case: &Case, tracker: &mut Tracker<T>, patience: Patience) -> Result<Done> {
     let mut answer = None;
     // The search changes the tracker: each time it starts from the same state.
     let time = shortest(patience, || {

@@ -1,7 +1,8 @@
 //! Frames per second by size of template and of window, with the fastest backend of this machine.
 
-use super::case::{Case, Size, Triple};
-use crate::clock::{Budget, Patience, shortest, timed};
+use super::case::{self, Case, Size, Triple};
+use super::searches;
+use crate::clock::{Budget, Patience, timed};
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::Serialize;
@@ -48,7 +49,6 @@ pub struct Speed {
 
 impl Speeds {
     /// Nothing timed yet. Each combination may take `each`, for about `expected` cases.
-    #[must_use]
     pub fn new(each: Duration, expected: u32) -> Self {
         let cell = |template, radius| {
             let budgets = [Budget::new(each, expected); 2];
@@ -59,9 +59,6 @@ impl Speeds {
     }
 
     /// Times the search of `triple` in every combination that has room.
-    ///
-    /// # Errors
-    /// The tracker's.
     pub fn add(&mut self, triple: &Triple, patience: Patience) -> Result<()> {
         for cell in &mut self.cells {
             let Some(case) = Case::new(triple, Size::Of(cell.template, cell.template), cell.radius)? else { continue };
@@ -78,15 +75,13 @@ impl Speeds {
     }
 
     /// Frames per second of the median update, template by template, window by window.
-    #[must_use]
     pub fn rows(&self) -> Vec<Speed> {
         let speed = |times: &Vec<Duration>| {
             let seconds: Vec<f64> = times.iter().map(Duration::as_secs_f64).collect();
             (!seconds.is_empty()).then(|| 1.0 / Spread::of(&seconds).median.max(1e-9))
         };
         let row = |cell: &Cell| {
-            let Radius { x, y } = cell.radius;
-            let offsets = (2 * u32::from(x) + 1) * (2 * u32::from(y) + 1);
+            let offsets = case::offsets(cell.radius);
             let [pruned, exhaustive] = cell.times.each_ref().map(speed);
             Speed { template: cell.template, window: cell.radius, offsets, pruned, exhaustive }
         };
@@ -96,11 +91,5 @@ impl Speeds {
 
 fn update(case: &Case, pruning: bool, patience: Patience) -> Result<Duration> {
     let mut tracker = case.tracker(Backend::best(), pruning)?;
-    shortest(patience, || {
-        case.prepare(&mut tracker)?;
-        let frame = case.frame();
-        let (result, time) = timed(|| tracker.update(&frame));
-        result?;
-        Ok(time)
-    })
+    Ok(searches::update(case, &mut tracker, patience)?.time)
 }

@@ -5,14 +5,11 @@ use super::goals::STATED_FOR;
 use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use super::window::{Row, Window};
-use crate::evaluate::aligned;
+use crate::evaluate::{NOTHING, aligned, cell, header};
 use crate::spread::Spread;
 use smr_core::paper::Radius;
 
-const NOTHING: &str = "-";
-
 /// Everything that was measured, table by table.
-#[must_use]
 pub fn text(report: &Report) -> String {
     let Report { processor, recordings, template, every, .. } = report;
     let mut parts = vec![format!(
@@ -41,8 +38,7 @@ fn window(window: &Window) -> String {
     if *cases == 0 {
         return title + "\n";
     }
-    let header = ["way", "searches", "median us", "p95 us", "max us", "ns/offset/pixel", "work left", "work"];
-    let mut lines = vec![header.map(String::from).to_vec()];
+    let mut lines = vec![header("way|searches|median us|p95 us|max us|ns/offset/pixel|work left|work")];
     lines.extend(ways.iter().map(row));
     format!("{title}\n{}", aligned(&lines, 1))
 }
@@ -55,7 +51,7 @@ fn row(row: &Row) -> Vec<String> {
         microseconds(row.nanoseconds.median),
         microseconds(row.nanoseconds.p95),
         microseconds(row.nanoseconds.max),
-        row.nanoseconds_per_offset_pixel.map_or(NOTHING.to_owned(), |each| format!("{each:.4}")),
+        cell(row.nanoseconds_per_offset_pixel, 4),
         row.work_left.map_or(NOTHING.to_owned(), |left| format!("{:.1} %", left * 100.0)),
         row.work.map_or(NOTHING.to_owned(), |work| work.to_string()),
     ]
@@ -71,9 +67,9 @@ fn opencv(report: &Report) -> String {
 
 /// Pairs down, windows across.
 fn ratios(windows: &[Window]) -> String {
-    let mut header = vec!["times as long (median)".to_owned(), "as".to_owned()];
-    header.extend(windows.iter().map(|window| plus_minus(window.window)));
-    let mut lines = vec![header];
+    let mut titles = header("times as long (median)|as");
+    titles.extend(windows.iter().map(|window| plus_minus(window.window)));
+    let mut lines = vec![titles];
     let mut pairs = Vec::new();
     for ratio in windows.iter().flat_map(|window| &window.ratios) {
         if !pairs.contains(&(ratio.of, ratio.to)) {
@@ -82,10 +78,7 @@ fn ratios(windows: &[Window]) -> String {
     }
     for (of, to) in pairs {
         let mut line = vec![of.to_string(), to.to_string()];
-        line.extend(windows.iter().map(|window| {
-            let ratio = window.ratios.iter().find(|ratio| (ratio.of, ratio.to) == (of, to));
-            ratio.map_or(NOTHING.to_owned(), |ratio| format!("{:.3}", ratio.median))
-        }));
+        line.extend(windows.iter().map(|window| cell(window.ratio(of, to), 3)));
         lines.push(line);
     }
     if lines.len() > 1 { aligned(&lines, 2) } else { String::new() }
@@ -93,24 +86,21 @@ fn ratios(windows: &[Window]) -> String {
 
 /// Templates down, windows across.
 fn speeds(speeds: &[Speed]) -> String {
-    let mut header = vec!["frames per second".to_owned()];
-    header.extend(WINDOWS.map(plus_minus));
-    let mut lines = vec![header];
+    let mut lines = vec![header("frames per second").into_iter().chain(WINDOWS.map(plus_minus)).collect()];
     for (name, value) in
         [("pruned", (|speed| speed.pruned) as fn(&Speed) -> Option<f64>), ("exhaustive", |speed| speed.exhaustive)]
     {
         lines.extend(TEMPLATES.map(|side| {
             let of_side = speeds.iter().filter(|speed| speed.template == side);
-            let figure = |speed| value(speed).map_or(NOTHING.to_owned(), |value| format!("{value:.0}"));
-            std::iter::once(format!("{side}x{side}, {name}")).chain(of_side.map(figure)).collect()
+            let figures = of_side.map(|speed| cell(value(speed), 0));
+            std::iter::once(format!("{side}x{side}, {name}")).chain(figures).collect()
         }));
     }
     aligned(&lines, 1)
 }
 
 fn boards(report: &Report) -> String {
-    let header = ["instructions of an update", "method", "recording", "box", "frames", "median", "p95", "max"];
-    let mut lines = vec![header.map(String::from).to_vec()];
+    let mut lines = vec![header("instructions of an update|method|recording|box|frames|median|p95|max")];
     let mut notes = String::new();
     for board in &report.boards {
         lines.extend(board.recordings.iter().map(|measured| {
@@ -141,8 +131,7 @@ fn instructions(names: [String; 4], frames: u32, of: Spread<u64>) -> Vec<String>
 
 fn goals(report: &Report) -> String {
     let title = format!("goals are stated for {STATED_FOR}; measured: {}", report.recordings.join(", "));
-    let header = ["goal", "at most", "measured", "compared"];
-    let mut lines = vec![header.map(String::from).to_vec()];
+    let mut lines = vec![header("goal|at most|measured|compared")];
     for goal in &report.goals {
         let figure = |value: f64| format!("{value:.3} {}", goal.unit).trim_end().to_owned();
         let measured = goal.measured.map_or(NOTHING.to_owned(), figure);

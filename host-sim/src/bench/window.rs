@@ -1,5 +1,6 @@
 //! The searches in windows of one size, summed up: the time of each way to search, and how the ways compare.
 
+use super::case;
 use super::sad::Sad;
 use super::searches::{Searches, Timed, Way};
 use crate::spread::Spread;
@@ -50,10 +51,9 @@ pub struct Ratio {
 
 impl Window {
     pub(super) fn new(searches: &Searches) -> Self {
-        let Radius { x, y } = searches.radius;
         Self {
             window: searches.radius,
-            offsets: (2 * u32::from(x) + 1) * (2 * u32::from(y) + 1),
+            offsets: case::offsets(searches.radius),
             cases: searches.comparisons.len(),
             skipped: searches.skipped,
             ways: searches.ways.iter().filter_map(|timed| Row::new(timed, &searches.comparisons)).collect(),
@@ -62,7 +62,6 @@ impl Window {
     }
 
     /// How many times as long `of` takes as `to`.
-    #[must_use]
     pub fn ratio(&self, of: Way, to: Way) -> Option<f64> {
         self.ratios.iter().find(|ratio| (ratio.of, ratio.to) == (of, to)).map(|ratio| ratio.median)
     }

@@ -3,10 +3,9 @@
 use super::number::from;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::Part;
-use super::{Outcome, robustness, say};
+use super::{Outcome, robustness, tell};
 use crate::evaluate::robustness::Starts;
 use crate::evaluate::{MethodKind, Variant};
-use crate::sequence::FrameRange;
 use anyhow::Result;
 use clap::ValueEnum;
 use smr_core::{paper, robust};
@@ -25,24 +24,15 @@ pub struct Ablate {
     /// Print JSON instead of a table: what `eval --robustness --json` prints, with each variant as a tracker
     #[arg(long)]
     json: bool,
-    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
-    /// from is the one that the ground truth has there
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
 }
 
 impl Ablate {
-    pub fn run(mut self) -> Result<Outcome> {
-        self.recording = self.recording.of_frames(self.frames);
+    pub fn run(self) -> Result<Outcome> {
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
         let (robustness, failed) = robustness::measure("ablate", &self.paths, &self.recording, &variants(), starts)?;
-        let text = match self.json {
-            true => serde_json::to_string_pretty(&robustness)? + "\n",
-            false => robustness.summary(),
-        };
-        say(|out| out.write_all(text.as_bytes()))?;
+        tell(self.json, &robustness, |robustness, out| out.write_all(robustness.summary().as_bytes()))?;
         robustness::end(failed)
     }
 }
@@ -55,7 +45,7 @@ fn variants() -> Vec<Variant> {
         let mut config = whole;
         part.leave_out(&mut config);
         let options = serde_json::Map::from_iter([("without".to_owned(), vec![part.name()].into())]);
-        robust(config).named(format!("without {}", part.name())).given(options)
+        Variant { name: format!("without {}", part.name()), options, ..robust(config) }
     });
     let paper = Variant::new(MethodKind::Smr, &paper::Config::paper().into());
     [paper, robust(whole)].into_iter().chain(without).collect()

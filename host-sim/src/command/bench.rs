@@ -4,10 +4,9 @@ use super::number::{from, whole};
 use super::places::Places;
 use super::qemu_options::EmulatorOptions;
 use super::recording_options::RecordingOptions;
-use super::recordings::recordings;
 use super::tracker_options::Pair;
-use super::{Outcome, say};
-use crate::bench::boards::{Board, Figures};
+use super::{Outcome, progress, tell};
+use crate::bench::boards::{self, Figures};
 use crate::bench::case::{self, Size};
 use crate::bench::report::Report;
 use crate::bench::{Bench as Run, Settings, table};
@@ -16,10 +15,8 @@ use crate::emulator::qemu::Machine;
 use crate::evaluate::{self, CoreKind, MethodKind, Variant};
 use crate::output::Output;
 use crate::report::{diagram, speeds};
-use crate::sequence::FrameRange;
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use smr_core::paper::{Config, Radius};
 use std::io::Write;
@@ -56,9 +53,6 @@ pub struct Bench {
     /// Time a search in every N-th frame [default: so that there are about 60 in all]
     #[arg(long, value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     every: Option<NonZeroUsize>,
-    /// Only these frames of each recording, for example 20..80, 20.. or ..80; the first is 1
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     /// Each search is timed up to so many times; the shortest counts
     #[arg(long, value_name = "N", default_value = "7", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     repeat: NonZeroU32,
@@ -92,9 +86,7 @@ impl Bench {
     pub fn run(self) -> Result<Outcome> {
         let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
         let plot = self.plot.as_deref().map(Output::create).transpose()?;
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let paths = found?.concat();
-        self.recording.check_for(paths.len())?;
+        let paths = self.recording.find(&self.paths)?;
 
         // First what can fail for want of a program.
         let boards = self.boards(&paths)?;
@@ -106,40 +98,33 @@ impl Bench {
             plot.write(&form.draw(&speeds::marks(&report.speeds))?)?;
             plot.finish()?;
         }
-        self.print(&report)?;
+        tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
         for difference in &report.differences {
             eprintln!("error: different answers: {difference}");
         }
         Ok(if report.differences.is_empty() { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
-    fn recording(&self) -> RecordingOptions {
-        self.recording.of_frames(self.frames)
-    }
-
     /// All that is timed on this machine.
     fn time(&self, paths: &[PathBuf]) -> Result<Run> {
         let every = self.every.map_or_else(|| self.usual_distance(paths), |every| Ok(every.get()))?;
-        let mut expected = 0;
-        for path in paths {
-            expected += case::count(&self.recording().open(path)?, every)?;
-        }
+        let expected = self.count(paths, every)?;
         ensure!(expected > 0, "no frame to time: there must be ground truth, and two frames after it");
         let mut run = Run::new(self.settings(every), expected);
-        let bar = progress_bar("frames", expected);
+        let bar = progress::bar("bench", Some(expected));
         for path in paths {
-            run.add(self.recording().open(path)?, || bar.inc(1))?;
+            run.add(self.recording.open(path)?, || bar.inc(1))?;
         }
         bar.finish_and_clear();
         Ok(run)
     }
 
     fn usual_distance(&self, paths: &[PathBuf]) -> Result<usize> {
-        let mut frames = 0;
-        for path in paths {
-            frames += case::count(&self.recording().open(path)?, 1)?;
-        }
-        Ok((frames / SEARCHES).max(1))
+        Ok((self.count(paths, 1)? / SEARCHES).max(1))
+    }
+
+    fn count(&self, paths: &[PathBuf], every: usize) -> Result<usize> {
+        paths.iter().map(|path| case::count(&self.recording.open(path)?, every)).sum()
     }
 
     /// Each once.
@@ -163,17 +148,16 @@ impl Bench {
     /// Instructions of an update on every board that is asked for, on the same recordings.
     fn boards(&self, paths: &[PathBuf]) -> Result<Vec<Figures>> {
         let methods = self.methods();
-        let bar = progress_bar("recordings on boards", self.machine.len() * methods.len() * paths.len());
+        let bar = progress::of("boards", Some(self.machine.len() * methods.len() * paths.len()), "recordings");
         let mut figures = Vec::new();
         for (&machine, &method) in
             self.machine.iter().flat_map(|machine| methods.iter().map(move |method| (machine, method)))
         {
-            let mut board = Board::new(self.emulator.setup(machine), method)?;
-            for path in paths {
-                board.add(self.recording().open(path)?)?;
+            let sequences = paths.iter().map(|path| {
                 bar.inc(1);
-            }
-            figures.push(board.figures());
+                self.recording.open(path)
+            });
+            figures.push(boards::measure(&self.emulator.setup(machine), method, sequences)?);
         }
         bar.finish_and_clear();
         Ok(figures)
@@ -184,22 +168,10 @@ impl Bench {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
         let one = |path: &PathBuf| {
             let variant = Variant::new(MethodKind::Smr, &Config::paper().into());
-            evaluate::evaluate(self.recording().open(path)?, &[variant], &[], || ()).map(|_| ())
+            evaluate::evaluate(self.recording.open(path)?, &[variant], &[], || ()).map(|_| ())
         };
         pool.install(|| paths.par_iter().map(one).collect())
     }
-
-    fn print(&self, report: &Report) -> Result<()> {
-        let text = if self.json { serde_json::to_string_pretty(report)? + "\n" } else { table::text(report) };
-        say(|out| out.write_all(text.as_bytes()))
-    }
-}
-
-/// What is done, on standard error; nothing is drawn if that is no terminal.
-fn progress_bar(what: &'static str, all: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}, {eta} left");
-    let bar = ProgressBar::new(all as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.with_message(what)
 }
 
 /// `64x64` or `own`

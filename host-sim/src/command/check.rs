@@ -6,7 +6,7 @@ use super::{Outcome, progress, say};
 use crate::Paper;
 use crate::check::{self, Checked, Violation, paper, robust};
 use crate::evaluate::{CoreKind, Origin, lock};
-use crate::sequence::{self, FrameRange};
+use crate::sequence::{self};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use smr_core::Robust;
@@ -21,10 +21,6 @@ pub struct Check {
     /// Which tracker
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
-    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
-    /// from is the one that the ground truth has there
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     /// Print a JSON array, one object a recording
     #[arg(long)]
     json: bool,
@@ -72,7 +68,7 @@ impl Check {
 
     fn check(&self, path: &Path) -> Result<Report> {
         let variant = self.tracker.variant(self.method.into())?;
-        let configs = variant.configs();
+        let configs = &variant.configs;
         let report = match self.method {
             CoreKind::Smr => {
                 let numbers = self.tracker.reference_numbers();
@@ -94,7 +90,7 @@ impl Check {
         step: u32,
         counts: fn(T::Counts) -> Counts,
     ) -> Result<check::Report<Counts>> {
-        let sequence = self.recording.of_frames(self.frames).open(path)?;
+        let sequence = self.recording.open(path)?;
         let target = sequence.start()?;
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??;

@@ -2,9 +2,9 @@
 
 use super::places::Places;
 use super::recording_options::RecordingOptions;
-use super::{Outcome, progress, say};
+use super::{Outcome, progress, tell};
 use crate::export::{Format, Writer, Written};
-use crate::sequence::{BoundingBox, FrameRange, Sequence};
+use crate::sequence::{BoundingBox, Sequence};
 use anyhow::{Result, bail};
 use serde::Serialize;
 use std::io::Write;
@@ -21,9 +21,6 @@ pub struct Convert {
     /// What frames are written as [default: by the extension of OUT, else png]
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     /// Print a JSON object instead of a line
     #[arg(long)]
     json: bool,
@@ -53,8 +50,7 @@ impl Convert {
 
     pub fn run(self) -> Result<Outcome> {
         let format = self.format()?;
-        let recording = self.recording.of_frames(self.frames);
-        let Sequence { name, frames, length, init, truth, damage } = recording.open(&self.sequence)?;
+        let Sequence { name, frames, length, init, truth, damage } = self.recording.open(&self.sequence)?;
         let stem = self.out.file_stem().filter(|_| Format::of_file(&self.out).is_some());
         let title = stem.map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
         let mut writer = Writer::create(&self.out, format, &title, init)?;
@@ -74,8 +70,7 @@ impl Convert {
             init,
             damaged: damage.frames(),
         };
-        let text = if self.json { serde_json::to_string_pretty(&report)? + "\n" } else { line(&report) };
-        say(|out| out.write_all(text.as_bytes()))?;
+        tell(self.json, &report, |report, out| out.write_all(line(report).as_bytes()))?;
         Ok(Outcome::Holds)
     }
 

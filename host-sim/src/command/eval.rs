@@ -3,18 +3,17 @@
 use super::number::from;
 use super::places::Places;
 use super::recording_options::RecordingOptions;
-use super::recordings::recordings;
-use super::robustness::{self, end, progress_bar, say_what_failed};
+use super::robustness::{self, end, say_what_failed};
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, progress};
+use super::{Outcome, progress, tell};
 use crate::evaluate::robustness::{Former, Robustness, Starts};
 use crate::evaluate::{self, Evaluation, Layout, MethodKind, Results, Variant, published};
 use crate::evaluate::{covered, faults};
-use crate::output::{Output, print};
+use crate::output::Output;
 use crate::report::calibration;
 use crate::report::diagram::Form;
 use crate::sequence::fault::{Fault, Faults};
-use crate::sequence::{self, FrameRange, OpenOptions, Resize, Sequence, slow, synthetic};
+use crate::sequence::{self, OpenOptions, Resize, Sequence, slow, synthetic};
 use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -32,32 +31,34 @@ pub struct Eval {
     paths: Vec<PathBuf>,
     /// What is measured; several are separated by commas [default: smr]
     ///
-    /// On the recordings of the paper's table, and without an option that says something of start or tracker, the default is
-    /// all there is: both readings of the paper, the robust tracker, the baselines, and other trackers' results (--compare).
+    /// If all recordings are those of the paper's table, and no option changes the start or the tracker, the default is everything:
+    /// both readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).
     #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
     ///
     /// One line x1,y1,x2,y2 for each frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
     /// last frame are ignored.
-    #[arg(long, conflicts_with = "resize")]
+    #[arg(long, conflicts_with_all = ["resize", "frames"])]
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
-    /// The numbers of a changed box are rounded to whole pixels once, and what lies outside the frame is cut off. Of each
-    /// recording: correct frames over visible ones, mean over the starts and from the worst; the same where IoU must be above
-    /// 0.5; F, the harmonic mean of correct answers over all answers (those while the target is hidden, too) and of correct
-    /// over visible frames; mean IoU where there is an answer and the target is visible; correct answers over all answers;
-    /// answers while the target is hidden; how often it came back, and in how many of these a correct answer came within 50
-    /// frames; how often `tracking` was said and wrong (target hidden, or IoU at most 0.25), and how often it was not said
-    /// although the box was right; work (comparisons or products, at most) and time of an update. Then means over recordings with their
-    /// standard errors, and over those of each folder; of several methods the paired differences to the first. All of a recording
-    /// is in memory, at most 1 GiB of frames.
+    /// A changed box is rounded to whole pixels, and what lies outside the frame is cut off. The columns are:
+    /// correct: correct frames over visible ones, mean over the starts; worst: the same from the worst start; correct@0.5: the same
+    /// where IoU must be above 0.5; F: the harmonic mean of precision and correct; mean IoU: where there is an answer and the
+    /// target is visible; precision: correct answers over all answers, also those while the target is hidden; answered/hidden:
+    /// answers while the target is hidden; found/returns: how often the target came back, and how often a correct answer followed
+    /// within 50 frames; wrong/tracking and tracking/wrong: frames that were called `tracking` although the target was hidden or IoU
+    /// at most 0.25, over all that were called so, and over all wrong frames; unsaid/right: frames that were not called `tracking`
+    /// although the box was right; work/frame: comparisons or products of an update, at most; us/frame: its time.
+    ///
+    /// Then come means over recordings with their standard errors, means over each folder, and of several methods the paired
+    /// differences to the first. A recording is held in memory, with at most 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
     robustness: bool,
     /// With --robustness: in place of the 5, start at every N-th frame in which the target is visible
     ///
-    /// From the ground truth's box, cut to the frame, to the end of the recording; not in the last frame.
+    /// Each run goes from the box of the ground truth, cut to the frame, to the end of the recording. The last frame is no start.
     #[arg(long, value_name = "N", requires = "robustness", conflicts_with_all = ["init", "inclusive"], value_parser = from::<NonZeroUsize>(1))]
     starts_every: Option<NonZeroUsize>,
     /// With --robustness: run from the given box alone, in place of the 5
@@ -65,8 +66,8 @@ pub struct Eval {
     single_start: bool,
     /// With --robustness: print paired differences to what was measured before: a file that the same command wrote with --json
     ///
-    /// Each tracker is set against that of its name in the file, else against the file's first. Without this option, each is
-    /// set against the first method.
+    /// Each tracker is compared with the one of its name in the file, or else with the first in the file. Without this option, each
+    /// is compared with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
     /// With --robustness: draw the chance that a frame is correct by the confidence that was reported in it: FILE.svg or FILE.png
@@ -75,7 +76,7 @@ pub struct Eval {
     /// neither is one in which the target is hidden.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     calibration: Option<PathBuf>,
-    /// Put a fault of the camera into the recordings, and say what the trackers make of it; several are separated by commas, `all` is a
+    /// Put faults of the camera into the recordings, and measure what the trackers do; several are separated by commas, `all` is a
     /// list [default methods: smr,robust]
     ///
     /// NAME:N is one of dropped:N (every second of 2 N frames never comes), repeated:N (the frame before comes N times more), torn:N (the
@@ -89,7 +90,7 @@ pub struct Eval {
     /// wrong. `none` are the same runs without a fault. What is random is the same each time.
     #[arg(long, value_name = "NAME:N|all", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
-    /// Cover the lens in the middle of each recording for 300 frames, and say what the trackers make of it [default methods: smr,robust]
+    /// Cover the lens in the middle of each recording for 300 frames, and measure what the trackers do [default methods: smr,robust]
     ///
     /// From the middle of a recording on come 300 frames that are black, white, gray (128), noise, or a frozen frame of another scene: the first
     /// frame of another recording of the list, resized (of the built-in `synthetic` if there is no other). Then the recording goes on where it was
@@ -107,10 +108,6 @@ pub struct Eval {
     /// How the tables are written
     #[arg(long, value_enum, default_value_t, conflicts_with_all = ["json", "robustness"])]
     format: Layout,
-    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
-    /// from is the one that the ground truth has there
-    #[arg(long, value_name = "A..B", conflicts_with = "compare")]
-    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -124,7 +121,6 @@ impl Eval {
     }
 
     pub fn run(mut self) -> Result<Outcome> {
-        self.recording = self.recording.of_frames(self.frames);
         if (!self.fault.is_empty() || self.covered) && self.method.is_empty() {
             self.method = faults::METHODS.to_vec();
         }
@@ -143,9 +139,7 @@ impl Eval {
             return self.measure_covered(&variants);
         }
 
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let found = found?.concat();
-        self.recording.check_for(found.len())?;
+        let found = self.recording.find(&self.paths)?;
         // The paper's recordings have the paper's table, with all that can stand in it.
         let table = self.says_nothing() && found.iter().all(|path| is_published(path));
         let variants = if table { Variant::all() } else { variants };
@@ -166,7 +160,9 @@ impl Eval {
         }
         let failed = say_what_failed(&failures, NAME);
         say_what_to_know(&evaluations);
-        self.print(&Results::new(&evaluations))?;
+        let results = Results::new(&evaluations);
+        let text = results.text(self.format)?;
+        tell(self.json, &results.rows(), |_, out| out.write_all(text.as_bytes()))?;
         end(failed)
     }
 
@@ -214,12 +210,11 @@ impl Eval {
                 list.push(*fault);
             }
         }
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
         let (mut all, mut failures) = (faults::Measured::default(), Vec::new());
         // One recording after the other is in memory; its runs are spread over the threads that there are.
-        let found = found?.concat();
+        let found = self.recording.find(&self.paths)?;
         let recordings = found.len();
-        let bar = progress::bar("faults", Some(recordings));
+        let bar = progress::of("faults", Some(recordings), "recordings");
         for path in found {
             match self.recording.open(&path).and_then(|sequence| faults::measure(sequence, variants, &list)) {
                 Ok(measured) => all.add(measured),
@@ -233,17 +228,15 @@ impl Eval {
         }
         let failed = say_what_failed(&failures, NAME);
         let rows = all.rows(variants, &list);
-        let text =
-            if self.json { serde_json::to_string_pretty(&rows)? + "\n" } else { faults::table(&rows, self.format)? };
-        print(|out| out.write_all(text.as_bytes()))?;
+        let table = faults::table(&rows, self.format)?;
+        tell(self.json, &rows, |_, out| out.write_all(table.as_bytes()))?;
         end(failed)
     }
 
     fn measure_covered(&self, variants: &[Variant]) -> Result<Outcome> {
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let found = found?.concat();
+        let found = self.recording.find(&self.paths)?;
         let generated = slow::sequences();
-        let bar = progress::bar("covered", Some(found.len() + generated.len()));
+        let bar = progress::of("covered", Some(found.len() + generated.len()), "recordings");
         let measure = |sequence: Result<Sequence>, other: &Path| {
             let measured = sequence.and_then(|sequence| self.cover(sequence, other, variants));
             bar.inc(1);
@@ -262,9 +255,8 @@ impl Eval {
         let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), NAME);
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
-        let text =
-            if self.json { serde_json::to_string_pretty(&results)? + "\n" } else { results.text(self.format)? };
-        print(|out| out.write_all(text.as_bytes()))?;
+        let text = results.text(self.format)?;
+        tell(self.json, &results, |_, out| out.write_all(text.as_bytes()))?;
         end(failed)
     }
 
@@ -280,19 +272,17 @@ impl Eval {
     }
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        let text = if self.json {
-            serde_json::to_string_pretty(robustness)? + "\n"
-        } else {
+        tell(self.json, robustness, |robustness, out| {
             let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table());
-            let parts = [robustness.table(), robustness.paired_table(), calibration];
-            parts.iter().filter(|part| !part.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n")
-        };
-        print(|out| out.write_all(text.as_bytes()))
+            let mut parts = vec![robustness.table(), robustness.paired_table(), calibration];
+            parts.retain(|part| !part.is_empty());
+            out.write_all(parts.join("\n").as_bytes())
+        })
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
     fn evaluate(&self, paths: &[PathBuf], variants: &[Variant], compare: bool) -> Vec<Result<Evaluation>> {
-        let bar = progress_bar();
+        let bar = progress::bar(NAME, Some(0));
         let one = |path: &PathBuf| self.evaluate_one(path, variants, compare, &bar);
         let evaluations = paths.par_iter().map(one).collect();
         bar.finish_and_clear();
@@ -301,21 +291,13 @@ impl Eval {
 
     fn evaluate_one(&self, path: &Path, variants: &[Variant], compare: bool, bar: &ProgressBar) -> Result<Evaluation> {
         let mut sequence = self.recording.open(path)?;
-        if let Some(frames) = self.frames {
+        if let Some(frames) = self.recording.frames {
             // What is published is of all frames: under this name there is nothing.
             sequence.name = format!("{} {frames}", sequence.name);
         }
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
         let files = if compare { evaluate::result_files(path)? } else { Vec::new() };
         evaluate::evaluate(sequence, variants, &files, || bar.inc(1))
-    }
-
-    fn print(&self, results: &Results) -> Result<()> {
-        let text = match self.json {
-            true => serde_json::to_string_pretty(&results.rows())? + "\n",
-            false => results.text(self.format)?,
-        };
-        print(|out| out.write_all(text.as_bytes()))
     }
 }
 

@@ -40,9 +40,6 @@ pub struct Figures {
     /// What files are written as; several are separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "png,svg")]
     form: Vec<FormName>,
-    /// Only these frames, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -124,7 +121,7 @@ impl Figures {
 
     /// What happens in the recording, with the pictures of these frames.
     fn watch(&self, methods: &[Variant], frames: BTreeSet<usize>) -> Result<Film> {
-        let sequence = self.recording.of_frames(self.frames).open(&self.sequence)?;
+        let sequence = self.recording.open(&self.sequence)?;
         let bar = progress::bar(&sequence.name, sequence.length);
         let film = watch(sequence, methods, Choice::Listed(frames), None, || bar.inc(1))?;
         bar.finish_and_clear();

@@ -42,9 +42,12 @@ use crate::{ending, words};
 use anyhow::{Context, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+#[cfg(not(feature = "bench"))]
+use not_built::NotBuilt;
 use places::Places;
+use serde::Serialize;
 use std::error::Error;
-use std::io::{self, ErrorKind, StdoutLock};
+use std::io::{self, ErrorKind, StdoutLock, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -105,7 +108,7 @@ enum Command {
     Bench(bench::Bench),
     #[cfg(not(feature = "bench"))]
     /// Measure how fast it is (not built in: --features bench)
-    Bench(not_built::NotBuilt),
+    Bench(NotBuilt<true>),
     /// Write a recording as files that other programs read and firmware replays
     ///
     /// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
@@ -159,14 +162,14 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Target(target::Target),
     #[cfg(not(feature = "emulator"))]
     /// Run the firmware in QEMU on a recording (not built in: --features emulator)
-    Target(not_built::NotBuilt),
+    Target(NotBuilt<false>),
     #[cfg(feature = "emulator")]
     /// Run any firmware in QEMU, and print its log
     #[command(after_help = "Example:\n  host-sim run firmware.elf")]
     Run(run::Run),
     #[cfg(not(feature = "emulator"))]
     /// Run any firmware in QEMU (not built in: --features emulator)
-    Run(not_built::NotBuilt),
+    Run(NotBuilt<false>),
     /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
     ///
     /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
@@ -188,6 +191,33 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Man(man::Man),
 }
 
+/// Does the same with the options of every command.
+macro_rules! each {
+    ($of:expr, $command:ident => $do:expr) => {
+        match $of {
+            Command::Demo($command) => $do,
+            Command::Frame($command) => $do,
+            Command::Track($command) => $do,
+            Command::Check($command) => $do,
+            Command::Eval($command) => $do,
+            Command::Ablate($command) => $do,
+            Command::Bench($command) => $do,
+            Command::Convert($command) => $do,
+            Command::Report($command) => $do,
+            Command::Figures($command) => $do,
+            Command::Soak($command) => $do,
+            Command::Synth($command) => $do,
+            Command::Replay($command) => $do,
+            Command::Target($command) => $do,
+            Command::Run($command) => $do,
+            Command::Trax($command) => $do,
+            Command::Vectors($command) => $do,
+            Command::Completions($command) => $do,
+            Command::Man($command) => $do,
+        }
+    };
+}
+
 /// What a command has to say at its end, if nothing went wrong on the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -196,7 +226,6 @@ pub enum Outcome {
 }
 
 /// Runs what the command line of this process says.
-#[must_use]
 pub fn run() -> ExitCode {
     if let Err(error) = ending::heed_signals().context("cannot wait for signals") {
         return refused(&error, "");
@@ -260,7 +289,7 @@ fn refused(error: &anyhow::Error, command: &str) -> ExitCode {
 impl HostSim {
     /// Runs the command, which is called `name`. Errors are one line on standard error: what, where, what was expected.
     fn run(self, name: &str) -> ExitCode {
-        let done = self.places().check().and_then(|()| self.dispatch());
+        let done = self.places().check().and_then(|()| each!(self.command, command => command.run()));
         ending::yield_to_signal();
         match done {
             Ok(Outcome::Holds) => ExitCode::SUCCESS,
@@ -272,57 +301,30 @@ impl HostSim {
 
     /// What is read and written.
     fn places(&self) -> Places<'_> {
-        let places = match &self.command {
-            Command::Demo(demo) => demo.places(),
-            Command::Frame(frame) => frame.places(),
-            Command::Track(track) => track.places(),
-            Command::Eval(eval) => eval.places(),
-            #[cfg(feature = "bench")]
-            Command::Bench(bench) => bench.places(),
-            Command::Convert(convert) => convert.places(),
-            Command::Report(report) => report.places(),
-            Command::Figures(figures) => figures.places(),
-            Command::Soak(soak) => soak.places(),
-            Command::Synth(synth) => synth.places(),
-            Command::Vectors(vectors) => vectors.places(),
-            // These write to standard output alone.
-            _ => Places::default(),
-        };
-        places.reads(self.settings.as_ref())
+        each!(&self.command, command => command.places()).reads(self.settings.as_ref())
     }
+}
 
-    fn dispatch(self) -> Result<Outcome> {
-        match self.command {
-            Command::Demo(demo) => demo.run(),
-            Command::Frame(frame) => frame.run(),
-            Command::Track(track) => track.run(),
-            Command::Check(check) => check.run(),
-            Command::Eval(eval) => eval.run(),
-            Command::Ablate(ablate) => ablate.run(),
-            #[cfg(feature = "bench")]
-            Command::Bench(bench) => bench.run(),
-            #[cfg(not(feature = "bench"))]
-            Command::Bench(bench) => bench.run("bench", "bench"),
-            Command::Convert(convert) => convert.run(),
-            Command::Replay(replay) => replay.run(),
-            Command::Report(report) => report.run(),
-            Command::Figures(figures) => figures.run(),
-            Command::Soak(soak) => soak.run(),
-            Command::Synth(synth) => synth.run(),
-            #[cfg(feature = "emulator")]
-            Command::Target(target) => target.run(),
-            #[cfg(not(feature = "emulator"))]
-            Command::Target(target) => target.run("target", "emulator"),
-            #[cfg(feature = "emulator")]
-            Command::Run(run) => run.run(),
-            #[cfg(not(feature = "emulator"))]
-            Command::Run(run) => run.run("run", "emulator"),
-            Command::Trax(trax) => trax.run(),
-            Command::Vectors(vectors) => vectors.run(),
-            Command::Completions(completions) => completions.run(),
-            Command::Man(man) => man.run(),
-        }
+/// What a command reads and writes where its own `places` does not say it: it writes to standard output alone.
+trait WritesNoFile {
+    fn places(&self) -> Places<'_> {
+        Places::default()
     }
+}
+
+impl<T> WritesNoFile for T {}
+
+/// Prints a result, as JSON or in words.
+fn tell<T: Serialize>(
+    json: bool,
+    result: &T,
+    words: impl FnOnce(&T, &mut StdoutLock<'_>) -> io::Result<()>,
+) -> Result<()> {
+    let json = json.then(|| serde_json::to_string_pretty(result)).transpose()?;
+    say(|out| match json {
+        Some(json) => writeln!(out, "{json}"),
+        None => words(result, out),
+    })
 }
 
 /// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.

@@ -4,21 +4,22 @@ use super::Outcome;
 use anyhow::{Result, bail};
 use std::ffi::OsString;
 
+/// A command that needs the feature `bench`, or else `emulator`.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
-pub struct NotBuilt {
+pub struct NotBuilt<const BENCH: bool> {
     /// Whatever the command would take, `--help` included.
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     _arguments: Vec<OsString>,
 }
 
-impl NotBuilt {
-    /// # Errors
-    /// Always: the one line that says what to type instead.
-    pub fn run(self, command: &str, feature: &str) -> Result<Outcome> {
+impl<const BENCH: bool> NotBuilt<BENCH> {
+    /// Errors: Always: the one line that says what to type instead.
+    pub fn run(self) -> Result<Outcome> {
+        let feature = if BENCH { "bench" } else { "emulator" };
         bail!(
-            "`{command}` is not built into this program, so that it builds quickly: \
-             expected `cargo run --release -p host-sim --features {feature} -- {command} ...`"
+            "this command is not built into this program, so that the program builds quickly: \
+             expected `cargo run --release -p host-sim --features {feature} -- ...`"
         )
     }
 }
@@ -31,15 +32,15 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        command: NotBuilt,
+        command: NotBuilt<true>,
     }
 
     #[test]
     fn whatever_is_given_the_answer_is_how_to_get_the_command() {
         for arguments in [&["bench"][..], &["bench", "--help"], &["bench", "synthetic", "--window", "9x9", "--", "-x"]]
         {
-            let error = Line::try_parse_from(arguments).unwrap().command.run("bench", "bench").unwrap_err().to_string();
-            assert!(error.contains("cargo run --release -p host-sim --features bench -- bench"), "{error}");
+            let error = Line::try_parse_from(arguments).unwrap().command.run().unwrap_err().to_string();
+            assert!(error.contains("cargo run --release -p host-sim --features bench -- "), "{error}");
         }
     }
 }

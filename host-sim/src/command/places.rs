@@ -34,8 +34,7 @@ impl<'a> Places<'a> {
         self
     }
 
-    /// # Errors
-    /// Two outputs are one file, or an output is an input.
+    /// Errors: Two outputs are one file, or an output is an input.
     pub fn check(&self) -> Result<()> {
         for (index, &(option, output)) in self.outputs.iter().enumerate() {
             let shown = output.display();

@@ -1,6 +1,7 @@
 //! How recordings are opened, the same for every command that reads them.
 
 use super::number::whole;
+use super::recordings::recordings;
 use super::tracker_options::Pair;
 use crate::sequence::{
     self, BoundingBox, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence,
@@ -8,7 +9,7 @@ use crate::sequence::{
 use anyhow::{Result, bail, ensure};
 use clap::Args;
 use std::num::NonZeroU16;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 #[derive(Args, Clone, Debug, Default)]
@@ -17,18 +18,20 @@ pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true)]
     init: Option<BoundingBox>,
-    /// The right and lower edges of the box to start from belong to it: one pixel wider and higher
+    /// Count the right and lower edges as part of the box to start from: it is one pixel wider and higher
     #[arg(long)]
     inclusive: bool,
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
-    /// Bring all frames to this size, or to a fraction of theirs; --init and the boxes beside the recording are in pixels of the size before
+    /// Resize all frames to this size or fraction; --init and the boxes beside the recording are in pixels of the original size
     #[arg(long, value_name = "WxH|1/2")]
     resize: Option<Resize>,
-    /// Which frames; of commands that have such an option.
-    #[arg(skip)]
-    part: Option<FrameRange>,
+    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1
+    ///
+    /// The first of them is then frame 1, and the box to start from is the one that the ground truth has there.
+    #[arg(long, value_name = "A..B")]
+    pub frames: Option<FrameRange>,
     /// Go on where a recording is damaged, and say on standard error how many frames are
     ///
     /// Without it, damage is an error: a picture that is cut, a dump that ends within a frame, anything that ffmpeg complains about.
@@ -50,12 +53,6 @@ impl RecordingOptions {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
     }
 
-    /// The same, of these frames only.
-    #[must_use]
-    pub fn of_frames(&self, part: Option<FrameRange>) -> Self {
-        Self { part, ..self.clone() }
-    }
-
     /// Opens the recording at `path`.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
         let options = OpenOptions {
@@ -65,7 +62,7 @@ impl RecordingOptions {
             ffmpeg_patience: Some(self.ffmpeg_patience()),
         };
         let mut sequence = sequence::open(path, &options)?;
-        if let Some(part) = self.part {
+        if let Some(part) = self.frames {
             if let Some(length) = sequence.length.filter(|&length| part.first() > length) {
                 bail!(
                     "{}: there is no frame {} (--frames {part}): expected 1 to {length}",
@@ -89,13 +86,18 @@ impl RecordingOptions {
 
     /// True if no option changes the box to start from, or the frames.
     pub fn says_nothing_of_start(&self) -> bool {
-        self.init.is_none() && !self.inclusive && self.part.is_none() && self.resize.is_none()
+        self.init.is_none() && !self.inclusive && self.frames.is_none() && self.resize.is_none()
     }
 
-    /// To be asked before the work on so many recordings.
-    ///
-    /// # Errors
-    /// One box is given for several of them.
+    /// The recordings at `paths`, and in folders there.
+    /// Errors: There is none, or one box is given for several of them.
+    pub fn find(&self, paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+        let found = recordings(paths)?;
+        self.check_for(found.len())?;
+        Ok(found)
+    }
+
+    /// Errors: One box is given for several recordings.
     pub fn check_for(&self, recordings: usize) -> Result<()> {
         ensure!(
             self.init.is_none() || recordings <= 1,

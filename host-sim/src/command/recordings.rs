@@ -5,8 +5,13 @@ use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// `path` if it is a recording, else the recordings in it and in its folders, in natural order.
-pub fn recordings(path: &Path) -> Result<Vec<PathBuf>> {
+/// The paths that are recordings, and of the others the recordings in them and in their folders, in natural order.
+pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
+    Ok(found?.concat())
+}
+
+fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     if sequence::is_sequence(path) {
         return Ok(vec![path.to_owned()]);
     }
@@ -68,8 +73,8 @@ mod tests {
         fs::create_dir(folder.path().join("empty")).unwrap();
         fs::write(folder.path().join("README.md"), "").unwrap();
         let expected = ["s2", "s10"].map(|name| folder.path().join(name));
-        assert_eq!(recordings(folder.path()).unwrap(), expected);
-        assert_eq!(recordings(&expected[0]).unwrap(), expected[..1]);
+        assert_eq!(of_path(folder.path()).unwrap(), expected);
+        assert_eq!(of_path(&expected[0]).unwrap(), expected[..1]);
     }
 
     #[test]
@@ -83,7 +88,7 @@ mod tests {
         fs::create_dir(above.path().join("tld/trackers")).unwrap();
         #[cfg(unix)]
         std::os::unix::fs::symlink(above.path(), above.path().join("a/b/again")).unwrap();
-        let found = recordings(above.path()).unwrap();
+        let found = of_path(above.path()).unwrap();
         let expected = ["a/b/c/d", "more/Man", "more/vot/bag", "tld"].map(|name| above.path().join(name));
         assert_eq!(found, expected);
     }
@@ -91,12 +96,10 @@ mod tests {
     #[test]
     fn a_path_without_a_recording_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let error = recordings(folder.path()).unwrap_err().to_string();
+        let error = of_path(folder.path()).unwrap_err().to_string();
         assert!(error.starts_with(&folder.path().display().to_string()), "{error}");
         assert!(error.contains("no recording in it"), "{error}");
         let missing = folder.path().join("missing");
-        assert!(
-            format!("{:#}", recordings(&missing).unwrap_err()).contains("missing: neither a recording nor a folder")
-        );
+        assert!(format!("{:#}", of_path(&missing).unwrap_err()).contains("missing: neither a recording nor a folder"));
     }
 }

@@ -1,6 +1,6 @@
 //! `host-sim replay`: a flight record through smr-core once more, and the first difference by name.
 
-use super::{Outcome, progress, say};
+use super::{Outcome, progress, tell};
 use crate::replay::{self, Flight, Report};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -35,16 +35,11 @@ impl Replay {
         } else {
             Box::new(File::open(&self.file).with_context(|| format!("cannot open the record {name}"))?)
         };
-        let bar = progress::entries(&name);
+        let bar = progress::of(&name, None, "entries");
         let report = replay::replay(source, || bar.inc(1)).with_context(|| name.clone())?;
         bar.finish_and_clear();
         let replayed = Replayed { version: env!("CARGO_PKG_VERSION"), file: name.clone(), report: &report };
-        if self.json {
-            let json = serde_json::to_string_pretty(&replayed)?;
-            say(|out| writeln!(out, "{json}"))?;
-        } else {
-            say(|out| describe(&replayed, out))?;
-        }
+        tell(self.json, &replayed, |replayed, out| describe(replayed, out))?;
         if let Some(damage) = &report.damage {
             bail!("{name}: {damage}; what lies before it was replayed");
         }

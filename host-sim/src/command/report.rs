@@ -3,13 +3,12 @@
 use super::number::from;
 use super::places::Places;
 use super::recording_options::RecordingOptions;
-use super::recordings::recordings;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress};
 use crate::evaluate::{Evaluation, MethodKind, Results, Variant, result_files};
 use crate::output::{Output, print};
 use crate::report::{self, About, Choice, Film};
-use crate::sequence::{BUILT_IN, FrameRange, Sequence};
+use crate::sequence::{BUILT_IN, Sequence};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use std::fs;
@@ -43,10 +42,6 @@ pub struct Report {
     /// Frames of the film strip; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = from::<NonZeroUsize>(1))]
     strip: Vec<NonZeroUsize>,
-    /// Only these frames of each recording, for example 20..80, 20.. or ..80; the first is 1. They are counted from 1 again, and the box to
-    /// start from is that of the ground truth in the first of them
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -71,12 +66,9 @@ impl Report {
 
     pub fn run(self) -> Result<Outcome> {
         let methods = self.tracker.variants(&self.method)?;
-        let found: Result<Vec<_>> = self.paths.iter().map(|path| recordings(path)).collect();
-        let found = found?.concat();
-        self.recording.check_for(found.len())?;
+        let found = self.recording.find(&self.paths)?;
         ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
-        let recording = self.recording.of_frames(self.frames);
-        let mut sequences = found.iter().map(|path| recording.open(path)).collect::<Result<Vec<_>>>()?;
+        let mut sequences = found.iter().map(|path| self.recording.open(path)).collect::<Result<Vec<_>>>()?;
         name_apart(&mut sequences);
         let title = if let [one] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = self.out.as_ref().map(|out| page_file(out, &title)).transpose()?;
@@ -107,7 +99,7 @@ impl Report {
         let watch = |(path, sequence): (&PathBuf, Sequence)| {
             let mut film = report::watch(sequence, methods, self.choice(), budget, || progress.inc(1))?;
             if !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
-                film.compare(&result_files(path)?, self.frames)?;
+                film.compare(&result_files(path)?, self.recording.frames)?;
             }
             Ok(film)
         };

@@ -1,19 +1,15 @@
 //! The measurement of robustness as commands run it: starts from the command line, progress on a terminal, failures named.
 
 use super::recording_options::RecordingOptions;
-use super::recordings::recordings;
-use super::{Outcome, told};
+use super::{Outcome, progress, told};
 use crate::ending;
 use crate::evaluate::Variant;
-use crate::evaluate::robustness::{self, Progress, Robustness, Settings, Starts};
+use crate::evaluate::robustness::{self, Progress, Robustness, Starts};
 use anyhow::{Error, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
 /// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
-///
-/// # Errors
-/// No recording is there, or the only thing that was asked for failed.
+/// Errors: No recording is there, or the only thing that was asked for failed.
 pub fn measure(
     command: &str,
     paths: &[PathBuf],
@@ -21,13 +17,10 @@ pub fn measure(
     variants: &[Variant],
     starts: Starts,
 ) -> Result<(Robustness, usize)> {
-    let found: Result<Vec<_>> = paths.iter().map(|path| recordings(path)).collect();
-    let found = found?.concat();
-    recording.check_for(found.len())?;
-    let settings = Settings { variants, starts };
-    let bar = progress_bar();
+    let found = recording.find(paths)?;
+    let bar = progress::bar(command, Some(0));
     let open = |path: &Path| recording.open(path);
-    let mut robustness = robustness::measure(&found, open, settings, &|progress| match progress {
+    let mut robustness = robustness::measure(&found, open, variants, starts, &|progress| match progress {
         Progress::Expected(frames) => bar.inc_length(frames),
         Progress::Done => bar.inc(1),
     });
@@ -50,18 +43,10 @@ pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command:
 }
 
 /// The end of a command of which so many parts failed.
-///
-/// # Errors
-/// There is such a part.
+/// Errors: one part or more failed.
 pub fn end(failed: usize) -> Result<Outcome> {
     if failed > 0 {
         bail!("{failed} of what was asked for could not be measured (see above); results are of the rest");
     }
     Ok(Outcome::Holds)
-}
-
-/// Frames done, on standard error; nothing is drawn if that is no terminal.
-pub fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");
-    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -14,13 +14,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command, CommandFactory};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use toml::{Table, Value};
 
 /// The command line `given` with the settings of the file that it names, after the command. If clap refuses it, it is left as it is.
-///
-/// # Errors
-/// The file cannot be read, is not TOML, or holds what is no tracker option of the command.
+/// Errors: The file cannot be read, is not TOML, or holds what is no tracker option of the command.
 pub fn arguments(given: Vec<OsString>) -> Result<Vec<OsString>> {
     let command = HostSim::command();
     let Ok(matches) = command.clone().try_get_matches_from(&given) else { return Ok(given) };
@@ -31,17 +29,10 @@ pub fn arguments(given: Vec<OsString>) -> Result<Vec<OsString>> {
     let text = input::text(file, &input::SETTINGS).with_context(|| format!("cannot read {}", file.display()))?;
     let subcommand = command.find_subcommand(name).context("clap matches commands that there are")?;
     let settings = options(&text, subcommand, of_command).with_context(|| file.display().to_string())?;
-    let at = place(&given, name, file);
-    let (before, after) = given.split_at(at);
+    // Options of the command stand after its name, which the file may have, too.
+    let named = (1..given.len()).find(|&at| given[at] == name && given[at - 1] != "--settings");
+    let (before, after) = given.split_at(named.map_or(given.len(), |at| at + 1));
     Ok([before, &settings, after].concat())
-}
-
-/// Where options of the command can stand: after its name.
-fn place(given: &[OsString], name: &str, file: &Path) -> usize {
-    // The file may have the name of a command.
-    let is_file = |index: usize| given[index - 1] == "--settings" && given[index] == *file;
-    let found = (1..given.len()).find(|&index| given[index] == name && !is_file(index));
-    found.map_or(given.len(), |index| index + 1)
 }
 
 /// The settings as options, but for those that are given on the command line.
@@ -72,8 +63,7 @@ fn options(text: &str, command: &Command, given: &ArgMatches) -> Result<Vec<OsSt
     Ok(options)
 }
 
-/// # Errors
-/// The option does not take its value.
+/// Errors: The option does not take its value.
 fn check(argument: &Arg, option: &OsString) -> Result<()> {
     let alone = Command::new("settings").no_binary_name(true).arg(argument.clone());
     let error = alone.try_get_matches_from([option]).err();
@@ -92,21 +82,18 @@ fn option(key: &str, value: &Value, argument: &Arg) -> Result<Option<OsString>> 
         Value::Boolean(true) if is_flag => Some(format!("--{key}").into()),
         Value::Boolean(false) if is_flag => None,
         _ if is_flag => bail!("{key}: expected true or false"),
-        Value::Array(values) => {
-            let values: Result<Vec<String>> = values.iter().map(|value| text(key, value)).collect();
+        value => {
+            let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+            let text = |value: &Value| match value {
+                Value::String(text) => Ok(text.clone()),
+                Value::Integer(number) => Ok(number.to_string()),
+                Value::Float(number) => Ok(number.to_string()),
+                _ => Err(anyhow!("{key}: expected a string or a number")),
+            };
+            let values: Result<Vec<String>> = values.iter().map(text).collect();
             Some(format!("--{key}={}", values?.join(",")).into())
         }
-        value => Some(format!("--{key}={}", text(key, value)?).into()),
     })
-}
-
-fn text(key: &str, value: &Value) -> Result<String> {
-    match value {
-        Value::String(text) => Ok(text.clone()),
-        Value::Integer(number) => Ok(number.to_string()),
-        Value::Float(number) => Ok(number.to_string()),
-        _ => Err(anyhow!("{key}: expected a string or a number")),
-    }
 }
 
 /// In one line, as all errors are.

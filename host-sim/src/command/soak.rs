@@ -2,7 +2,7 @@
 
 use super::number::from;
 use super::places::Places;
-use super::{Outcome, progress, say};
+use super::{Outcome, progress, say, tell};
 use crate::evaluate::{CoreKind, Origin};
 use crate::export::{Format, Writer};
 use crate::soak::video::Video;
@@ -65,12 +65,7 @@ impl Soak {
         bar.finish_and_clear();
         let origin = Origin::new(method.into(), Map::new());
         let soaked = Soaked { origin, seed, report: &report, peak_kib: peak_memory() };
-        if self.json {
-            let json = serde_json::to_string_pretty(&soaked)?;
-            say(|out| writeln!(out, "{json}"))?;
-        } else {
-            say(|out| describe(&soaked, out))?;
-        }
+        tell(self.json, &soaked, |soaked, out| describe(soaked, out))?;
         Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
     }
 }

@@ -1,9 +1,8 @@
 //! Writes the built-in recording out as files, so that other tools can be fed the same pixels.
 
-use super::Outcome;
 use super::places::Places;
+use super::{Outcome, tell};
 use crate::export::{Format, Writer};
-use crate::output::print;
 use crate::sequence::synthetic;
 use anyhow::Result;
 use serde_json::json;
@@ -34,16 +33,14 @@ impl Synth {
         let (width, height, length) = (synthetic::WIDTH, synthetic::HEIGHT, synthetic::LENGTH);
         let hint =
             if self.format == Format::Raw { format!(", read with --size {width}x{height}") } else { String::new() };
-        if self.json {
-            let report = json!({
-                "version": env!("CARGO_PKG_VERSION"), "sequence": synthetic::NAME, "out": self.out, "format": self.format.name(),
-                "frames": length, "width": width, "height": height, "boxes": ["init.txt", "gt.txt"],
-            });
-            print(|to| writeln!(to, "{report:#}"))?;
-            return Ok(Outcome::Holds);
-        }
+        let report = json!({
+            "version": env!("CARGO_PKG_VERSION"), "sequence": synthetic::NAME, "out": self.out, "format": self.format.name(),
+            "frames": length, "width": width, "height": height, "boxes": ["init.txt", "gt.txt"],
+        });
         let out = self.out.display();
-        print(|to| writeln!(to, "{out}: {length} frames of {width}x{height}{hint}; init.txt, gt.txt"))?;
+        tell(self.json, &report, |_, to| {
+            writeln!(to, "{out}: {length} frames of {width}x{height}{hint}; init.txt, gt.txt")
+        })?;
         Ok(Outcome::Holds)
     }
 }

@@ -3,13 +3,12 @@
 use super::number::whole;
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
-use super::{Outcome, say};
+use super::{Outcome, tell};
 use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
 use crate::emulator::{Recording, Report};
 use crate::evaluate::CoreKind;
 use crate::output::Exchange;
-use crate::sequence::FrameRange;
 use anyhow::Result;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -28,10 +27,6 @@ pub struct Target {
     /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
-    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
-    /// from is the one that the ground truth has there
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     /// The firmware, built from core/examples/replay [default: built now, with .ci/target-cargo]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
@@ -59,7 +54,7 @@ struct Measured<'a> {
 impl Target {
     pub fn run(self) -> Result<Outcome> {
         let step = self.step.map_or(0, NonZeroU32::get);
-        let sequence = self.recording.of_frames(self.frames).open(&self.sequence)?;
+        let sequence = self.recording.open(&self.sequence)?;
         let target = sequence.start()?;
         let elf = match &self.elf {
             Some(elf) => elf.clone(),
@@ -73,12 +68,7 @@ impl Target {
         let report = recording.compare(&mut qemu, folder.path())?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
         let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram };
-        if self.json {
-            let json = serde_json::to_string_pretty(&measured)?;
-            say(|out| writeln!(out, "{json}"))?;
-        } else {
-            say(|out| describe(&measured, out))?;
-        }
+        tell(self.json, &measured, |measured, out| describe(measured, out))?;
         Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
     }
 }

@@ -8,8 +8,8 @@ use super::tracker_options::TrackerOptions;
 use super::{Outcome, is_closed_pipe, progress};
 use crate::evaluate::{Evidence, MethodKind, Origin, Report, Run, name_of};
 use crate::output::{Output, print};
+use crate::sequence::BoundingBox;
 use crate::sequence::boxes::Form;
-use crate::sequence::{BoundingBox, FrameRange};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
@@ -50,10 +50,6 @@ pub struct Track {
     /// Frames per second of the video
     #[arg(long, value_name = "RATE", default_value = "25", requires = "video", value_parser = whole::<NonZeroU16>(1..=65535))]
     rate: NonZeroU16,
-    /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1. The first of them is then frame 1, and the box to start
-    /// from is the one that the ground truth has there
-    #[arg(long, value_name = "A..B")]
-    frames: Option<FrameRange>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -126,7 +122,7 @@ impl Track {
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
         let (method, origin) = (variant.build()?, variant.origin());
-        let mut sequence = self.recording.of_frames(self.frames).open(&self.sequence)?;
+        let mut sequence = self.recording.open(&self.sequence)?;
         let mut run = Run::new(method, sequence.start()?);
         let mut lines = Lines::create(self.out.as_deref(), self.video.is_some())?;
         let truth = sequence.truth.take();

@@ -5,7 +5,8 @@ use crate::evaluate::{Configs, MethodKind, Variant};
 use crate::reference::{Numbers, robust as reference};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
-use serde_json::{Map, Value};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
 use smr_core::paper::{Config, Fraction, Radius, RunnerUp};
 use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
@@ -14,8 +15,9 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-/// Which numbers `smr` starts from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+/// The preset that `smr` starts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// The paper's, to the letter
     #[default]
@@ -28,20 +30,20 @@ pub enum Preset {
 }
 
 /// Where the usual value is not wanted. Each option says in brackets which methods take it, if that is not smr alone.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 #[command(next_help_heading = "Tracker (options of smr, if not said otherwise)")]
 pub struct TrackerOptions {
-    /// Which numbers smr starts from
+    /// The preset that smr starts from
     #[arg(long, value_enum, default_value = "paper")]
     config: Preset,
     /// Search window to each side, in pixels [all but robust] [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
-    /// Where the window of a lost target stops to grow; at least --window [default: at the end of
-    /// the padded frame; camera: 80x70]
+    /// The largest search window of a lost target; at least --window [default: the padded frame; camera: 80x70]
     #[arg(long, value_name = "XxY")]
     window_limit: Option<Pair>,
-    /// Pixels by which that window grows a frame, on each side [default: 1]
+    /// Pixels by which the window of a lost target grows in each frame, on each side [default: 1]
     #[arg(long, value_parser = whole::<u16>(0..=65535))]
     growth: Option<u16>,
     /// alpha = k * the largest change of a template pixel [default: 1/4]
@@ -56,10 +58,10 @@ pub struct TrackerOptions {
     /// The runner-up is more than this many pixels away from the peak [default: 8]
     #[arg(long, value_parser = whole::<u16>(0..=65535))]
     neighbourhood: Option<u16>,
-    /// The least alpha after an update, in gray levels [default: none]
+    /// The smallest alpha after an update, in gray levels [default: none]
     #[arg(long, value_name = "LEVELS", value_parser = whole::<u8>(0..=255))]
     least_alpha: Option<u8>,
-    /// The least similarity matching ratio of a peak that is believed, as N/M [default: none]
+    /// The smallest similarity matching ratio at which a peak is believed, as N/M [default: none]
     #[arg(long, value_name = "N/M")]
     least_ratio: Option<Ratio>,
     /// Score every offset to its last pixel; changes nothing but the time
@@ -74,45 +76,47 @@ pub struct TrackerOptions {
     /// How far the target is looked for to each side, in cells, 4 to 8 [robust] [default: 8]
     #[arg(long, value_name = "CELLS", value_parser = whole::<u8>(4..=8))]
     reach: Option<u8>,
-    /// How many 256ths of itself the confidence keeps in each frame [robust] [default: 179]
+    /// How much of the confidence is kept from one frame to the next, in 256ths, 0 to 255 [robust] [default: 179]
     #[arg(long, value_name = "256THS", value_parser = whole::<u8>(0..=255))]
     patience: Option<u8>,
     /// The target is lost while the confidence is below this, 0 to 65535 [robust] [default: 19200]
     #[arg(long, value_name = "CONFIDENCE", value_parser = whole::<u16>(0..=65535))]
     lost_below: Option<u16>,
-    /// It is uncertain while the confidence is below this; at least --lost-below [robust] [default: 32500]
+    /// The target is uncertain while the confidence is below this; at least --lost-below [robust] [default: 32500]
     #[arg(long, value_name = "CONFIDENCE", value_parser = whole::<u16>(0..=65535))]
     uncertain_below: Option<u16>,
-    /// How far the filter goes towards what is best for the present frame, 0 to 256 256ths [robust] [default: 160]
+    /// How far the filter moves towards the best one for the current frame, in 256ths, 0 to 256 [robust] [default: 160]
     #[arg(long, value_name = "256THS", value_parser = whole::<u16>(0..=256))]
     learning_rate: Option<u16>,
-    /// How far the early template goes towards the present frame, 0 to 1024 1024ths [robust] [default: 1]
+    /// How far the early template moves towards the current frame, in 1024ths, 0 to 1024 [robust] [default: 1]
     #[arg(long, value_name = "1024THS", value_parser = whole::<u16>(0..=1024))]
     early_rate: Option<u16>,
-    /// How scores are computed; changes nothing but the time [smr, robust] [default: the fastest that
-    /// this machine has]
+    /// How scores are computed; changes nothing but the time [smr, robust] [default: the fastest on this machine]
     #[arg(long, value_name = "NAME", value_parser = backend)]
+    #[serde(serialize_with = "backend_as_name")]
     backend: Option<Backend>,
-    /// Update in steps of so much work, as firmware with a deadline does; changes no answer [smr, robust] [default: all at once]
+    /// Update in steps of this much work, as firmware with a deadline does; changes no answer [smr, robust] [default: all at once]
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
 }
 
-/// An option that was given, and which methods take it.
-struct Given {
-    name: &'static str,
-    value: Value,
-    taken_by: &'static [MethodKind],
+/// The methods that take an option.
+fn taken_by(option: &str) -> &'static [MethodKind] {
+    use MethodKind::{Lk, Ncc, Robust, Sad, Smr, Ssd};
+    match option {
+        // Those that search a window of a given radius in a padded frame.
+        "window" | "padding" => &[Smr, Sad, Ssd, Ncc, Lk],
+        "without" | "reach" | "patience" | "lost-below" | "uncertain-below" | "learning-rate" | "early-rate" => {
+            &[Robust]
+        }
+        "backend" | "step" => &[Smr, Robust],
+        _ => &[Smr],
+    }
 }
 
-const SMR: &[MethodKind] = &[MethodKind::Smr];
-const ROBUST: &[MethodKind] = &[MethodKind::Robust];
-const CORE: &[MethodKind] = &[MethodKind::Smr, MethodKind::Robust];
-/// Those that search a window of a given radius in a padded frame.
-const WINDOWED: &[MethodKind] = &[MethodKind::Smr, MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc, MethodKind::Lk];
-
 /// The parts of the robust tracker, each of which can be left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Part {
     /// A moving target is expected to go on
     Velocity,
@@ -171,67 +175,36 @@ fn backend_name(backend: Backend) -> String {
     format!("{backend:?}").to_lowercase()
 }
 
+fn backend_as_name<S: Serializer>(backend: &Option<Backend>, serializer: S) -> Result<S::Ok, S::Error> {
+    backend.map(backend_name).serialize(serializer)
+}
+
 impl TrackerOptions {
     /// `methods`, each once, with what they are built from.
-    ///
-    /// # Errors
-    /// An option that none of them takes, or that is out of range.
+    /// Errors: An option that none of them takes, or that is out of range.
     pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
         self.check_for(methods)?;
         let configs = self.configs()?;
         let first = |index: usize| !methods[..index].contains(&methods[index]);
         let variant = |index: usize| {
             let kind = methods[index];
-            Variant::new(kind, &configs).given(self.options_of(kind))
+            Variant { options: self.options_of(kind), ..Variant::new(kind, &configs) }
         };
         Ok((0..methods.len()).filter(|&index| first(index)).map(variant).collect())
     }
 
     /// One method, with what it is built from.
-    ///
-    /// # Errors
-    /// An option that it does not take, or that is out of range.
+    /// Errors: An option that it does not take, or that is out of range.
     pub fn variant(&self, method: MethodKind) -> Result<Variant> {
-        self.check_for(&[method])?;
-        Ok(Variant::new(method, &self.configs()?).given(self.options_of(method)))
+        Ok(self.variants(&[method])?.remove(0))
     }
 
-    /// All that is given, in the order of the help.
-    fn given(&self) -> Vec<Given> {
-        let text = |value: Option<String>| value.map(Value::from);
-        let number = |value: Option<u16>| value.map(Value::from);
-        let flag = |given: bool| given.then_some(Value::from(true));
-        let preset = match self.config {
-            Preset::Paper => None,
-            Preset::Camera => Some(Value::from("camera")),
-            Preset::Robust => Some(Value::from("robust")),
-        };
-        let parts: Vec<String> = self.without.iter().map(|part| part.name()).collect();
-        let all = [
-            ("config", preset, SMR),
-            ("window", text(self.window.map(|pair| pair.to_string())), WINDOWED),
-            ("window-limit", text(self.window_limit.map(|pair| pair.to_string())), SMR),
-            ("growth", number(self.growth), SMR),
-            ("k", text(self.k.map(|ratio| ratio.to_string())), SMR),
-            ("scale", number(self.scale), SMR),
-            ("padding", number(self.padding), WINDOWED),
-            ("neighbourhood", number(self.neighbourhood), SMR),
-            ("least-alpha", number(self.least_alpha.map(u16::from)), SMR),
-            ("least-ratio", text(self.least_ratio.map(|ratio| ratio.to_string())), SMR),
-            ("exhaustive", flag(self.exhaustive), SMR),
-            ("runner-up-always", flag(self.runner_up_always), SMR),
-            ("reach", number(self.reach.map(u16::from)), ROBUST),
-            ("patience", number(self.patience.map(u16::from)), ROBUST),
-            ("lost-below", number(self.lost_below), ROBUST),
-            ("uncertain-below", number(self.uncertain_below), ROBUST),
-            ("learning-rate", number(self.learning_rate), ROBUST),
-            ("early-rate", number(self.early_rate), ROBUST),
-            ("without", (!parts.is_empty()).then(|| Value::from(parts)), ROBUST),
-            ("backend", text(self.backend.map(backend_name)), CORE),
-            ("step", self.step.map(|step| Value::from(step.get())), CORE),
-        ];
-        let given = all.into_iter().filter_map(|(name, value, taken_by)| Some(Given { name, value: value?, taken_by }));
-        given.collect()
+    /// All that is given, as it stands in JSON.
+    fn given(&self) -> Map<String, Value> {
+        let Ok(Value::Object(mut given)) = serde_json::to_value(self) else { return Map::new() };
+        let defaults = [json!(null), json!(false), json!([]), json!("paper")];
+        given.retain(|_, value| !defaults.contains(value));
+        given
     }
 
     /// True if no option is given.
@@ -241,20 +214,18 @@ impl TrackerOptions {
 
     /// What is given of the options that `method` takes, as it stands in JSON.
     fn options_of(&self, method: MethodKind) -> Map<String, Value> {
-        let given = self.given().into_iter().filter(|given| given.taken_by.contains(&method));
-        given.map(|Given { name, value, .. }| (name.to_owned(), value)).collect()
+        self.given().into_iter().filter(|(option, _)| taken_by(option).contains(&method)).collect()
     }
 
-    /// # Errors
-    /// An option that none of `methods` takes.
+    /// Errors: An option that none of `methods` takes.
     fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
         if self.config == Preset::Robust {
             bail!("--config robust: the robust tracker is a method of its own: use --method robust");
         }
-        let taken = |given: &Given| methods.iter().any(|method| given.taken_by.contains(method));
-        if let Some(Given { name, taken_by, .. }) = self.given().iter().find(|given| !taken(given)) {
+        let taken = |option: &str| methods.iter().any(|method| taken_by(option).contains(method));
+        if let Some(option) = self.given().keys().find(|option| !taken(option)) {
             let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
-            bail!("--{name} is an option of {}, not of {}", names(taken_by), names(methods));
+            bail!("--{option} is an option of {}, not of {}", names(taken_by(option)), names(methods));
         }
         Ok(())
     }
@@ -268,12 +239,9 @@ impl TrackerOptions {
     /// The configuration of the paper's tracker with the options put in.
     fn paper(&self) -> Result<Config> {
         let mut config = if self.config == Preset::Camera { Config::camera() } else { Config::paper() };
-        if let Some(Pair(x, y)) = self.window {
-            config.window = Radius { x, y };
-        }
-        if let Some(Pair(x, y)) = self.window_limit {
-            config.window_limit = Radius { x, y };
-        }
+        let radius = |Pair(x, y): Pair| Radius { x, y };
+        config.window = self.window.map_or(config.window, radius);
+        config.window_limit = self.window_limit.map_or(config.window_limit, radius);
         let (Radius { x, y }, limit) = (config.window, config.window_limit);
         if limit.x < x || limit.y < y {
             match self.window_limit {
@@ -349,15 +317,10 @@ impl TrackerOptions {
     /// The same for the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = if self.config == Preset::Camera { Numbers::camera() } else { Numbers::paper() };
-        if let Some(Pair(x, y)) = self.window {
-            numbers.window = (x.into(), y.into());
-        }
-        if let Some(Pair(x, y)) = self.window_limit {
-            numbers.window_limit = Some((x.into(), y.into()));
-        }
-        if let Some(Ratio(k)) = self.k {
-            numbers.k = (k.numerator.into(), k.denominator.into());
-        }
+        let radius = |Pair(x, y): Pair| (x.into(), y.into());
+        numbers.window = self.window.map_or(numbers.window, radius);
+        numbers.window_limit = self.window_limit.map(radius).or(numbers.window_limit);
+        numbers.k = self.k.map_or(numbers.k, |Ratio(k)| (k.numerator.into(), k.denominator.into()));
         if let Some(ratio) = self.least_ratio.as_ref().and_then(|ratio| ratio.of_one().ok()) {
             numbers.gate.least_ratio = ratio.into();
         }
@@ -378,6 +341,12 @@ pub struct Pair(pub u16, pub u16);
 impl fmt::Display for Pair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}x{}", self.0, self.1)
+    }
+}
+
+impl Serialize for Pair {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 
@@ -408,6 +377,12 @@ impl Ratio {
 impl fmt::Display for Ratio {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.0.numerator, self.0.denominator)
+    }
+}
+
+impl Serialize for Ratio {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 

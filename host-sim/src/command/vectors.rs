@@ -3,8 +3,7 @@
 use super::Outcome;
 use super::places::Places;
 use crate::evaluate::CoreKind;
-use crate::output::{Output, print};
-use crate::vectors;
+use crate::{output, vectors};
 use anyhow::Result;
 use std::io::Write;
 use std::path::PathBuf;
@@ -26,17 +25,13 @@ impl Vectors {
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let file = self.out.as_deref().map(Output::create).transpose()?;
         let text = match self.method {
             CoreKind::Smr => vectors::text(),
             CoreKind::Robust => vectors::robust::text(),
         };
-        match file {
-            Some(mut file) => {
-                file.write(text.as_bytes())?;
-                file.finish()?;
-            }
-            None => print(|out| out.write_all(text.as_bytes()))?,
+        match &self.out {
+            Some(file) => output::write(file, text.as_bytes())?,
+            None => output::print(|out| out.write_all(text.as_bytes()))?,
         }
         Ok(Outcome::Holds)
     }

@@ -1,7 +1,7 @@
 //! What host and firmware tell each other, byte by byte: `core/examples/replay/main.rs` describes it.
 
 use crate::evaluate::CoreKind;
-use crate::replay::answered::{self, Answered};
+use crate::replay::answered;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, FineRect, Rect, Target, Tracker};
@@ -216,7 +216,7 @@ impl Taken {
 /// An answer and what is remembered after it, as far as they are compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remembered {
-    answer: Answered,
+    answer: Answer,
     /// Of the target as it is saved: templates, weights, track.
     hash: u32,
 }
@@ -224,8 +224,10 @@ pub struct Remembered {
 impl Remembered {
     fn read(word: &mut impl FnMut() -> u32) -> Result<Self> {
         let some = |word: u32| (word != NONE).then(|| u16::try_from(word)).transpose();
-        let answer = Answered {
-            fine: FineRect { x: word().cast_signed(), y: word().cast_signed(), width: word(), height: word() },
+        let fine = FineRect { x: word().cast_signed(), y: word().cast_signed(), width: word(), height: word() };
+        let answer = Answer {
+            bbox: fine.whole(),
+            fine,
             state: answered::state(word()).context("from the firmware")?,
             confidence: word().try_into()?,
             ratio: word().try_into()?,
@@ -246,13 +248,13 @@ impl Remembered {
         let size = tracker.save(&mut saved)?;
         // FNV-1a
         let hash = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
-        Ok(Self { answer: Answered::of(answer), hash: saved[..size].iter().fold(0x811C_9DC5, hash) })
+        Ok(Self { answer: *answer, hash: saved[..size].iter().fold(0x811C_9DC5, hash) })
     }
 
     /// Every value, by the name that people read.
     pub fn described(&self) -> impl Iterator<Item = (&'static str, String)> {
         let hash = ("hash of the saved target", format!("{:08x}", self.hash));
-        self.answer.described().into_iter().chain([hash])
+        answered::values(&self.answer).into_iter().chain([hash])
     }
 }
 

@@ -9,9 +9,6 @@ use smr_core::{Frame, Quality, Rect, Robust, Target, Tracker};
 
 impl MethodKind {
     /// A tracker without a target.
-    ///
-    /// # Errors
-    /// A number of the configuration that smr-core cannot use.
     pub fn build(self, configs: &Configs) -> Result<Box<dyn Method>> {
         let baseline = |measure| Box::new(Baseline::new(measure, &configs.paper));
         Ok(match self {
@@ -26,10 +23,8 @@ impl MethodKind {
 }
 
 impl Variant {
-    /// # Errors
-    /// A number of the configuration that smr-core cannot use.
     pub fn build(&self) -> Result<Box<dyn Method>> {
-        self.kind.build(self.configs())
+        self.kind.build(&self.configs)
     }
 }
 

@@ -34,10 +34,11 @@ impl From<robust::Config> for Configs {
 pub struct Variant {
     pub name: String,
     pub kind: MethodKind,
-    configs: Configs,
+    pub configs: Configs,
     /// As on the command line, where they are given.
-    options: Map<String, Value>,
-    inclusive: bool,
+    pub options: Map<String, Value>,
+    /// Whether the right and lower edges of the box to start from belong to it.
+    pub inclusive: bool,
 }
 
 /// What a figure or an answer is of: in every JSON object that is printed.
@@ -51,7 +52,6 @@ pub struct Origin {
 }
 
 impl Origin {
-    #[must_use]
     pub fn new(kind: MethodKind, options: Map<String, Value>) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), method: kind.name(), options }
     }
@@ -59,49 +59,29 @@ impl Origin {
 
 impl Variant {
     /// `kind`, under its own name.
-    #[must_use]
     pub fn new(kind: MethodKind, configs: &Configs) -> Self {
         Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
     }
 
-    /// The same, with the options that led to its configuration.
-    #[must_use]
-    pub fn given(self, options: Map<String, Value>) -> Self {
-        Self { options, ..self }
-    }
-
-    #[must_use]
     pub fn origin(&self) -> Origin {
         Origin::new(self.kind, self.options.clone())
     }
 
-    #[must_use]
-    pub const fn configs(&self) -> &Configs {
-        &self.configs
-    }
-
-    /// The same under another name.
-    #[must_use]
-    pub fn named(self, name: String) -> Self {
-        Self { name, ..self }
-    }
-
     /// All that is set beside each other: both readings of the paper, the robust tracker, and the baselines.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         let paper = Config::paper();
         let mut other = paper;
         other.k = Fraction::new(7, 20);
         let options = Map::from_iter([("k".to_owned(), "7/20".into()), ("inclusive".to_owned(), true.into())]);
-        let other = Self { inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
+        let name = "smr, k = 7/20, inclusive".to_owned();
+        let other = Self { name, inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
         let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());
         let mut all: Vec<Self> = MethodKind::value_variants().iter().map(of_kind).collect();
-        all.insert(1, other.named("smr, k = 7/20, inclusive".to_owned()));
+        all.insert(1, other);
         all
     }
 
     /// The box that it is locked on where `given` is the one to start from.
-    #[must_use]
     pub fn start(&self, given: Rect) -> Rect {
         let more = u16::from(self.inclusive);
         let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));

@@ -4,11 +4,12 @@
 //! A tracker shall say so: *tracking* in at most `TRACKING` of these frames, *lost* by frame `LOST_BY` of them. And it shall follow the target
 //! again within `AGAIN` frames, if it was right in the frame before.
 
+use super::layout::{csv, header};
 use super::robustness::recording::{self, Recording};
-use super::{CORRECT, Layout, Origin, Variant, lock};
+use super::{Layout, Origin, Variant};
 use crate::sequence::cover::Cover;
 use crate::sequence::{GrayFrame, Sequence};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use serde::Serialize;
 use smr_core::State;
@@ -83,9 +84,7 @@ pub struct Results {
 }
 
 /// Runs every variant through every cover in the middle of a recording. `other` is a frame of another scene, of this recording's size.
-///
-/// # Errors
-/// No ground truth, a frame that cannot be read, frames that are too few, or a method that fails.
+/// Errors: No ground truth, a frame that cannot be read, frames that are too few, or a method that fails.
 pub fn measure(sequence: Sequence, other: &GrayFrame, variants: &[Variant]) -> Result<Vec<Run>> {
     let start = sequence.start()?;
     let recording = Recording::read(sequence, recording::MOST_BYTES)?;
@@ -106,24 +105,16 @@ pub fn measure(sequence: Sequence, other: &GrayFrame, variants: &[Variant]) -> R
 }
 
 fn run(recording: &Recording, variant: &Variant, start: smr_core::Rect, cover: (Cover, &GrayFrame)) -> Result<Run> {
-    let Recording { name, frames, truth, .. } = recording;
+    let Recording { name, frames, .. } = recording;
     let middle = frames.len() / 2;
-    let mut method = variant.build()?;
-    let first = frames.first().ok_or_else(|| anyhow!("there is no frame"))?;
-    lock(method.as_mut(), &first.frame(), start)?;
-    // What it says of a frame, and whether the box is right, if the target is where it is in frame `number` of the recording.
-    let mut update = |number: usize, frame: &GrayFrame| {
-        let report = method.update(&frame.frame()).with_context(|| format!("frame {}", number + 1))?;
-        let iou = report.target.zip(truth[number]).map_or(0.0, |(answer, truth)| truth.iou(&answer));
-        anyhow::Ok((report.state, iou > CORRECT))
-    };
+    let mut watch = recording.watch(variant, 0, start)?;
     let mut right_before = true;
     for (number, frame) in frames.iter().enumerate().take(middle).skip(1) {
-        right_before = update(number, frame)?.1;
+        right_before = watch.update(number, frame)?.1;
     }
     let (mut tracking, mut lost_at) = (0, None);
     for index in 0..FRAMES {
-        let (state, _) = update(middle, &cover.0.frame(index, cover.1))?;
+        let (state, _) = watch.update(middle, &cover.0.frame(index, cover.1))?;
         tracking += usize::from(state == State::Tracking);
         if state == State::Lost {
             lost_at = lost_at.or(Some(index + 1));
@@ -131,7 +122,7 @@ fn run(recording: &Recording, variant: &Variant, start: smr_core::Rect, cover: (
     }
     let mut right_again = None;
     for (number, frame) in frames.iter().enumerate().skip(middle).take(AGAIN) {
-        if update(number, frame)?.1 {
+        if watch.update(number, frame)?.1 {
             right_again = right_again.or(Some(number + 1 - middle));
         }
     }
@@ -141,7 +132,6 @@ fn run(recording: &Recording, variant: &Variant, start: smr_core::Rect, cover: (
 
 impl Results {
     /// Of the runs of all recordings: one row for each variant and cover.
-    #[must_use]
     pub fn of(recordings: Vec<Run>, variants: &[Variant]) -> Self {
         let cases = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover)));
         let row = |(variant, cover): (&Variant, Cover)| {
@@ -152,24 +142,12 @@ impl Results {
     }
 
     /// The table, and what misses a goal. CSV has both in one table.
-    ///
-    /// # Errors
-    /// What serde_json says; it has no reason to.
     pub fn text(&self, layout: Layout) -> Result<String> {
         if layout == Layout::Csv {
-            return csv(&self.covers);
+            return csv(CSV_COLUMNS, &self.covers);
         }
-        let header = [
-            "tracker",
-            "cover",
-            "recordings",
-            "right before",
-            "tracking (median, most)",
-            "in more than 2 frames",
-            "lost by frame 30",
-            "right again",
-        ];
-        let mut lines = vec![header.map(String::from).to_vec()];
+        let titles = "tracker|cover|recordings|right before|tracking (median, most)|in more than 2 frames|lost by frame 30|right again";
+        let mut lines = vec![header(titles)];
         lines.extend(self.covers.iter().map(Row::line));
         let missed: String = self.covers.iter().flat_map(Row::missed).map(|line| format!("- {line}\n")).collect();
         let table = layout.table(&lines, 2);
@@ -229,39 +207,9 @@ impl Row {
     }
 }
 
-/// The keys of JSON. Several names are one cell, with a space between them.
-const CSV_COLUMNS: [&str; 14] = [
-    "tracker",
-    "cover",
-    "recordings",
-    "right_before",
-    "tracking_median",
-    "tracking_most",
-    "tracking_too_long",
-    "lost_in_time",
-    "lost_late",
-    "right_again",
-    "not_right_again",
-    "method",
-    "version",
-    "options",
-];
-
-fn csv(rows: &[Row]) -> Result<String> {
-    let mut lines = vec![CSV_COLUMNS.map(str::to_owned).to_vec()];
-    for row in rows {
-        let row = serde_json::to_value(row)?;
-        let cell = |column: &str| match &row[column] {
-            serde_json::Value::String(text) => text.clone(),
-            serde_json::Value::Array(names) => {
-                names.iter().filter_map(serde_json::Value::as_str).collect::<Vec<_>>().join(" ")
-            }
-            other => other.to_string(),
-        };
-        lines.push(CSV_COLUMNS.map(cell).to_vec());
-    }
-    Ok(Layout::Csv.table(&lines, 0))
-}
+/// The keys of JSON.
+const CSV_COLUMNS: &str = "tracker,cover,recordings,right_before,tracking_median,tracking_most,tracking_too_long,\
+                           lost_in_time,lost_late,right_again,not_right_again,method,version,options";
 
 #[cfg(test)]
 mod tests {

@@ -5,15 +5,15 @@
 //! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, so
 //! that what goes wrong anyway can be told apart.
 
+use super::layout::{csv, header};
 use super::robustness::recording::{self, Recording};
-use super::{CORRECT, Layout, MethodKind, Origin, Variant, lock, name_of};
+use super::{Layout, MethodKind, Origin, Variant, name_of};
+use crate::sequence::Sequence;
 use crate::sequence::fault::Fault;
-use crate::sequence::{GrayFrame, Sequence};
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use smr_core::State;
-use std::collections::BTreeMap;
 
 /// Frames between the lock and the fault.
 const LEAD: usize = 10;
@@ -62,61 +62,45 @@ struct Run {
     frames: usize,
 }
 
-/// Runs every variant through every fault at every place of a recording. The first entry of each is that without a fault.
-///
-/// # Errors
-/// No ground truth, a frame that cannot be read, or a method that fails.
+/// Every variant without a fault, then with each of the faults.
+fn cases<'a>(variants: &'a [Variant], faults: &'a [Fault]) -> impl Iterator<Item = (&'a Variant, Option<&'a Fault>)> {
+    variants.iter().flat_map(|variant| {
+        let with_each = faults.iter().map(Some);
+        std::iter::once(None).chain(with_each).map(move |fault| (variant, fault))
+    })
+}
+
+/// Runs every variant without a fault, and through every fault, at every place of a recording.
+/// Errors: No ground truth, a frame that cannot be read, or a method that fails.
 pub fn measure(sequence: Sequence, variants: &[Variant], faults: &[Fault]) -> Result<Measured> {
     let recording = Recording::read(sequence, recording::MOST_BYTES)?;
     let longest = faults.iter().map(Fault::frames).max().unwrap_or(0);
     let places = places(&recording, longest);
-    let mut cases: Vec<(usize, Option<Fault>)> = Vec::new();
-    for variant in 0..variants.len() {
-        cases.push((variant, None));
-        cases.extend(faults.iter().map(|&fault| (variant, Some(fault))));
-    }
-    let jobs: Vec<_> = cases.iter().flat_map(|case| places.iter().map(move |&place| (case, place))).collect();
-    let runs: Result<Vec<_>> = jobs
-        .par_iter()
-        .map(|&(&(variant, fault), place)| {
-            let variant = &variants[variant];
-            run(&recording, variant, fault, longest, place)
-                .with_context(|| format!("{}: {}", recording.name, variant.name))
-        })
-        .collect();
+    let jobs: Vec<_> =
+        cases(variants, faults).flat_map(|case| places.iter().map(move |&place| (case, place))).collect();
+    let run = |&((variant, fault), place): &((&Variant, Option<&Fault>), usize)| {
+        run(&recording, variant, fault, longest, place).with_context(|| format!("{}: {}", recording.name, variant.name))
+    };
+    let runs: Result<Vec<_>> = jobs.par_iter().map(run).collect();
     let mut runs = runs?.into_iter();
-    let mut measured = Measured::default();
-    for (variant, fault) in cases {
-        let of_case = runs.by_ref().take(places.len()).flatten().collect();
-        measured.0.insert((variant, fault.map_or(0, |fault| 1 + index(faults, fault))), of_case);
-    }
-    Ok(measured)
+    let of_case = |_| runs.by_ref().take(places.len()).flatten().collect();
+    Ok(Measured(cases(variants, faults).map(of_case).collect()))
 }
 
-fn index(faults: &[Fault], fault: Fault) -> usize {
-    faults.iter().position(|&other| other == fault).unwrap_or(0)
-}
-
-/// The runs of several recordings, by variant and fault (0 is none).
+/// The runs of several recordings, case by case.
 #[derive(Default)]
-pub struct Measured(BTreeMap<(usize, usize), Vec<Run>>);
+pub struct Measured(Vec<Vec<Run>>);
 
 impl Measured {
     /// Takes in what was measured of another recording.
     pub fn add(&mut self, other: Self) {
-        for (case, runs) in other.0 {
-            self.0.entry(case).or_default().extend(runs);
-        }
+        self.0.resize_with(other.0.len(), Vec::new);
+        self.0.iter_mut().zip(other.0).for_each(|(runs, more)| runs.extend(more));
     }
 
-    /// One row for each variant and fault.
-    #[must_use]
+    /// One row for each variant and fault; none if nothing was measured.
     pub fn rows(&self, variants: &[Variant], faults: &[Fault]) -> Vec<Row> {
-        let row = |(&(variant, fault), runs): (&(usize, usize), &Vec<Run>)| {
-            let fault = fault.checked_sub(1).and_then(|fault| faults.get(fault));
-            Row::of(&variants[variant], fault, runs)
-        };
-        self.0.iter().map(row).collect()
+        cases(variants, faults).zip(&self.0).map(|((variant, fault), runs)| Row::of(variant, fault, runs)).collect()
     }
 }
 
@@ -139,30 +123,24 @@ fn places(recording: &Recording, longest: usize) -> Vec<usize> {
 fn run(
     recording: &Recording,
     variant: &Variant,
-    fault: Option<Fault>,
+    fault: Option<&Fault>,
     longest: usize,
     place: usize,
 ) -> Result<Option<Run>> {
     let Recording { frames, truth, .. } = recording;
     let start = place - LEAD;
     let Some(target) = truth[start].and_then(|target| target.to_rect()) else { return Ok(None) };
-    let mut method = variant.build()?;
-    lock(method.as_mut(), &frames[start].frame(), target)?;
-    let mut update = |number: usize, frame: &GrayFrame| {
-        let report = method.update(&frame.frame()).with_context(|| format!("frame {}", number + 1))?;
-        let iou = report.target.zip(truth[number]).map_or(0.0, |(answer, truth)| truth.iou(&answer));
-        anyhow::Ok((report.state, iou > CORRECT))
-    };
+    let mut watch = recording.watch(variant, start, target)?;
     let mut right = true;
     for (number, frame) in frames.iter().enumerate().take(place).skip(start + 1) {
-        right = update(number, frame)?.1;
+        right = watch.update(number, frame)?.1;
     }
     if !right {
         return Ok(None);
     }
     let mut run = Run::default();
     // Without a fault as many frames are counted as with the longest.
-    let end = place + fault.map_or(longest, |fault| fault.frames());
+    let end = place + fault.map_or(longest, Fault::frames);
     for number in place..end {
         let shown = match fault {
             None => Some(frames[number].clone()),
@@ -172,12 +150,12 @@ fn run(
             }
         };
         let Some(shown) = shown else { continue };
-        let (state, right) = update(number, &shown)?;
+        let (state, right) = watch.update(number, &shown)?;
         run.states[state as usize] += 1;
         run.count(state, right);
     }
     for number in end..(end + WATCHED).min(frames.len()) {
-        let (state, right) = update(number, &frames[number])?;
+        let (state, right) = watch.update(number, &frames[number])?;
         run.count(state, right);
         if right && run.until_right.is_none() {
             run.until_right = Some(number + 1 - end);
@@ -226,24 +204,13 @@ impl Row {
 }
 
 /// All rows as a table.
-///
-/// # Errors
-/// What serde_json says; it has no reason to.
 pub fn table(rows: &[Row], layout: Layout) -> Result<String> {
     if layout == Layout::Csv {
-        return csv(rows);
+        return csv(CSV_COLUMNS, rows);
     }
-    let header = [
-        "tracker",
-        "fault",
-        "state during it",
-        "runs",
-        "right again",
-        "after (median, most)",
-        "right at the end",
-        "tracking while wrong",
-    ];
-    let mut lines = vec![header.map(String::from).to_vec()];
+    let titles =
+        "tracker|fault|state during it|runs|right again|after (median, most)|right at the end|tracking while wrong";
+    let mut lines = vec![header(titles)];
     lines.extend(rows.iter().map(line));
     Ok(layout.table(&lines, 3))
 }
@@ -268,39 +235,8 @@ fn line(row: &Row) -> Vec<String> {
 }
 
 /// The keys of JSON.
-const CSV_COLUMNS: [&str; 17] = [
-    "tracker",
-    "fault",
-    "fault_frames",
-    "runs",
-    "tracking",
-    "leaving",
-    "uncertain",
-    "lost",
-    "right_again",
-    "frames_until_right",
-    "most_frames_until_right",
-    "right_at_the_end",
-    "tracking_while_wrong",
-    "frames",
-    "method",
-    "version",
-    "options",
-];
-
-fn csv(rows: &[Row]) -> Result<String> {
-    let mut lines = vec![CSV_COLUMNS.map(str::to_owned).to_vec()];
-    for row in rows {
-        let row = serde_json::to_value(row)?;
-        let cell = |column: &str| match &row[column] {
-            serde_json::Value::Null => String::new(),
-            serde_json::Value::String(text) => text.clone(),
-            other => other.to_string(),
-        };
-        lines.push(CSV_COLUMNS.map(cell).to_vec());
-    }
-    Ok(Layout::Csv.table(&lines, 0))
-}
+const CSV_COLUMNS: &str = "tracker,fault,fault_frames,runs,tracking,leaving,uncertain,lost,right_again,frames_until_right,\
+                           most_frames_until_right,right_at_the_end,tracking_while_wrong,frames,method,version,options";
 
 /// What is measured if nothing is said: both trackers of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];

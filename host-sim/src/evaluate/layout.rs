@@ -1,7 +1,10 @@
 //! How tables are written: for a terminal, as Markdown, or as CSV.
 
-use super::aligned;
+use anyhow::Result;
 use clap::ValueEnum;
+use serde::Serialize;
+use serde_json::Value;
+use std::fmt::Write as _;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Layout {
@@ -14,15 +17,46 @@ pub enum Layout {
     Csv,
 }
 
+/// What stands in a table where nothing is known.
+pub(crate) const NOTHING: &str = "-";
+
+/// The cells of a header: titles with `|` between them.
+pub(crate) fn header(titles: &str) -> Vec<String> {
+    titles.split('|').map(str::to_owned).collect()
+}
+
+/// A number with so many digits, if there is one.
+pub(crate) fn cell(value: Option<f64>, digits: usize) -> String {
+    value.map_or(NOTHING.to_owned(), |value| format!("{value:.digits$}"))
+}
+
 impl Layout {
-    /// A table with a header, of which the first `names` columns begin at their left edge.
+    /// A table whose first line is its header. The first `names` columns begin at their left edge, the others end at their right edge.
     pub(super) fn table(self, lines: &[Vec<String>], names: usize) -> String {
         match self {
-            Self::Text => aligned(lines, names),
             Self::Markdown => markdown(lines, names),
-            Self::Csv => lines.iter().map(|line| csv_line(line)).collect(),
+            // CSV is made from the objects of JSON.
+            Self::Text | Self::Csv => aligned(lines, names),
         }
     }
+}
+
+/// The same for a terminal.
+pub(crate) fn aligned(lines: &[Vec<String>], names: usize) -> String {
+    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
+    let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+    let mut text = String::new();
+    for line in lines {
+        let mut row = String::new();
+        for (column, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+            // Writing to a String cannot fail.
+            let _ = if column < names { write!(row, "{cell:width$}  ") } else { write!(row, "{cell:>width$}  ") };
+        }
+        text.push_str(row.trim_end());
+        text.push('\n');
+    }
+    text
 }
 
 fn markdown(lines: &[Vec<String>], names: usize) -> String {
@@ -47,19 +81,44 @@ fn csv_line(cells: &[String]) -> String {
     cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n"
 }
 
+/// Objects as CSV: the `columns`, with commas between them, are their keys. Several names are one cell, with spaces between them.
+pub(super) fn csv(columns: &str, rows: &[impl Serialize]) -> Result<String> {
+    let columns: Vec<String> = columns.split(',').map(str::to_owned).collect();
+    let mut text = csv_line(&columns);
+    for row in rows {
+        let row = serde_json::to_value(row)?;
+        text += &csv_line(&columns.iter().map(|column| csv_cell(&row[column])).collect::<Vec<_>>());
+    }
+    Ok(text)
+}
+
+fn csv_cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Array(names) => names.iter().map(csv_cell).collect::<Vec<_>>().join(" "),
+        other => other.to_string(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn lines() -> Vec<Vec<String>> {
-        vec![vec!["name".into(), "n".into()], vec!["a|b, \"c\"".into(), "12".into()], vec!["  short".into()]]
+        vec![header("name|n"), vec!["a|b, \"c\"".into(), "12".into()], vec!["  short".into()]]
     }
 
     #[test]
     fn cells_cannot_break_a_table() {
         let markdown = "| name | n |\n| --- | ---: |\n| a\\|b, \"c\" | 12 |\n| short |  |\n";
         assert_eq!(Layout::Markdown.table(&lines(), 1), markdown);
-        assert_eq!(Layout::Csv.table(&lines(), 1), "name,n\n\"a|b, \"\"c\"\"\",12\n  short\n");
-        assert_eq!(Layout::Text.table(&lines(), 1), aligned(&lines(), 1));
+        assert_eq!(Layout::Text.table(&lines(), 1), "name       n\na|b, \"c\"  12\n  short\n");
+    }
+
+    #[test]
+    fn objects_as_csv() {
+        let rows = [serde_json::json!({ "b": ["x", "y"], "a": 1.0, "c": "1,\"2\"" }), serde_json::json!({ "a": null })];
+        assert_eq!(csv("a,b,c", &rows).unwrap(), "a,b,c\n1.0,x y,\"1,\"\"2\"\"\"\n,,\n");
     }
 }

@@ -57,13 +57,11 @@ pub struct Evidence {
 
 impl Report {
     /// The frame that was locked on: the box is the one that was given.
-    #[must_use]
     pub fn locked(target: Rect) -> Self {
         Self::of_baseline(target.into(), true)
     }
 
     /// What a baseline knows: its best box, inside the frame or not.
-    #[must_use]
     pub(super) fn of_baseline(target: BoundingBox, inside: bool) -> Self {
         let state = if inside { State::Tracking } else { State::Leaving };
         Self { target: Some(target), bbox: target.to_rect(), state, evidence: None, work: None }
@@ -93,7 +91,6 @@ fn of_one(ratio: u16) -> f64 {
 }
 
 /// A state as it is printed everywhere.
-#[must_use]
 pub const fn name_of(state: State) -> &'static str {
     match state {
         State::Tracking => "tracking",
@@ -122,7 +119,6 @@ pub enum MethodKind {
 
 impl MethodKind {
     /// As in results, and on the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Smr => "smr",
@@ -135,18 +131,35 @@ impl MethodKind {
     }
 
     /// True for the two trackers of smr-core.
-    #[must_use]
     pub const fn is_core(self) -> bool {
         matches!(self, Self::Smr | Self::Robust)
     }
 
     /// The states that it can be in, the best one first.
-    #[must_use]
     pub const fn states(self) -> &'static [State] {
         match self {
             Self::Smr => &[State::Tracking, State::Leaving, State::Lost],
             Self::Robust => &[State::Tracking, State::Uncertain, State::Lost],
             Self::Sad | Self::Ssd | Self::Ncc | Self::Lk => &[State::Tracking, State::Leaving],
+        }
+    }
+}
+
+/// The two trackers of smr-core, for commands that the baselines are not for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum CoreKind {
+    /// The Similarity Matching Ratio, as in the paper
+    #[default]
+    Smr,
+    /// Beyond the paper: holds when light, size and view change
+    Robust,
+}
+
+impl From<CoreKind> for MethodKind {
+    fn from(method: CoreKind) -> Self {
+        match method {
+            CoreKind::Smr => Self::Smr,
+            CoreKind::Robust => Self::Robust,
         }
     }
 }

@@ -3,7 +3,6 @@
 mod baseline;
 mod build;
 mod configs;
-mod core_kind;
 pub mod covered;
 pub mod faults;
 mod layout;
@@ -13,61 +12,45 @@ mod otb;
 mod protocol;
 pub mod published;
 mod refused;
+mod result_file;
 mod results;
 pub mod robustness;
 mod run;
 mod table;
-mod trajectory;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
-pub use core_kind::CoreKind;
 pub use layout::Layout;
-pub use method::{Evidence, Method, MethodKind, Report, name_of};
+pub(crate) use layout::{NOTHING, aligned, cell, header};
+pub use method::{CoreKind, Evidence, Method, MethodKind, Report, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
-pub use protocol::{CORRECT, Score, overlaps};
+pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use refused::Refused;
+pub use result_file::{ResultFile, result_files};
 pub use results::Results;
 pub use run::{Run, lock};
-pub(crate) use table::aligned;
-pub use trajectory::Trajectory;
 pub use vot::Vot;
 
-use crate::sequence::{BoundingBox, GrayFrame, RESULTS, Sequence, boxes};
+use crate::sequence::{GrayFrame, Sequence};
 use anyhow::{Context, Error, Result, ensure};
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Who answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Contestant {
-    /// A method that was run here, by its name in results, and what it was run with.
-    Method { name: String, origin: Origin },
-    /// The result file of another tracker, by its name.
-    File(String),
+pub struct Contestant {
+    /// As it stands in tables and in JSON.
+    pub name: String,
+    /// What a method was run with here; `None` of another tracker's result file.
+    pub origin: Option<Origin>,
 }
 
 impl Contestant {
-    /// As it stands in tables and in JSON.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        match self {
-            Self::Method { name, .. } | Self::File(name) => name,
-        }
-    }
-
-    /// `None` of another tracker's file.
-    #[must_use]
-    pub const fn origin(&self) -> Option<&Origin> {
-        match self {
-            Self::Method { origin, .. } => Some(origin),
-            Self::File(_) => None,
-        }
-    }
-
-    #[must_use]
     pub fn of(variant: &Variant) -> Self {
-        Self::Method { name: variant.name.clone(), origin: variant.origin() }
+        Self { name: variant.name.clone(), origin: Some(variant.origin()) }
+    }
+
+    pub const fn file(name: String) -> Self {
+        Self { name, origin: None }
     }
 }
 
@@ -86,9 +69,7 @@ pub struct Evaluation {
 /// Runs `variants` over the sequence, and scores `files`, other trackers' results on it, too.
 ///
 /// One thread; each frame is decoded once and dropped when all methods have seen it. `progress` is called after each.
-///
-/// # Errors
-/// No ground truth or one of another length, no box to start from, or a frame that cannot be read. What fails for one
+/// Errors: No ground truth or one of another length, no box to start from, or a frame that cannot be read. What fails for one
 /// contestant only is one of [`Evaluation::failures`].
 pub fn evaluate(
     sequence: Sequence,
@@ -116,8 +97,11 @@ pub fn evaluate(
         evaluation.add(Contestant::of(variant), score);
     }
     for path in files {
-        let score = evaluation.score_file(path, &truth);
-        evaluation.add(Contestant::File(stem(path)), score);
+        let score = ResultFile::read(path, None, boxes).and_then(|file| {
+            evaluation.notes.extend(file.note.clone());
+            file.score(&truth)
+        });
+        evaluation.add(Contestant::file(result_file::name(path)), score);
     }
     Ok(evaluation)
 }
@@ -131,7 +115,7 @@ fn score(reports: &[Report], truth: &Trajectory) -> Result<Score> {
 }
 
 /// The ground truth of the sequence called `name`, without which nothing can be measured.
-fn truth_of(name: &str, truth: Option<Vec<Option<BoundingBox>>>) -> Result<Vec<Option<BoundingBox>>> {
+pub(crate) fn truth_of<T>(name: &str, truth: Option<T>) -> Result<T> {
     truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt, groundtruth_rect.txt or groundtruth.txt"))
 }
 
@@ -141,17 +125,6 @@ impl Evaluation {
             Ok(score) => self.scores.push((contestant, score)),
             Err(error) => self.failures.push(error),
         }
-    }
-
-    /// The score of a result file. If it ends early there was no answer from there on; what it says of frames that do
-    /// not exist is not looked at. Published files are of both kinds; either is noted.
-    fn score_file(&mut self, path: &Path, truth: &Trajectory) -> Result<Score> {
-        let mut answers = boxes::read_tld(path)?;
-        if answers.len() != truth.len() {
-            self.notes.push(format!("{} boxes for {} frames: {}", answers.len(), truth.len(), path.display()));
-        }
-        answers.resize(truth.len(), None);
-        Score::with_confidence(&answers, &vec![None; truth.len()], truth)
     }
 }
 
@@ -176,32 +149,10 @@ fn follow(
     Ok(runs.into_iter().map(|(_, reports)| reports).collect())
 }
 
-/// Other trackers' results on the sequence at `path`: `trackers/*.txt` in its folder, in natural order; often none.
-///
-/// # Errors
-/// There is such a folder, but it cannot be read.
-pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
-    let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
-    let folder = folder.join(RESULTS);
-    if !folder.is_dir() {
-        return Ok(Vec::new());
-    }
-    let entries: std::io::Result<Vec<PathBuf>> =
-        std::fs::read_dir(&folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
-    let mut files = entries.with_context(|| folder.display().to_string())?;
-    files.retain(|file| file.extension() == Some(OsStr::new("txt")));
-    files.sort_by(|a, b| natord::compare(&stem(a), &stem(b)));
-    Ok(files)
-}
-
-fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::sequence::Damage;
+    use crate::sequence::{BoundingBox, Damage};
     use anyhow::bail;
     use smr_core::paper::Config;
     use std::cell::Cell;
@@ -210,7 +161,7 @@ mod tests {
     const METHODS: [MethodKind; 2] = [MethodKind::Sad, MethodKind::Smr];
 
     /// Four frames of a target that moves by two pixels a frame, and nothing beside them.
-    fn sequence() -> Sequence {
+    pub fn sequence() -> Sequence {
         let frame = |left: usize| {
             let texture = |x: usize, y: usize| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();
             let inside = |x: usize, y: usize| (left..left + 5).contains(&x) && (6..10).contains(&y);
@@ -298,7 +249,7 @@ mod tests {
         assert_eq!(files, [early, late]);
         assert_eq!(result_files(&folder.path().join("frames.y4m")).unwrap(), files);
         let evaluation = evaluate(sequence(), &[], &files, || ()).unwrap();
-        let figures = |(who, score): &(Contestant, Score)| (who.name().to_owned(), score.answered, score.correct);
+        let figures = |(who, score): &(Contestant, Score)| (who.name.clone(), score.answered, score.correct);
         let expected = [("t2".to_owned(), 2, 2), ("t10".to_owned(), 4, 3)];
         assert_eq!(evaluation.scores.iter().map(figures).collect::<Vec<_>>(), expected);
         assert_eq!(evaluation.notes.len(), 2);

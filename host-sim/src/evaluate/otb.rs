@@ -10,7 +10,7 @@
 //! A frame without an answer is in neither. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the
 //! benchmark's own code.
 
-use super::trajectory::Trajectory;
+use super::Trajectory;
 use crate::sequence::BoundingBox;
 use serde::Serialize;
 
@@ -54,7 +54,6 @@ pub struct Curves {
 
 impl Curves {
     /// Of trajectories of the same length.
-    #[must_use]
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let curve = |of: &[u32]| of.iter().map(|&count| counts.per_frame(count)).collect();
@@ -62,7 +61,6 @@ impl Curves {
     }
 
     /// The mean over recordings, each counting the same; `None` of none.
-    #[must_use]
     pub fn mean(of: &[&Self]) -> Option<Self> {
         let mean = |curve: fn(&Self) -> &Vec<f64>| {
             let at = |point: usize| of.iter().map(|one| curve(one)[point]).sum::<f64>() / of.len() as f64;
@@ -72,13 +70,11 @@ impl Curves {
     }
 
     /// The area under the success curve.
-    #[must_use]
     pub fn auc(&self) -> f64 {
         area(&self.success)
     }
 
     /// The area under the precision curve, up to 50 pixels.
-    #[must_use]
     pub fn precision_area(&self) -> f64 {
         area(&self.precision)
     }
@@ -89,7 +85,6 @@ fn area(curve: &[f64]) -> f64 {
 }
 
 /// The distance of the centres of answer and truth in each frame, in pixels; `None` where one of them is missing.
-#[must_use]
 pub fn centre_errors(answers: &Trajectory, truth: &Trajectory) -> Vec<Option<f64>> {
     answers.iter().zip(truth).map(|(answer, truth)| Some(centre_error(answer.as_ref()?, truth.as_ref()?))).collect()
 }

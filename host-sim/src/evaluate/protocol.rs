@@ -1,11 +1,14 @@
 //! The protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
 
 use super::otb::Otb;
-use super::trajectory::Trajectory;
 use super::vot::Vot;
 use crate::sequence::BoundingBox;
 use anyhow::{Result, ensure};
 use serde::Serialize;
+
+/// The boxes of a target over a recording, one entry a frame: the ground truth, or what a tracker answered. `None` where the target is
+/// not visible (ground truth) or the tracker gave no answer.
+pub type Trajectory = [Option<BoundingBox>];
 
 /// A frame is correct if the intersection over union of answer and truth is more than this.
 pub const CORRECT: f64 = 0.25;
@@ -42,12 +45,56 @@ pub struct Score {
     pub vot: Option<Vot>,
 }
 
+/// A figure of a score: what CSV, tables and means need to know of it.
+pub struct Figure {
+    /// Its key in JSON and CSV.
+    pub key: &'static str,
+    /// Its column in tables; empty if it has none.
+    pub title: &'static str,
+    pub digits: usize,
+    /// Whether it has a mean over recordings.
+    pub has_mean: bool,
+    pub of: Of,
+}
+
+type Of = fn(&Score) -> Option<f64>;
+
+const fn count(key: &'static str, title: &'static str, of: Of) -> Figure {
+    Figure { key, title, digits: 0, has_mean: false, of }
+}
+
+const fn fraction(key: &'static str, title: &'static str, of: Of) -> Figure {
+    Figure { key, title, digits: 3, has_mean: true, of }
+}
+
+const fn without_mean(figure: Figure) -> Figure {
+    Figure { has_mean: false, ..figure }
+}
+
 impl Score {
+    /// All figures in the order of JSON: to add one, add a field, compute it, and give it a line here.
+    pub const FIGURES: [Figure; 16] = [
+        count("frames", "frames", |score| Some(score.frames as f64)),
+        count("visible", "visible", |score| Some(score.visible as f64)),
+        count("answered", "answered", |score| Some(score.answered as f64)),
+        count("correct", "correct", |score| Some(score.correct as f64)),
+        count("correct_50", "correct@0.5", |score| Some(score.correct_50 as f64)),
+        fraction("precision", "precision", |score| Some(score.precision)),
+        fraction("recall", "recall", |score| Some(score.recall)),
+        fraction("f", "F", |score| Some(score.f)),
+        fraction("mean_iou", "mean IoU", |score| Some(score.mean_iou)),
+        count("first_failure", "first failure", |score| score.first_failure.map(|frame| frame as f64)),
+        fraction("otb_auc", "OTB AUC", |score| Some(score.otb?.otb_auc)),
+        fraction("otb_precision", "OTB P20", |score| Some(score.otb?.otb_precision)),
+        fraction("vot_f", "VOT F", |score| Some(score.vot?.vot_f)),
+        without_mean(fraction("vot_precision", "", |score| Some(score.vot?.vot_precision))),
+        without_mean(fraction("vot_recall", "", |score| Some(score.vot?.vot_recall))),
+        without_mean(fraction("vot_threshold", "threshold", |score| score.vot?.vot_threshold)),
+    ];
+
     /// The score of `answers` by `truth`, with what follows from the confidence that was reported in each frame; `None`
     /// where none was.
-    ///
-    /// # Errors
-    /// The three are not of the same length.
+    /// Errors: The three are not of the same length.
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
         ensure!(frames == count, "there are {frames} frames, but {count} confidences");
@@ -55,9 +102,7 @@ impl Score {
     }
 
     /// The score of `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
-    ///
-    /// # Errors
-    /// The two are not of the same length.
+    /// Errors: The two are not of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
@@ -108,9 +153,7 @@ impl Score {
 
 /// Intersection over union in each frame, as the scores count it: of the normalised answers, 0 where there is none;
 /// `None` where the target is not visible.
-///
-/// # Errors
-/// The two are not of the same length.
+/// Errors: The two are not of the same length.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
     ensure!(frames == boxes, "there are {frames} frames, but the ground truth has {boxes} boxes");

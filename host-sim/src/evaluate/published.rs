@@ -37,7 +37,6 @@ impl Row {
 }
 
 /// True if the paper has figures for the recording called `sequence`.
-#[must_use]
 pub fn is_known(sequence: &str) -> bool {
     SEQUENCES.contains(&sequence)
 }

@@ -17,7 +17,6 @@ pub struct Refused {
 
 impl Refused {
     /// `error`, put into words if it is about the box `target` in a frame of the bounds `frame`.
-    #[must_use]
     pub fn or(error: Error, kind: MethodKind, target: Rect, frame: Rect) -> Error {
         match error.downcast_ref::<LockError>() {
             Some(&why) => Self { kind, target, frame, why }.into(),
@@ -26,7 +25,6 @@ impl Refused {
     }
 
     /// What can be done, with the options that the command has.
-    #[must_use]
     pub fn way_out(&self, has: impl Fn(&str) -> bool) -> String {
         let all = match self.why {
             LockError::BoxTooLarge => [

@@ -1,6 +1,6 @@
 //! What was measured, as one matrix: contestants down, sequences across. Everything that is printed comes from here.
 
-use super::means::{mean, standard_error};
+use super::means::Named;
 use super::{Contestant, Evaluation, Origin, Score, published};
 use serde::Serialize;
 
@@ -25,56 +25,29 @@ pub(super) struct Line {
 /// What marks a figure of ours.
 pub(super) const MEASURED: &str = "measured";
 
-/// What marks a mean over recordings.
-const MEAN: &str = "mean";
-
-/// The figures that have a mean over recordings; each recording counts alike.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Fractions {
-    pub precision: f64,
-    pub recall: f64,
-    pub f: f64,
-    pub mean_iou: f64,
-    pub otb_auc: f64,
-    pub otb_precision: f64,
-    pub vot_f: f64,
-}
-
-impl Fractions {
-    fn of(score: &Score) -> [f64; 7] {
-        let (otb, vot) = (score.otb.unwrap_or_default(), score.vot.unwrap_or_default());
-        let tld = [score.precision, score.recall, score.f, score.mean_iou];
-        [tld[0], tld[1], tld[2], tld[3], otb.otb_auc, otb.otb_precision, vot.vot_f]
-    }
-
-    fn from_values([precision, recall, f, mean_iou, otb_auc, otb_precision, vot_f]: [f64; 7]) -> Self {
-        Self { precision, recall, f, mean_iou, otb_auc, otb_precision, vot_f }
-    }
-
-    pub(super) const fn values(self) -> [f64; 7] {
-        [self.precision, self.recall, self.f, self.mean_iou, self.otb_auc, self.otb_precision, self.vot_f]
-    }
-}
-
 /// The means over recordings.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Means {
     pub recordings: usize,
-    pub mean: Fractions,
-    pub standard_error: Fractions,
+    pub mean: Named,
+    pub standard_error: Named,
 }
 
 impl Line {
-    /// `None` of fewer than two recordings.
+    fn row<'a>(&'a self, source: &'static str, sequence: Option<&'a str>, score: Figures<'a>) -> Row<'a> {
+        let Contestant { name, origin } = &self.contestant;
+        Row { origin: origin.as_ref(), tracker: name, source, sequence, score }
+    }
+
+    /// `None` of fewer than two recordings; each of them counts alike.
     pub fn means(&self) -> Option<Means> {
-        let scores: Vec<[f64; 7]> = self.scores.iter().flatten().map(Fractions::of).collect();
-        let column = |figure: usize| scores.iter().map(|score| score[figure]).collect::<Vec<_>>();
-        let over = |of: fn(&[f64]) -> f64| Fractions::from_values(std::array::from_fn(|figure| of(&column(figure))));
-        (scores.len() > 1).then(|| Means {
-            recordings: scores.len(),
-            mean: over(mean),
-            standard_error: over(|values| standard_error(values).unwrap_or(0.0)),
-        })
+        let fractions = |score: &Score| {
+            let with_mean = Score::FIGURES.iter().filter(|figure| figure.has_mean);
+            Named(with_mean.map(|figure| (figure.key, (figure.of)(score).unwrap_or(0.0))).collect())
+        };
+        let scores: Vec<Named> = self.scores.iter().flatten().map(fractions).collect();
+        let (mean, standard_error) = (Named::mean(&scores), Named::standard_error(&scores)?);
+        Some(Means { recordings: scores.len(), mean, standard_error })
     }
 }
 
@@ -107,7 +80,6 @@ enum Figures<'a> {
 
 impl Results {
     /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
-    #[must_use]
     pub fn new(evaluations: &[Evaluation]) -> Self {
         let column = |e: &Evaluation| Column { name: e.sequence.clone(), visible: e.visible };
         let line = |contestant: Contestant| {
@@ -121,35 +93,26 @@ impl Results {
     }
 
     /// True if nobody has a score.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
     /// All scores, contestant by contestant; then the paper's Table 2, as far as its sequences are here; then the means
     /// over recordings of all that have several.
-    #[must_use]
     pub fn rows(&self) -> Vec<Row<'_>> {
         self.measured().into_iter().chain(self.printed()).chain(self.means()).collect()
     }
 
     fn means(&self) -> impl Iterator<Item = Row<'_>> {
-        self.lines.iter().filter_map(|line| {
-            let (origin, tracker, score) =
-                (line.contestant.origin(), line.contestant.name(), Figures::Mean(line.means()?));
-            Some(Row { origin, tracker, source: MEAN, sequence: None, score })
-        })
+        self.lines.iter().filter_map(|line| Some(line.row("mean", None, Figures::Mean(line.means()?))))
     }
 
     /// All scores, contestant by contestant.
-    #[must_use]
     pub fn measured(&self) -> Vec<Row<'_>> {
         let rows = self.lines.iter().flat_map(|line| {
             let scores = self.sequences.iter().zip(&line.scores);
             scores.filter_map(|(sequence, score)| {
-                let (tracker, sequence) = (line.contestant.name(), Some(sequence.name.as_str()));
-                let score = Figures::Measured(score.as_ref()?);
-                Some(Row { origin: line.contestant.origin(), tracker, source: MEASURED, sequence, score })
+                Some(line.row(MEASURED, Some(&sequence.name), Figures::Measured(score.as_ref()?)))
             })
         });
         rows.collect()
@@ -174,9 +137,9 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
         }
     }
     // The sort is stable: methods, being equal here, keep their order.
-    all.sort_by(|a, b| match (a, b) {
-        (Contestant::File(a), Contestant::File(b)) => natord::compare(a, b),
-        (a, b) => matches!(a, Contestant::File(_)).cmp(&matches!(b, Contestant::File(_))),
+    all.sort_by(|a, b| match (&a.origin, &b.origin) {
+        (None, None) => natord::compare(&a.name, &b.name),
+        (a, b) => a.is_none().cmp(&b.is_none()),
     });
     all
 }

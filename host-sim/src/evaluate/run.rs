@@ -15,21 +15,17 @@ pub struct Run {
 
 impl Run {
     /// `method` will be locked on `start`.
-    #[must_use]
     pub fn new(method: Box<dyn Method>, start: Rect) -> Self {
         Self { method, start, frames: 0 }
     }
 
     /// See [`Method::quality`].
-    #[must_use]
     pub fn quality(&self) -> Option<Quality> {
         self.method.quality()
     }
 
     /// What the method says about the next frame.
-    ///
-    /// # Errors
-    /// The method's, with the number of the frame; the first is 1.
+    /// Errors: The method's, with the number of the frame; the first is 1.
     pub fn step(&mut self, frame: &GrayFrame) -> Result<Report> {
         self.frames += 1;
         let report = match self.frames {
@@ -41,9 +37,7 @@ impl Run {
 }
 
 /// Starts `method` on the target in `target`.
-///
-/// # Errors
-/// What the method refuses is a [`Refused`].
+/// Errors: What the method refuses is a [`Refused`].
 pub fn lock(method: &mut dyn Method, frame: &Frame<'_>, target: Rect) -> Result<()> {
     method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
 }

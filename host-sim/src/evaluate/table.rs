@@ -1,46 +1,14 @@
 //! Results as tables: every score in full, and the paper's Table 2.
 
-use super::published;
-use super::results::{Fractions, Line, MEASURED, Results};
-use super::{Layout, Score};
+use super::layout::{NOTHING, cell, csv, header};
+use super::protocol::Figure;
+use super::results::{Line, MEASURED, Results};
+use super::{Layout, Score, published};
 use anyhow::Result;
-use serde_json::Value;
-use std::fmt::Write as _;
-
-const NOTHING: &str = "-";
-
-/// The columns of CSV: the keys of JSON. A row of means is two lines here, `mean` and `standard error`.
-const CSV_COLUMNS: [&str; 23] = [
-    "tracker",
-    "source",
-    "sequence",
-    "recordings",
-    "frames",
-    "visible",
-    "answered",
-    "correct",
-    "correct_50",
-    "precision",
-    "recall",
-    "f",
-    "mean_iou",
-    "first_failure",
-    "otb_auc",
-    "otb_precision",
-    "vot_f",
-    "vot_precision",
-    "vot_recall",
-    "vot_threshold",
-    "method",
-    "version",
-    "options",
-];
+use serde_json::{Map, Value};
 
 impl Results {
     /// All that there is. Nothing if nobody has a score.
-    ///
-    /// # Errors
-    /// What serde_json says; it has no reason to.
     pub fn text(&self, layout: Layout) -> Result<String> {
         Ok(match layout {
             _ if self.is_empty() => String::new(),
@@ -50,62 +18,35 @@ impl Results {
     }
 
     fn csv(&self) -> Result<String> {
-        let mut lines = vec![CSV_COLUMNS.map(str::to_owned).to_vec()];
+        let mut lines = Vec::new();
         for row in self.rows() {
-            let row = serde_json::to_value(row)?;
-            let line = |part: Option<(&str, &str)>| {
-                let cell = |column: &str| match part {
-                    Some((_, name)) if column == "source" => name.to_owned(),
-                    Some((key, _)) => csv_cell(row[key].get(column).unwrap_or(&row[column])),
-                    None => csv_cell(&row[column]),
-                };
-                CSV_COLUMNS.map(cell).to_vec()
-            };
-            match row.get("mean") {
-                None => lines.push(line(None)),
-                Some(_) => {
-                    let parts = [("mean", "mean"), ("standard_error", "standard error")];
-                    lines.extend(parts.map(|part| line(Some(part))));
-                }
-            }
+            lines.extend(csv_lines(serde_json::to_value(row)?));
         }
-        Ok(Layout::Csv.table(&lines, 0))
+        csv(&csv_columns(), &lines)
     }
 
     /// Every score in full, contestant by contestant; of several a total over all frames, the mean over recordings, and
     /// its standard error.
-    #[must_use]
     pub fn details(&self, layout: Layout) -> String {
-        let header = [
-            "tracker",
-            "sequence",
-            "frames",
-            "visible",
-            "answered",
-            "correct",
-            "correct@0.5",
-            "precision",
-            "recall",
-            "F",
-            "mean IoU",
-            "OTB AUC",
-            "OTB P20",
-            "VOT F",
-            "threshold",
-            "first failure",
-        ];
-        let mut lines = vec![header.map(String::from).to_vec()];
+        let names = header("tracker|sequence").into_iter();
+        let mut lines = vec![names.chain(columns().map(|figure| figure.title.to_owned())).collect()];
         for line in &self.lines {
-            let name = line.contestant.name();
-            for (sequence, score) in self.sequences.iter().zip(&line.scores) {
-                lines.extend(score.map(|score| details(name, &sequence.name, &score)));
+            let mut add = |what: &str, figure: &dyn Fn(&Figure) -> String| {
+                let names = [&line.contestant.name, what].map(str::to_owned).into_iter();
+                lines.push(names.chain(columns().map(figure)).collect());
+            };
+            let of = |score: Score| move |figure: &Figure| cell((figure.of)(&score), figure.digits);
+            for (sequence, &score) in self.sequences.iter().zip(&line.scores) {
+                score.into_iter().for_each(|score| add(&sequence.name, &of(score)));
             }
-            if line.scores.iter().flatten().count() > 1 {
-                lines.push(details(name, "total", &Score::total(line.scores.iter().flatten())));
-            }
-            if let Some(means) = line.means() {
-                lines.push(fractions(name, &format!("mean of {}", means.recordings), means.mean));
-                lines.push(fractions(name, "  standard error", means.standard_error));
+            let Some(means) = line.means() else { continue };
+            add("total", &of(Score::total(line.scores.iter().flatten())));
+            for (what, means) in [
+                (format!("mean of {}", means.recordings), means.mean),
+                ("  standard error".to_owned(), means.standard_error),
+            ] {
+                let mean = |figure: &Figure| means.0.iter().find(|(key, _)| *key == figure.key);
+                add(&what, &|figure| mean(figure).map_or(String::new(), |&(_, mean)| cell(Some(mean), figure.digits)));
             }
         }
         layout.table(&lines, 2)
@@ -113,9 +54,8 @@ impl Results {
 
     /// The paper's Table 2 if one of its sequences is here, and correct frames as they were measured: contestants down,
     /// sequences across.
-    #[must_use]
     pub fn correct_frames(&self, layout: Layout) -> String {
-        let mut header = ["correct frames", "source"].map(str::to_owned).to_vec();
+        let mut header = header("correct frames|source");
         header.extend(self.sequences.iter().map(|sequence| format!("{} /{}", sequence.name, sequence.visible)));
         let mut lines = vec![header];
         lines.extend(self.published());
@@ -137,59 +77,34 @@ impl Results {
     }
 }
 
-fn details(tracker: &str, sequence: &str, score: &Score) -> Vec<String> {
-    let counts = [score.frames, score.visible, score.answered, score.correct, score.correct_50];
-    let means = [score.precision, score.recall, score.f, score.mean_iou];
-    let mut line = vec![tracker.to_owned(), sequence.to_owned()];
-    line.extend(counts.map(|count| count.to_string()));
-    line.extend(means.map(|mean| format!("{mean:.3}")));
-    let fraction = |value: Option<f64>| value.map_or(NOTHING.to_owned(), |value| format!("{value:.3}"));
-    let (otb, vot) = (score.otb, score.vot);
-    line.extend([otb.map(|otb| otb.otb_auc), otb.map(|otb| otb.otb_precision)].map(fraction));
-    line.extend([vot.map(|vot| vot.vot_f), vot.and_then(|vot| vot.vot_threshold)].map(fraction));
-    line.push(score.first_failure.map_or(NOTHING.to_owned(), |frame| frame.to_string()));
-    line
+/// The figures that tables have.
+fn columns() -> impl Iterator<Item = &'static Figure> {
+    const { &Score::FIGURES }.iter().filter(|figure| !figure.title.is_empty())
 }
 
-/// Means have no counts.
-fn fractions(tracker: &str, what: &str, of: Fractions) -> Vec<String> {
-    let mut line = [tracker, what, "", "", "", "", ""].map(str::to_owned).to_vec();
-    line.extend(of.values().map(|value| format!("{value:.3}")));
-    line
+/// The columns of CSV: the keys of JSON.
+fn csv_columns() -> String {
+    let figures = Score::FIGURES.map(|figure| figure.key).join(",");
+    format!("tracker,source,sequence,recordings,{figures},method,version,options")
 }
 
-fn csv_cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
+/// A row of JSON as lines of CSV: means are two, `mean` and `standard error`.
+fn csv_lines(row: Value) -> Vec<Value> {
+    if row.get("mean").is_none() {
+        return vec![row];
     }
+    let line = |(key, source): (&str, &str)| {
+        let source = Map::from_iter([("source".to_owned(), source.into())]);
+        let parts = [row.as_object(), row[key].as_object(), Some(&source)];
+        parts.into_iter().flatten().flatten().map(|(key, value)| (key.clone(), value.clone())).collect()
+    };
+    [("mean", "mean"), ("standard_error", "standard error")].map(line).to_vec()
 }
 
 fn correct_frames(of: &Line) -> Vec<String> {
-    let mut line = vec![of.contestant.name().to_owned(), MEASURED.to_owned()];
+    let mut line = vec![of.contestant.name.clone(), MEASURED.to_owned()];
     line.extend(of.scores.iter().map(|score| score.map_or(NOTHING.to_owned(), |score| score.correct.to_string())));
     line
-}
-
-/// The lines as a table: the first `names` columns begin at their left edge, all others end at their right edge.
-pub fn aligned(lines: &[Vec<String>], names: usize) -> String {
-    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
-    let widest =
-        |column: usize| lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
-    let widths: Vec<usize> = (0..columns).map(|column| widest(column).unwrap_or(0)).collect();
-    let mut text = String::new();
-    for line in lines {
-        let mut row = String::new();
-        for (column, (cell, &width)) in line.iter().zip(&widths).enumerate() {
-            let gap = if column == 0 { "" } else { "  " };
-            // Writing to a String cannot fail.
-            let _ = if column < names { write!(row, "{gap}{cell:width$}") } else { write!(row, "{gap}{cell:>width$}") };
-        }
-        text.push_str(row.trim_end());
-        text.push('\n');
-    }
-    text
 }
 
 #[cfg(test)]
@@ -208,13 +123,12 @@ mod tests {
     }
 
     fn method(name: &str) -> Contestant {
-        let origin = Origin::new(MethodKind::Smr, serde_json::Map::new());
-        Contestant::Method { name: name.to_owned(), origin }
+        Contestant { name: name.to_owned(), origin: Some(Origin::new(MethodKind::Smr, Map::new())) }
     }
 
     fn results() -> Results {
         let (smr, sad) = (method("smr"), method("sad"));
-        let file = |name: &str| Contestant::File(name.to_owned());
+        let file = |name: &str| Contestant::file(name.to_owned());
         Results::new(&[
             evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
             evaluation("06_car", &[(smr, 2), (sad, 0), (file("t2"), 2), (file("smr"), 1)]),
@@ -224,20 +138,20 @@ mod tests {
     #[test]
     fn every_score_in_full() {
         let expected = "\
-tracker  sequence          frames  visible  answered  correct  correct@0.5  precision  recall      F  mean IoU  OTB AUC  OTB P20  VOT F  threshold  first failure
-smr      mine                   4        4         4        4            4      1.000   1.000  1.000     1.000    0.952    1.000  1.000          -              -
-smr      06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500    0.476    0.500  0.667          -              3
-smr      total                  8        8         6        6            6      1.000   0.750  0.857     0.750        -        -      -          -              -
-smr      mean of 2                                                              1.000   0.750  0.833     0.750    0.714    0.750  0.833
-smr        standard error                                                       0.000   0.250  0.167     0.250    0.238    0.250  0.167
-sad      mine                   4        4         1        1            1      1.000   0.250  0.400     0.250    0.238    0.250  0.400          -              2
-sad      06_car                 4        4         0        0            0      0.000   0.000  0.000     0.000    0.000    0.000  0.000          -              1
-sad      total                  8        8         1        1            1      1.000   0.125  0.222     0.125        -        -      -          -              -
-sad      mean of 2                                                              0.500   0.125  0.200     0.125    0.119    0.125  0.200
-sad        standard error                                                       0.500   0.125  0.200     0.125    0.119    0.125  0.200
-smr      06_car                 4        4         1        1            1      1.000   0.250  0.400     0.250    0.238    0.250  0.400          -              2
-t2       06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500    0.476    0.500  0.667          -              3
-t10      mine                   4        4         3        3            3      1.000   0.750  0.857     0.750    0.714    0.750  0.857          -              4
+tracker  sequence          frames  visible  answered  correct  correct@0.5  precision  recall      F  mean IoU  first failure  OTB AUC  OTB P20  VOT F  threshold
+smr      mine                   4        4         4        4            4      1.000   1.000  1.000     1.000              -    0.952    1.000  1.000          -
+smr      06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
+smr      total                  8        8         6        6            6      1.000   0.750  0.857     0.750              -        -        -      -          -
+smr      mean of 2                                                              1.000   0.750  0.833     0.750                   0.714    0.750  0.833
+smr        standard error                                                       0.000   0.250  0.167     0.250                   0.238    0.250  0.167
+sad      mine                   4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
+sad      06_car                 4        4         0        0            0      0.000   0.000  0.000     0.000              1    0.000    0.000  0.000          -
+sad      total                  8        8         1        1            1      1.000   0.125  0.222     0.125              -        -        -      -          -
+sad      mean of 2                                                              0.500   0.125  0.200     0.125                   0.119    0.125  0.200
+sad        standard error                                                       0.500   0.125  0.200     0.125                   0.119    0.125  0.200
+smr      06_car                 4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
+t2       06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
+t10      mine                   4        4         3        3            3      1.000   0.750  0.857     0.750              4    0.714    0.750  0.857          -
 ";
         assert_eq!(results().details(Layout::Text), expected);
     }
@@ -303,13 +217,13 @@ t10                                        measured        3          -
         for row in rows.as_array().unwrap() {
             for key in row.as_object().unwrap().keys().filter(|key| !["mean", "standard_error"].contains(&key.as_str()))
             {
-                assert!(CSV_COLUMNS.contains(&key.as_str()), "{key}");
+                assert!(csv_columns().split(',').any(|column| column == key), "{key}");
             }
         }
         let text = results.text(Layout::Csv).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 1 + 7 + 5 + 2 * 2);
-        assert_eq!(lines[0], CSV_COLUMNS.join(","));
+        assert_eq!(lines[0], csv_columns());
         assert_eq!(&lines[2][..30], "smr,measured,06_car,,4,4,2,2,2");
         assert!(
             lines.contains(&"\"Kalal 2010 (forward-backward, MedianFlow)\",printed,06_car,,,,,510,,,,,,,,,,,,,,,"),

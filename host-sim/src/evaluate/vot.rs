@@ -11,7 +11,7 @@
 //! that were reported. An answer without a confidence counts at every threshold, as one of confidence 1; so does the box
 //! that the tracker was given.
 
-use super::trajectory::Trajectory;
+use super::Trajectory;
 use serde::Serialize;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

@@ -1,6 +1,6 @@
 //! The configuration of a tracker from the numbers in its record, in the order that `smr_core::record` describes.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use smr_core::paper::{self, Fraction, Margins, Radius, RunnerUp};
 use smr_core::record::Recorded;
 use smr_core::robust;
@@ -10,8 +10,7 @@ use std::sync::LazyLock;
 
 /// A tracker whose configuration can be read from a record.
 pub trait Configured: Recorded {
-    /// # Errors
-    /// They are not those of this version.
+    /// Errors: They are not those of this version.
     fn configuration(numbers: &[u16]) -> Result<Self::Config>;
 }
 
@@ -19,51 +18,21 @@ impl Configured for crate::Paper {
     fn configuration(numbers: &[u16]) -> Result<paper::Config> {
         let mut config = paper::Config::paper();
         config.table = table(numbers)?;
-        let rest = numbers.get(256..).unwrap_or_default();
-        let &[
-            k,
-            of_k,
-            tracking,
-            of_tracking,
-            leaving,
-            of_leaving,
-            returning,
-            of_returning,
-            lost,
-            of_lost,
-            lead,
-            least_ratio,
-            first_threshold,
-            least_threshold,
-            padding,
-            x,
-            y,
-            growth,
-            limit_x,
-            limit_y,
-            neighbourhood,
-            always,
-            left,
-            top,
-            right,
-            bottom,
-        ] = rest
-        else {
-            bail!("the configuration has {} numbers: expected 282", numbers.len())
-        };
-        config.k = Fraction::new(k, of_k);
+        let mut rest = Rest::of(numbers, 282)?;
+        config.k = rest.fraction();
         let gate = &mut config.gate;
-        gate.tracking = Fraction::new(tracking, of_tracking);
-        gate.leaving = Fraction::new(leaving, of_leaving);
-        gate.returning = Fraction::new(returning, of_returning);
-        gate.lost = Fraction::new(lost, of_lost);
-        (gate.lead, gate.least_ratio) = (lead, least_ratio);
-        (config.first_threshold, config.least_threshold) = (byte(first_threshold)?, byte(least_threshold)?);
-        (config.padding, config.growth, config.neighbourhood) = (padding, growth, neighbourhood);
-        config.window = Radius { x, y };
-        config.window_limit = Radius { x: limit_x, y: limit_y };
-        config.runner_up = if flag(always)? { RunnerUp::Always } else { RunnerUp::WhenItDecides };
-        config.update_zone = Margins { left, top, right, bottom };
+        for fraction in [&mut gate.tracking, &mut gate.leaving, &mut gate.returning, &mut gate.lost] {
+            *fraction = rest.fraction();
+        }
+        (gate.lead, gate.least_ratio) = (rest.next(), rest.next());
+        (config.first_threshold, config.least_threshold) = (rest.byte()?, rest.byte()?);
+        config.padding = rest.next();
+        config.window = rest.radius();
+        config.growth = rest.next();
+        config.window_limit = rest.radius();
+        config.neighbourhood = rest.next();
+        config.runner_up = if rest.flag()? { RunnerUp::Always } else { RunnerUp::WhenItDecides };
+        config.update_zone = Margins { left: rest.next(), top: rest.next(), right: rest.next(), bottom: rest.next() };
         Ok(config)
     }
 }
@@ -72,50 +41,53 @@ impl Configured for smr_core::Robust {
     fn configuration(numbers: &[u16]) -> Result<robust::Config> {
         let mut config = robust::Config::robust();
         config.table = table(numbers)?;
-        let rest = numbers.get(256..).unwrap_or_default();
-        let &[
-            size,
-            sweep,
-            velocity,
-            distance_penalty,
-            verification,
-            gated_learning,
-            reach,
-            patience,
-            lost_below,
-            uncertain_below,
-            learning_rate,
-            early_rate,
-        ] = rest
-        else {
-            bail!("the configuration has {} numbers: expected 268", numbers.len())
-        };
-        (config.size, config.sweep) = (flag(size)?, flag(sweep)?);
-        let parts = [
-            (velocity, Part::Velocity),
-            (distance_penalty, Part::DistancePenalty),
-            (verification, Part::Verification),
-            (gated_learning, Part::GatedLearning),
-        ];
-        for (has, part) in parts {
-            if !flag(has)? {
+        let mut rest = Rest::of(numbers, 268)?;
+        (config.size, config.sweep) = (rest.flag()?, rest.flag()?);
+        for part in [Part::Velocity, Part::DistancePenalty, Part::Verification, Part::GatedLearning] {
+            if !rest.flag()? {
                 config = without(config, part);
             }
         }
-        (config.reach, config.patience) = (byte(reach)?, byte(patience)?);
-        (config.lost_below, config.uncertain_below) = (lost_below, uncertain_below);
-        (config.learning_rate, config.early_rate) = (learning_rate, early_rate);
+        (config.reach, config.patience) = (rest.byte()?, rest.byte()?);
+        (config.lost_below, config.uncertain_below) = (rest.next(), rest.next());
+        (config.learning_rate, config.early_rate) = (rest.next(), rest.next());
         Ok(config)
     }
 }
 
-fn byte(number: u16) -> Result<u8> {
-    Ok(u8::try_from(number)?)
-}
+/// The numbers after the table, one after the other.
+struct Rest<'a>(&'a [u16]);
 
-fn flag(number: u16) -> Result<bool> {
-    ensure!(number < 2, "a flag of the configuration is {number}: expected 0 or 1");
-    Ok(number == 1)
+impl<'a> Rest<'a> {
+    /// Errors: There are not so many numbers in all.
+    fn of(numbers: &'a [u16], expected: usize) -> Result<Self> {
+        let count = numbers.len();
+        ensure!(count == expected, "the configuration has {count} numbers: expected {expected}");
+        Ok(Self(&numbers[256..]))
+    }
+
+    /// There are as many as are asked for: `of` has counted them.
+    fn next(&mut self) -> u16 {
+        self.0.split_off_first().copied().unwrap_or_default()
+    }
+
+    fn byte(&mut self) -> Result<u8> {
+        Ok(u8::try_from(self.next())?)
+    }
+
+    fn flag(&mut self) -> Result<bool> {
+        let number = self.next();
+        ensure!(number < 2, "a flag of the configuration is {number}: expected 0 or 1");
+        Ok(number == 1)
+    }
+
+    fn fraction(&mut self) -> Fraction {
+        Fraction::new(self.next(), self.next())
+    }
+
+    fn radius(&mut self) -> Radius {
+        Radius { x: self.next(), y: self.next() }
+    }
 }
 
 /// Those that are not the paper's, for the life of the program, as a configuration wants them.

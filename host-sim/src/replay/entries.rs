@@ -53,8 +53,6 @@ impl<R: Read> Entries<R> {
         Self { source, held: Vec::new(), done: 0, start: 0 }
     }
 
-    /// # Errors
-    /// The source's.
     pub fn read(&mut self) -> Result<Next> {
         let at = self.start + self.done as u64;
         if let Some(entry) = self.whole()? {
@@ -132,9 +130,6 @@ fn nothing_in(at: u64) -> String {
 }
 
 /// The bytes of a record, whether `source` holds them as they are or as lines of a log.
-///
-/// # Errors
-/// The source's.
 pub fn bytes_of(mut source: impl Read + 'static) -> Result<Box<dyn Read>> {
     let mut first = Vec::new();
     source.by_ref().take(FIRST as u64).read_to_end(&mut first).context("cannot read the record")?;

@@ -9,7 +9,7 @@ pub mod config;
 pub mod entries;
 
 use crate::evaluate::name_of;
-use answered::{Answered, described};
+use answered::described;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use config::Configured;
 use entries::{Entries, Entry, Next};
@@ -65,7 +65,7 @@ pub struct Unanswered {
 }
 
 /// What is not as it was recorded.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Difference {
     /// The flight, from 1.
     pub flight: usize,
@@ -79,9 +79,7 @@ pub struct Difference {
 }
 
 /// Replays the record in `source`, to its end or to the first difference. `progress` is called after each entry.
-///
-/// # Errors
-/// It is no record, or cannot be read. What is wrong further on is [`Report::damage`].
+/// Errors: It is no record, or cannot be read. What is wrong further on is [`Report::damage`].
 pub fn replay(source: impl Read + 'static, progress: impl Fn()) -> Result<Report> {
     let mut entries = Entries::new(entries::bytes_of(source)?);
     let mut report = Report::default();
@@ -146,21 +144,16 @@ fn of_entry(running: &mut Option<Box<dyn Runs>>, entry: &Entry, report: &mut Rep
     flight.bytes += (smr_core::record::AROUND + entry.holds.len()) as u64;
     let frame = flight.locks + flight.answers + 1;
     let different = run.entry(entry, flight)?;
-    report.difference = different.map(|Different { field, recorded, replayed }| Difference {
-        flight: number,
-        frame,
-        entry: entry.number,
-        field,
-        recorded,
-        replayed,
-    });
+    report.difference = different.map(|found| Difference { flight: number, frame, entry: entry.number, ..found });
     Ok(report.difference.is_none())
 }
 
-struct Different {
-    field: &'static str,
-    recorded: String,
-    replayed: String,
+impl Difference {
+    /// Whoever knows the flight, the frame and the entry puts them in.
+    fn new(field: &'static str, recorded: impl ToString, replayed: impl ToString) -> Self {
+        let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
+        Self { field, recorded, replayed, ..Self::default() }
+    }
 }
 
 /// A tracker on its way through a record.
@@ -168,7 +161,7 @@ trait Runs {
     /// The number that the next entry must have.
     fn next_number(&mut self) -> u32;
 
-    fn entry(&mut self, entry: &Entry, flight: &mut Flight) -> Result<Option<Different>>;
+    fn entry(&mut self, entry: &Entry, flight: &mut Flight) -> Result<Option<Difference>>;
 
     /// The update that was begun and not answered.
     fn unanswered(&mut self) -> Option<Unanswered>;
@@ -220,7 +213,7 @@ impl<T: Configured> Runs for Run<T> {
         number
     }
 
-    fn entry(&mut self, entry: &Entry, flight: &mut Flight) -> Result<Option<Different>> {
+    fn entry(&mut self, entry: &Entry, flight: &mut Flight) -> Result<Option<Difference>> {
         let mut from = Fields(&entry.holds);
         if entry.tag != Tag::Answer && self.window.take().is_some() {
             flight.given_up += 1;
@@ -265,7 +258,7 @@ impl<T: Configured> Runs for Run<T> {
 }
 
 impl<T: Target> Run<T> {
-    fn lock(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Different>> {
+    fn lock(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Difference>> {
         let (width, height) = (from.u16()?, from.u16()?);
         let (target, window) = (from.rect()?, from.rect()?);
         let expected = self.tracker.lock_window(Rect::new(0, 0, width, height), target);
@@ -275,15 +268,10 @@ impl<T: Target> Run<T> {
         let part = from.part(window)?.context("it locks on no pixels")?;
         flight.pixels += part.pixels.len() as u64;
         let locked = self.tracker.lock(&part.frame((width, height))?, target);
-        let refused = |error: smr_core::LockError| Different {
-            field: "lock",
-            recorded: "locked".to_owned(),
-            replayed: error.to_string(),
-        };
-        Ok(locked.err().map(refused))
+        Ok(locked.err().map(|error| Difference::new("lock", "locked", error)))
     }
 
-    fn window(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Different>> {
+    fn window(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Difference>> {
         let size = (from.u16()?, from.u16()?);
         let (first, second) = (from.rect()?, from.rect()?);
         let wanted = |rect: Option<Rect>| rect.filter(|rect| !rect.is_empty()).unwrap_or_default();
@@ -301,13 +289,13 @@ impl<T: Target> Run<T> {
         Ok(None)
     }
 
-    fn answer(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Different>> {
+    fn answer(&mut self, from: &mut Fields<'_>, flight: &mut Flight) -> Result<Option<Difference>> {
         let window = self.window.take().context("an answer without a window before it")?;
         let recorded = read_answer(from)?;
-        let replayed = Answered::of(&self.update(&window)?);
-        let pairs = recorded.described().into_iter().zip(replayed.described());
+        let replayed = self.update(&window)?;
+        let pairs = answered::values(&recorded).into_iter().zip(answered::values(&replayed));
         let differing = |((field, recorded), (_, replayed)): ((&'static str, String), (_, String))| {
-            (recorded != replayed).then_some(Different { field, recorded, replayed })
+            (recorded != replayed).then(|| Difference::new(field, recorded, replayed))
         };
         let different = pairs.into_iter().find_map(differing);
         if different.is_none() {
@@ -327,25 +315,21 @@ impl<T: Target> Run<T> {
         Ok(self.tracker.update(&frame)?)
     }
 
-    fn restore(&mut self, saved: &[u8]) -> Result<Option<Different>> {
+    fn restore(&mut self, saved: &[u8]) -> Result<Option<Difference>> {
         let restored = self.tracker.restore(saved);
-        let refused = |error: smr_core::RestoreError| Different {
-            field: "restored target",
-            recorded: "restored".to_owned(),
-            replayed: error.to_string(),
-        };
-        Ok(restored.err().map(refused))
+        Ok(restored.err().map(|error| Difference::new("restored target", "restored", error)))
     }
 }
 
 /// An answer as it is recorded.
-fn read_answer(from: &mut Fields<'_>) -> Result<Answered> {
+fn read_answer(from: &mut Fields<'_>) -> Result<Answer> {
     let fine = FineRect { x: from.i32()?, y: from.i32()?, width: from.u32()?, height: from.u32()? };
     let [state, flags] = from.take()?;
     ensure!(flags < 8, "flags {flags}: expected 0 to 7");
     let (confidence, ratio, runner_up, alpha) = (from.u16()?, from.u16()?, from.u16()?, from.u16()?);
     let if_there = |bit: u8, number: u16| (flags & bit != 0).then_some(number);
-    Ok(Answered {
+    Ok(Answer {
+        bbox: fine.whole(),
         fine,
         state: answered::state(state.into())?,
         confidence,
@@ -357,9 +341,9 @@ fn read_answer(from: &mut Fields<'_>) -> Result<Answered> {
     })
 }
 
-fn different(field: &'static str, recorded: Rect, replayed: Rect) -> Option<Different> {
+fn different(field: &'static str, recorded: Rect, replayed: Rect) -> Option<Difference> {
     let text = |Rect { x, y, width, height }: Rect| format!("{width}x{height} at ({x}, {y})");
-    Some(Different { field, recorded: text(recorded), replayed: text(replayed) })
+    Some(Difference::new(field, text(recorded), text(replayed)))
 }
 
 impl Part {

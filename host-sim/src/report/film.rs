@@ -3,8 +3,7 @@
 use super::look::{self, Shown, Sight};
 use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
-use super::result_file::ResultFile;
-use crate::evaluate::{Contestant, Evaluation, Refused, Report, Score, Variant};
+use crate::evaluate::{Contestant, Evaluation, Refused, Report, ResultFile, Score, Variant};
 use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
@@ -115,7 +114,7 @@ pub fn watch(
         ensure!(last < length, "{name}: there is no frame {}: expected 1 to {length}", last + 1);
     }
     let (stills, changes_left_out) = reel.into_stills();
-    let padding = methods[0].configs().paper.padding;
+    let padding = methods[0].configs.paper.padding;
     Ok(Film {
         name,
         methods: methods.to_vec(),
@@ -171,10 +170,8 @@ impl Film {
         };
         let mut scores = self.methods.iter().enumerate().map(score).collect::<Result<Vec<_>>>()?;
         for file in &self.files {
-            let confidences = vec![None; truth.len()];
-            let score =
-                Score::with_confidence(&file.answers, &confidences, truth).with_context(|| self.name.clone())?;
-            scores.push((Contestant::File(file.name.clone()), score));
+            let score = file.score(truth).with_context(|| self.name.clone())?;
+            scores.push((Contestant::file(file.name.clone()), score));
         }
         let visible = truth.iter().flatten().count();
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))

@@ -42,7 +42,7 @@ pub trait Shown {
 /// # Errors
 /// A number of the configuration that smr-core cannot use.
 pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
-    let configs = variant.configs();
+    let configs = &variant.configs;
     Ok(match variant.kind {
         MethodKind::Smr => {
             let mut config = configs.paper;

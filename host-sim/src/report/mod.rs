@@ -18,7 +18,6 @@ mod picture;
 mod pictures;
 mod plot;
 mod reel;
-mod result_file;
 #[cfg(feature = "bench")]
 pub mod speeds;
 mod tile;

@@ -117,7 +117,7 @@ impl Scored {
     }
 
     fn place_of(&self, name: &str) -> Option<usize> {
-        self.evaluation.scores.iter().position(|(who, _)| who.name() == name)
+        self.evaluation.scores.iter().position(|(who, _)| who.name == name)
     }
 }
 
@@ -459,7 +459,7 @@ mod tests {
     fn several_recordings_are_set_beside_each_other() {
         let renamed = |name: &str| film(|sequence| Sequence { name: name.to_owned(), ..sequence });
         let mut films = [renamed("one"), renamed("two")];
-        films[0].files.push(crate::report::result_file::ResultFile { name: "other".into(), answers: vec![None; 240] });
+        films[0].files.push(crate::evaluate::ResultFile { name: "other".into(), answers: vec![None; 240], note: None });
         let page = page(&mut films, &about(), BUDGET).unwrap();
         nests(&page);
         assert!(page.contains("<p>2 recordings with 480 frames in all.</p>"));

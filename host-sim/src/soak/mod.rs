@@ -118,9 +118,7 @@ impl Soaked for Robust {
 }
 
 /// Runs it all, sessions in parallel. `progress` is called with the frames that are done.
-///
-/// # Errors
-/// A tracker refuses what it must take.
+/// Errors: A tracker refuses what it must take.
 pub fn soak(settings: Settings, progress: impl Fn(u64) + Sync) -> Result<Report> {
     match settings.method {
         CoreKind::Smr => sessions::<crate::Paper>(settings, progress),
@@ -296,7 +294,6 @@ fn asked_for<'a, T: Target>(frame: Frame<'a>, tracker: &Tracker<T>) -> Result<Fr
 }
 
 /// The most memory that this process has taken, in KiB, where the system tells.
-#[must_use]
 pub fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

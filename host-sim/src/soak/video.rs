@@ -40,7 +40,6 @@ pub struct Video {
 }
 
 impl Video {
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x50AC);
         let coarse = 3 + random.below(8);
@@ -73,7 +72,6 @@ impl Video {
     }
 
     /// The first frame, and the box of the target in it.
-    #[must_use]
     pub fn first(&self) -> (&GrayFrame, Rect) {
         let at = |place: i64| i32::try_from(place >> 8).unwrap_or(0);
         let side = |side: i64| u16::try_from(side).unwrap_or(1);

@@ -21,29 +21,24 @@ pub struct Message {
 
 impl Message {
     /// A message that only has a name yet.
-    #[must_use]
     pub fn new(name: &str) -> Self {
         Self { name: name.to_owned(), ..Self::default() }
     }
 
     /// The same with one more argument.
-    #[must_use]
     pub fn argument(mut self, argument: impl Into<String>) -> Self {
         self.arguments.push(argument.into());
         self
     }
 
     /// The same with one more property.
-    #[must_use]
     pub fn property(mut self, key: &str, value: impl Into<String>) -> Self {
         self.properties.push((key.to_owned(), value.into()));
         self
     }
 
     /// The message of a line without its end; `None` if the line is not of the protocol.
-    ///
-    /// # Errors
-    /// It is not a message, although it begins like one.
+    /// Errors: It is not a message, although it begins like one.
     pub fn parse(line: &str) -> Result<Option<Self>> {
         let Some(rest) = line.strip_prefix(PREFIX) else { return Ok(None) };
         let rest = rest.trim_end_matches(['\r', '\n']);
@@ -69,7 +64,6 @@ impl Message {
     }
 
     /// The line, with its end.
-    #[must_use]
     pub fn line(&self) -> String {
         let properties = self.properties.iter().map(|(key, value)| format!("{key}={value}"));
         let fields = self.arguments.iter().cloned().chain(properties);

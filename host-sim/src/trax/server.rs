@@ -32,9 +32,7 @@ pub struct Server<F> {
 }
 
 /// Serves one session. It ends when the client says `quit`, or has gone.
-///
-/// # Errors
-/// The client said what it must not, or what cannot be followed. It has been told so by `quit` with the reason.
+/// Errors: The client said what it must not, or what cannot be followed. It has been told so by `quit` with the reason.
 pub fn serve<F: Fn() -> Result<Box<dyn Method>>>(
     server: &Server<F>,
     mut input: impl BufRead,

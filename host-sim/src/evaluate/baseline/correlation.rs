@@ -6,18 +6,11 @@ use super::{Canvas, Patch};
 pub(super) struct Correlation<'a> {
     canvas: &'a Canvas,
     template: Patch<'a>,
-    /// The canvas as factors, with [`LANES`] more at its end.
-    factors: Vec<i16>,
-    /// The template's rows as factors, each with zeroes up to a multiple of [`LANES`].
-    rows: Vec<i16>,
     /// Over all pixels above and to the left: how many times is the sum of a box read, once is it computed.
     sums: Vec<[u64; 2]>,
     template_sum: i64,
     template_spread: i64,
 }
-
-/// SSE2 multiplies and adds so many pairs in one step, where they have 16 bits and a sign.
-const LANES: usize = 8;
 
 impl<'a> Correlation<'a> {
     pub fn new(canvas: &'a Canvas, template: Patch<'a>) -> Self {
@@ -25,11 +18,7 @@ impl<'a> Correlation<'a> {
         let squares = template.pixels.iter().map(|&g| u64::from(g).pow(2)).sum();
         let pixels = template.pixels.len() as u64;
         let (template_sum, template_spread) = (signed(sum), spread(pixels, sum, squares));
-        let factors = canvas.pixels.iter().map(|&f| f.into()).chain([0; LANES]).collect();
-        let padded = template.width.next_multiple_of(LANES);
-        let row = |row: &'a [u8]| row.iter().map(|&g| i16::from(g)).chain(std::iter::repeat(0)).take(padded);
-        let rows = template.pixels.chunks_exact(template.width).flat_map(row).collect();
-        Self { canvas, template, factors, rows, sums: Self::sums(canvas), template_sum, template_spread }
+        Self { canvas, template, sums: Self::sums(canvas), template_sum, template_spread }
     }
 
     /// The sums of pixels and of their squares, one row and one column more than the canvas has.
@@ -50,10 +39,8 @@ impl<'a> Correlation<'a> {
 
     pub fn at(&self, x: i32, y: i32) -> f64 {
         let [sum, squares] = self.patch_sums(x, y);
-        let (column, row) = self.canvas.locate(x, y);
-        let place = |line: usize| (row + line) * self.canvas.stride + column;
-        let rows = self.rows.chunks_exact(self.template.width.next_multiple_of(LANES));
-        let products: u64 = rows.enumerate().map(|(line, g)| u64::from(dot(&self.factors[place(line)..], g))).sum();
+        let rows = self.canvas.rows_at(x, y).zip(self.template.pixels.chunks_exact(self.template.width));
+        let products: u64 = rows.map(|(f, g)| u64::from(dot(f, g))).sum();
         // All at most 2^40 * 255 * 255 < 2^56: exact as i64, and for templates of up to 65536 pixels as f64, too.
         let pixels = self.template.pixels.len() as u64;
         let common = signed(pixels * products) - signed(sum) * self.template_sum;
@@ -72,16 +59,9 @@ impl<'a> Correlation<'a> {
     }
 }
 
-/// The sum of the products of all pairs; of rows of two lengths the common part. Of bytes it is below 2^32.
-fn dot(f: &[i16], g: &[i16]) -> u32 {
-    let (f, g) = (f.as_chunks::<LANES>().0, g.as_chunks::<LANES>().0);
-    let mut sums = [0_i32; LANES];
-    for (f, g) in f.iter().zip(g) {
-        for lane in 0..LANES {
-            sums[lane] = sums[lane].wrapping_add(i32::from(f[lane]) * i32::from(g[lane]));
-        }
-    }
-    sums.into_iter().fold(0, i32::wrapping_add).cast_unsigned()
+/// The sum of the products of all pairs; of rows of two lengths the common part.
+fn dot(f: &[u8], g: &[u8]) -> u32 {
+    f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum()
 }
 
 /// `pixels`^2 times the variance.

@@ -1,7 +1,7 @@
 //! Lucas-Kanade, as the paper names it beside SSD and SAD: the shift of least squared difference, found along gradients from
 //! coarse to fine. Window, padding and template update are those of the other baselines; positions are finer than a pixel.
 
-use super::first_template;
+use super::{check_size, first_template};
 use crate::evaluate::method::{Method, MethodKind, Report};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
@@ -87,12 +87,7 @@ impl Method for Flow {
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        if self.template.is_empty() {
-            return Err(UpdateError::NotLocked.into());
-        }
-        if frame.bounds() != self.bounds {
-            return Err(UpdateError::FrameSizeChanged.into());
-        }
+        check_size(frame, self.bounds)?;
         let image = frame.patch(self.bounds).ok_or(UpdateError::WindowNotInMemory)?;
         (self.x, self.y) = self.fit(image);
         let inside = self.is_inside();

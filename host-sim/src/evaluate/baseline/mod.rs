@@ -83,12 +83,7 @@ impl Method for Baseline {
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        if self.template.is_empty() {
-            return Err(UpdateError::NotLocked.into());
-        }
-        if frame.bounds() != self.bounds {
-            return Err(UpdateError::FrameSizeChanged.into());
-        }
+        check_size(frame, self.bounds)?;
         let window = Window::new(self.target, self.radius, self.bounds, self.padding);
         let (width, height) = (i32::from(self.target.width), i32::from(self.target.height));
         let xs = *window.xs().start()..*window.xs().end() + width;
@@ -123,6 +118,15 @@ fn first_template(frame: &Frame<'_>, target: Rect) -> Result<Vec<u8>> {
     }
     let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
     Ok(patch.rows().flatten().copied().collect())
+}
+
+/// Errors: The frame that was locked on, if one was, did not have the size of `bounds`.
+fn check_size(frame: &Frame<'_>, bounds: Rect) -> Result<(), UpdateError> {
+    match bounds {
+        bounds if bounds.is_empty() => Err(UpdateError::NotLocked),
+        bounds if bounds != frame.bounds() => Err(UpdateError::FrameSizeChanged),
+        _ => Ok(()),
+    }
 }
 
 /// The position of least cost, of equal ones the closest to `last`, then the upper, then the left one.

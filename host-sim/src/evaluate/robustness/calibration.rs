@@ -1,7 +1,7 @@
 //! Calibration: what the ratio that a tracker reports says of its chance to be right.
 
 use super::Robustness;
-use crate::evaluate::{CORRECT, Trajectory, aligned, overlaps};
+use crate::evaluate::{CORRECT, Trajectory, aligned, header, overlaps};
 use anyhow::Result;
 use serde::Serialize;
 
@@ -82,13 +82,11 @@ fn bin(ratio: f64) -> usize {
 
 impl Bin {
     /// The middle of its ratios.
-    #[must_use]
     pub fn middle(&self) -> f64 {
         f64::midpoint(self.from, self.to)
     }
 
     /// The part of its frames that is correct; `None` without frames.
-    #[must_use]
     pub fn chance(&self) -> Option<f64> {
         (self.frames > 0).then(|| self.correct as f64 / self.frames as f64)
     }
@@ -96,21 +94,19 @@ impl Bin {
 
 impl Robustness {
     /// The bins of all trackers that report a ratio.
-    #[must_use]
     pub fn calibration(&self) -> &[Bin] {
         &self.calibration
     }
 
     /// The same as text, without the bins that have no frames.
-    #[must_use]
     pub fn calibration_table(&self) -> String {
-        let header = ["tracker", "ratio", "frames", "correct", "chance"].map(str::to_owned).to_vec();
         let line = |bin: &Bin| {
             let range = format!("{:.3} to {:.3}", bin.from, bin.to);
             let chance = format!("{:.3}", bin.chance()?);
             Some(vec![bin.tracker.clone(), range, bin.frames.to_string(), bin.correct.to_string(), chance])
         };
-        let lines = std::iter::once(header).chain(self.calibration.iter().filter_map(line));
+        let lines = std::iter::once(header("tracker|ratio|frames|correct|chance"))
+            .chain(self.calibration.iter().filter_map(line));
         aligned(&lines.collect::<Vec<_>>(), 2)
     }
 }

@@ -1,6 +1,7 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
 use super::calibration::Calibration;
+use crate::evaluate::means::Named;
 use crate::evaluate::{CORRECT, Score, Trajectory, overlaps};
 use anyhow::Result;
 use serde::Serialize;
@@ -99,45 +100,75 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     (back.clone().count(), back.filter(found).count())
 }
 
-/// How well a method does on a recording over all starts, or on several recordings on average.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Figures {
+/// Declares figures, and how each goes from recordings to all of them: every recording counts alike.
+macro_rules! figures {
+    ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
+        /// How well a method does on a recording over all starts, or on several recordings on average.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+        pub struct Figures {
+            $($(#[$doc])* pub $figure: $type,)*
+        }
+
+        impl Figures {
+            pub(super) fn over_recordings(parts: &[Self]) -> Self {
+                Self { $($figure: $over(parts.iter().map(|part| part.$figure)),)* }
+            }
+        }
+    };
+}
+
+figures! {
     /// Correct frames over those in which the target is visible: mean over the starts.
-    pub mean_correct: f64,
+    mean_correct: f64 = mean,
     /// The same from the start from which it is least.
-    pub worst_correct: f64,
+    worst_correct: f64 = mean,
     /// As `mean_correct`, were more than 0.5 of intersection over union needed.
-    pub mean_correct_50: f64,
+    mean_correct_50: f64 = mean,
     /// The harmonic mean of the correct answers over all answers (those while the target is hidden, too) and of the correct
     /// frames over those in which the target is visible: mean over the starts.
-    pub f: f64,
+    f: f64 = mean,
     /// Intersection over union, mean over the frames in which there is an answer and the target is visible; 0 if there is
     /// none.
-    pub mean_iou: f64,
+    mean_iou: f64 = mean,
     /// Correct answers over all answers; 0 if nothing was answered.
-    pub precision: f64,
+    precision: f64 = mean,
     /// Frames in which the target is hidden, counted once for every start.
-    pub hidden: usize,
+    hidden: usize = sum,
     /// Of these, the ones with an answer.
-    pub answered_hidden: usize,
+    answered_hidden: usize = sum,
     /// Times that the target came back after it was hidden, counted once for every start.
-    pub returns: usize,
+    returns: usize = sum,
     /// Of these, the ones with a correct answer in the first 50 frames.
-    pub found_again: usize,
+    found_again: usize = sum,
     /// Frames in which *tracking* was said, without those that were locked on.
-    pub tracking: usize,
+    tracking: usize = sum,
     /// Of these, the ones in which the target is hidden or the box is wrong.
-    pub tracking_wrong: usize,
+    tracking_wrong: usize = sum,
     /// All frames in which the target is hidden or the box is wrong, without those that were locked on.
-    pub wrong: usize,
+    wrong: usize = sum,
     /// Frames in which the box is right, without those that were locked on.
-    pub right: usize,
+    right: usize = sum,
     /// Of these, the ones in which *tracking* was not said.
-    pub right_unsaid: usize,
+    right_unsaid: usize = sum,
     /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
-    pub work_per_frame: Option<f64>,
+    work_per_frame: Option<f64> = mean_of_all,
     /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
-    pub microseconds_per_frame: f64,
+    microseconds_per_frame: f64 = mean,
+}
+
+fn mean(parts: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = parts.len() as f64;
+    ratio(parts.sum(), count)
+}
+
+/// `None` if one of them is missing.
+fn mean_of_all(parts: impl ExactSizeIterator<Item = Option<f64>>) -> Option<f64> {
+    let count = parts.len() as f64;
+    parts.sum::<Option<f64>>().map(|sum| ratio(sum, count))
+}
+
+fn sum(parts: impl Iterator<Item = usize>) -> usize {
+    parts.sum()
 }
 
 impl Figures {
@@ -174,29 +205,9 @@ impl Figures {
         }
     }
 
-    /// Means over recordings, each with the same weight; of hidden frames, sums.
-    pub(super) fn over_recordings(parts: &[Self]) -> Self {
-        let mean = |of: fn(&Self) -> f64| ratio(parts.iter().map(of).sum(), parts.len() as f64);
-        let work: Option<f64> = parts.iter().map(|part| part.work_per_frame).sum();
-        Self {
-            mean_correct: mean(|part| part.mean_correct),
-            worst_correct: mean(|part| part.worst_correct),
-            mean_correct_50: mean(|part| part.mean_correct_50),
-            f: mean(|part| part.f),
-            mean_iou: mean(|part| part.mean_iou),
-            precision: mean(|part| part.precision),
-            hidden: parts.iter().map(|part| part.hidden).sum(),
-            answered_hidden: parts.iter().map(|part| part.answered_hidden).sum(),
-            returns: parts.iter().map(|part| part.returns).sum(),
-            found_again: parts.iter().map(|part| part.found_again).sum(),
-            tracking: parts.iter().map(|part| part.tracking).sum(),
-            tracking_wrong: parts.iter().map(|part| part.tracking_wrong).sum(),
-            wrong: parts.iter().map(|part| part.wrong).sum(),
-            right: parts.iter().map(|part| part.right).sum(),
-            right_unsaid: parts.iter().map(|part| part.right_unsaid).sum(),
-            work_per_frame: work.map(|sum| ratio(sum, parts.len() as f64)),
-            microseconds_per_frame: mean(|part| part.microseconds_per_frame),
-        }
+    /// What trackers are compared by.
+    pub(super) fn headline(&self) -> Named {
+        Named(vec![("mean_correct", self.mean_correct), ("mean_correct_50", self.mean_correct_50), ("f", self.f)])
     }
 }
 

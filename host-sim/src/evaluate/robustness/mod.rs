@@ -3,11 +3,9 @@
 //! - `starts`: where runs start.
 //! - `recording`: a recording in memory.
 //! - `figures`: what runs come to.
-//! - `standard_error`: how sure means are.
 //! - `paired`: what one method is better by than another.
 //! - `calibration`: what a reported ratio says of the chance to be right.
 //! - `table`: the results as text.
-//! - `summary`: only the means, one row a tracker.
 //!
 //! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
 //! own start and the truth of that frame, and the frame of the start counts.
@@ -16,9 +14,7 @@ mod calibration;
 mod figures;
 mod paired;
 pub(super) mod recording;
-mod standard_error;
 mod starts;
-mod summary;
 mod table;
 
 pub use calibration::Bin;
@@ -26,6 +22,7 @@ pub use figures::Figures;
 pub use paired::Former;
 pub use starts::Starts;
 
+use super::means::Named;
 use super::run::lock;
 use super::{Origin, Variant};
 use crate::clock::timed;
@@ -37,18 +34,9 @@ use paired::Paired;
 use rayon::prelude::*;
 use recording::Recording;
 use serde::Serialize;
-use standard_error::Headline;
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// What is asked for.
-#[derive(Clone, Copy)]
-pub struct Settings<'a> {
-    /// Each with a name of its own.
-    pub variants: &'a [Variant],
-    pub starts: Starts,
-}
 
 /// How far it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +65,6 @@ pub struct Robustness {
 
 impl Robustness {
     /// True if there is no result at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.recordings.is_empty()
     }
@@ -131,27 +118,28 @@ struct Mean {
     #[serde(flatten)]
     figures: Figures,
     /// Of the means over recordings; `None` of a single one.
-    standard_error: Option<Headline>,
+    standard_error: Option<Named>,
 }
 
 /// When recordings in memory have so many bytes, no more are read before these are measured.
 const ENOUGH_BYTES: u64 = recording::MOST_BYTES;
 
-/// Runs every variant from every start on the recordings at `paths`, which `open` opens.
+/// Runs every variant, each of a name of its own, from every start on the recordings at `paths`, which `open` opens.
 ///
 /// Recordings, variants and starts are all spread over the threads that there are. A recording is decoded once and kept in
 /// memory, where it may have 1 GiB; others are kept with it until there is as much.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
-    settings: Settings<'_>,
+    variants: &[Variant],
+    starts: Starts,
     progress: &(impl Fn(Progress) + Sync),
 ) -> Robustness {
     let (mut rows, mut failures) = (Vec::new(), Vec::new());
     let mut held = Vec::new();
     let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
     while let Some(part) = parts.next() {
-        let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, settings.starts)).collect();
+        let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, starts)).collect();
         for case in read {
             match case {
                 Ok(case) => held.push(case),
@@ -160,7 +148,7 @@ pub fn measure(
         }
         let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
         if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
-            for row in run_all(&held, settings, progress) {
+            for row in run_all(&held, variants, progress) {
                 match row {
                     Ok(row) => rows.push(row),
                     Err(error) => failures.push(error),
@@ -169,9 +157,9 @@ pub fn measure(
             held.clear();
         }
     }
-    let place = |row: &Row| settings.variants.iter().position(|variant| variant.name == row.tracker);
+    let place = |row: &Row| variants.iter().position(|variant| variant.name == row.tracker);
     rows.sort_by_key(place);
-    let (means, calibration) = (means(&rows, settings.variants), calibration(&rows, settings.variants));
+    let (means, calibration) = (means(&rows, variants), calibration(&rows, variants));
     Robustness { recordings: rows, means, paired: Vec::new(), calibration, failures }
 }
 
@@ -209,9 +197,9 @@ impl Case {
 }
 
 /// One row for each recording and variant. A variant that fails from one start has no row: it would be of fewer starts.
-fn run_all(cases: &[Case], settings: Settings<'_>, progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
+fn run_all(cases: &[Case], variants: &[Variant], progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
     let pairs: Vec<(&Case, &Variant)> =
-        cases.iter().flat_map(|case| settings.variants.iter().map(move |variant| (case, variant))).collect();
+        cases.iter().flat_map(|case| variants.iter().map(move |variant| (case, variant))).collect();
     let jobs: Vec<_> =
         pairs.iter().flat_map(|&(case, variant)| case.starts.iter().map(move |start| (case, variant, start))).collect();
     let expected: usize = jobs.iter().map(|(case, _, start)| case.recording.frames.len() - start.frame).sum();
@@ -283,7 +271,7 @@ fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
             folder: folder.map(|folder| label(folder, &folders)),
             recordings: parts.len(),
             figures: Figures::over_recordings(&parts),
-            standard_error: Headline::standard_error(&parts.iter().map(Headline::of).collect::<Vec<_>>()),
+            standard_error: Named::standard_error(&parts.iter().map(Figures::headline).collect::<Vec<_>>()),
         })
     };
     variants.iter().flat_map(|variant| groups().filter_map(move |folder| mean(variant, folder))).collect()
@@ -311,39 +299,23 @@ fn label(folder: &Path, all: &[&Path]) -> String {
 mod tests {
     use super::*;
     use crate::evaluate::MethodKind;
-    use crate::sequence::Damage;
-    use crate::sequence::GrayFrame;
     use smr_core::paper::Config;
     use std::num::NonZeroUsize;
     use std::sync::atomic::{AtomicU64, Ordering};
 
-    /// Four frames of 24x20 pixels, a 5x4 target that moves by two pixels a frame; hidden, says the truth, in the third.
+    /// A target that moves by two pixels a frame; hidden, says the truth, in the third.
     fn sequence() -> Sequence {
-        let frame = |left: usize| {
-            let texture = |x: usize, y: usize| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();
-            let inside = |x: usize, y: usize| (left..left + 5).contains(&x) && (6..10).contains(&y);
-            let pixel = |x: usize, y: usize| if inside(x, y) { texture(x - left, y) } else { 10 };
-            let pixels = (0..20).flat_map(|y| (0..24).map(move |x| pixel(x, y))).collect();
-            GrayFrame { width: 24, height: 20, pixels }
-        };
-        let at = |x: f64| Some(BoundingBox { x, y: 6.0, width: 5.0, height: 4.0 });
-        Sequence {
-            name: "moving".to_owned(),
-            frames: Box::new([4, 6, 8, 10].map(|left| Ok(frame(left))).into_iter()),
-            length: Some(4),
-            init: at(4.0),
-            truth: Some(vec![at(4.0), at(6.0), None, at(10.0)]),
-            damage: Damage::default(),
-        }
+        let mut sequence = crate::evaluate::tests::sequence();
+        sequence.truth.iter_mut().for_each(|truth| truth[2] = None);
+        sequence
     }
 
     fn measured(paths: &[&str], open: impl Fn(&Path) -> Result<Sequence> + Sync, starts: Starts) -> Robustness {
         let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
         let configs = Config::paper().into();
         let variants = [MethodKind::Smr, MethodKind::Sad].map(|kind| Variant::new(kind, &configs));
-        let settings = Settings { variants: &variants, starts };
         let (expected, done) = (AtomicU64::new(0), AtomicU64::new(0));
-        let result = measure(&paths, open, settings, &|progress| {
+        let result = measure(&paths, open, &variants, starts, &|progress| {
             match progress {
                 Progress::Expected(frames) => expected.fetch_add(frames, Ordering::Relaxed),
                 Progress::Done => done.fetch_add(1, Ordering::Relaxed),

@@ -1,9 +1,10 @@
 //! What one method is better by than another, recording by recording: the recordings differ by far more than methods do, and a
 //! paired difference does not contain that.
 
-use super::standard_error::Headline;
-use super::{Robustness, Row, name_of};
-use crate::evaluate::aligned;
+use super::table::HEADLINE;
+use super::{Robustness, Row, StartRow, name_of};
+use crate::evaluate::means::Named;
+use crate::evaluate::{aligned, cell, header};
 use crate::input;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
@@ -17,9 +18,9 @@ pub(super) struct Paired {
     against: String,
     /// Those that both were measured on.
     recordings: usize,
-    difference: Headline,
+    difference: Named,
     /// Of the difference; `None` of a single recording.
-    standard_error: Option<Headline>,
+    standard_error: Option<Named>,
 }
 
 /// What was measured before, as far as it is compared.
@@ -49,9 +50,7 @@ struct FormerStart {
 
 impl Former {
     /// Reads a file that `eval --robustness --json` wrote.
-    ///
-    /// # Errors
-    /// It is none.
+    /// Errors: the file cannot be read, or is of another kind.
     pub fn read(file: &Path) -> Result<Self> {
         let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
         let read = serde_json::from_str(&text);
@@ -73,15 +72,14 @@ impl Former {
 
 impl From<&Row> for FormerRow {
     fn from(row: &Row) -> Self {
-        let Headline { mean_correct, mean_correct_50, f } = Headline::of(&row.figures);
-        let start = |start: &super::StartRow| FormerStart { start: start.start.clone(), frame: start.frame };
+        let start = |start: &StartRow| FormerStart { start: start.start.clone(), frame: start.frame };
         Self {
             tracker: row.tracker.clone(),
             sequence: row.sequence.clone(),
             folder: name_of(&row.folder),
-            mean_correct,
-            mean_correct_50,
-            f,
+            mean_correct: row.figures.mean_correct,
+            mean_correct_50: row.figures.mean_correct_50,
+            f: row.figures.f,
             starts: row.starts.iter().map(start).collect(),
         }
     }
@@ -92,8 +90,10 @@ impl FormerRow {
         self.sequence == row.sequence && self.folder == row.folder
     }
 
-    fn headline(&self) -> Headline {
-        Headline { mean_correct: self.mean_correct, mean_correct_50: self.mean_correct_50, f: self.f }
+    fn minus(&self, other: &Self) -> Named {
+        let correct = self.mean_correct - other.mean_correct;
+        let correct_50 = self.mean_correct_50 - other.mean_correct_50;
+        Named(vec![("mean_correct", correct), ("mean_correct_50", correct_50), ("f", self.f - other.f)])
     }
 }
 
@@ -108,9 +108,7 @@ impl Robustness {
     }
 
     /// Sets every method against what was measured before.
-    ///
-    /// # Errors
-    /// That was from other starts, or on no recording that is here.
+    /// Errors: That was from other starts, or on no recording that is here.
     pub fn compare_with(&mut self, former: &Former) -> Result<()> {
         let rows: Vec<FormerRow> = self.recordings.iter().map(FormerRow::from).collect();
         let mut compared = Vec::new();
@@ -133,20 +131,17 @@ impl Robustness {
     }
 
     /// The differences as text; nothing if there is none.
-    #[must_use]
     pub fn paired_table(&self) -> String {
         if self.paired.is_empty() {
             return String::new();
         }
-        let header = ["paired difference", "recordings"].into_iter().chain(Headline::COLUMNS);
-        let mut lines = vec![header.map(str::to_owned).collect::<Vec<_>>()];
+        let mut lines = vec![header(&format!("paired difference|recordings|{HEADLINE}"))];
         for Paired { tracker, against, recordings, difference, standard_error } in &self.paired {
-            let line = |name: String, count: String, cells: [String; 3]| [vec![name, count], cells.to_vec()].concat();
-            let cells = difference.values().map(|value| format!("{value:+.3}"));
-            lines.push(line(format!("{tracker} - {against}"), recordings.to_string(), cells));
+            let names = [format!("{tracker} - {against}"), recordings.to_string()].into_iter();
+            lines.push(names.chain(difference.values().map(|value| format!("{value:+.3}"))).collect());
             if let Some(error) = standard_error {
-                let cells = error.values().map(|value| format!("{value:.3}"));
-                lines.push(line("  standard error".to_owned(), String::new(), cells));
+                let names = ["  standard error".to_owned(), String::new()].into_iter();
+                lines.push(names.chain(error.values().map(|error| cell(Some(error), 3))).collect());
             }
         }
         aligned(&lines, 1)
@@ -169,15 +164,15 @@ fn paired(rows: &[FormerRow], tracker: &str, theirs: &[&FormerRow], against: &st
     let own = rows.iter().filter(|row| row.tracker == tracker);
     let pair = |row: &FormerRow| {
         let their = theirs.iter().find(|their| their.is_of(row))?;
-        Some(row.headline().minus(their.headline()))
+        Some(row.minus(their))
     };
-    let differences: Vec<Headline> = own.filter_map(pair).collect();
+    let differences: Vec<Named> = own.filter_map(pair).collect();
     (!differences.is_empty()).then(|| Paired {
         tracker: tracker.to_owned(),
         against: against.to_owned(),
         recordings: differences.len(),
-        difference: Headline::mean(&differences),
-        standard_error: Headline::standard_error(&differences),
+        difference: Named::mean(&differences),
+        standard_error: Named::standard_error(&differences),
     })
 }
 
@@ -251,7 +246,7 @@ robust - smr                3   +0.100       +0.050  +0.100
         );
         // Its own name is there, and nothing has changed.
         now.compare_with(&written(&measured())).unwrap();
-        assert_eq!((now.paired[0].against.as_str(), now.paired[0].difference), ("robust in FILE", Headline::default()));
+        assert_eq!((now.paired[0].against.as_str(), now.paired[0].difference.values().sum()), ("robust in FILE", 0.0));
         assert_eq!(now.paired[0].recordings, 3);
     }
 

@@ -1,9 +1,9 @@
 //! A recording with all its frames in memory, so that many runs read it and it is decoded once.
 
-use crate::evaluate::truth_of;
+use crate::evaluate::{CORRECT, Method, Trajectory, Variant, lock, truth_of};
 use crate::sequence::{BoundingBox, GrayFrame, Sequence};
 use anyhow::{Context, Result, ensure};
-use smr_core::Rect;
+use smr_core::{Rect, State};
 
 /// The most bytes of frames that one recording may have: 1 GiB, some 14000 frames of 320x240 pixels.
 pub(in crate::evaluate) const MOST_BYTES: u64 = 1 << 30;
@@ -18,8 +18,7 @@ pub(in crate::evaluate) struct Recording {
 }
 
 impl Recording {
-    /// # Errors
-    /// No ground truth, one that shows the target nowhere, or one of another length; no box to start from; a frame that
+    /// Errors: No ground truth, one that shows the target nowhere, or one of another length; no box to start from; a frame that
     /// cannot be read; more than `most_bytes` of frames.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
@@ -54,6 +53,14 @@ impl Recording {
         Ok(Self { name, frames: kept, init, truth })
     }
 
+    /// A tracker that is locked on `target` in frame `start`, counted from 0.
+    /// Errors: It cannot be built, or refuses the target.
+    pub fn watch(&self, variant: &Variant, start: usize, target: Rect) -> Result<Watch<'_>> {
+        let mut method = variant.build()?;
+        lock(method.as_mut(), &self.frames[start].frame(), target)?;
+        Ok(Watch { method, truth: &self.truth })
+    }
+
     /// The size of a frame.
     pub fn bounds(&self) -> Rect {
         self.frames.first().map_or(Rect::default(), |frame| frame.frame().bounds())
@@ -66,6 +73,21 @@ impl Recording {
 }
 
 const MIB: u64 = 1 << 20;
+
+/// A tracker that is watched for what it says, and whether that is right.
+pub(in crate::evaluate) struct Watch<'a> {
+    method: Box<dyn Method>,
+    truth: &'a Trajectory,
+}
+
+impl Watch<'_> {
+    /// What it says of `frame`, and whether its box is right if the target is where it is in frame `number` of the recording.
+    pub fn update(&mut self, number: usize, frame: &GrayFrame) -> Result<(State, bool)> {
+        let report = self.method.update(&frame.frame()).with_context(|| format!("frame {}", number + 1))?;
+        let iou = report.target.zip(self.truth[number]).map_or(0.0, |(answer, truth)| truth.iou(&answer));
+        Ok((report.state, iou > CORRECT))
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -1,86 +1,111 @@
-//! The results as text: recordings first, then the means.
+//! The results as text: recordings, then the means; or the means alone, one row a tracker.
 
-use super::standard_error::Headline;
-use super::{Figures, Robustness};
-use crate::evaluate::aligned;
+use super::{Figures, Mean, Robustness};
+use crate::evaluate::{NOTHING, aligned, cell, header};
 
-const NOTHING: &str = "-";
+/// A title, and what stands below it.
+type Column = (&'static str, fn(&Figures) -> String);
+
+/// The columns of figures. The first, the second, and those from the sixth on are in a summary, too.
+const COLUMNS: [Column; 13] = [
+    ("correct", |of| cell(Some(of.mean_correct), 3)),
+    ("worst", |of| cell(Some(of.worst_correct), 3)),
+    ("correct@0.5", |of| cell(Some(of.mean_correct_50), 3)),
+    ("F", |of| cell(Some(of.f), 3)),
+    ("mean IoU", |of| cell(Some(of.mean_iou), 3)),
+    ("precision", |of| cell(Some(of.precision), 3)),
+    ("answered/hidden", |of| part(of.answered_hidden, of.hidden)),
+    ("found/returns", |of| part(of.found_again, of.returns)),
+    ("wrong/tracking", |of| part(of.tracking_wrong, of.tracking)),
+    ("tracking/wrong", |of| part(of.tracking_wrong, of.wrong)),
+    ("unsaid/right", |of| part(of.right_unsaid, of.right)),
+    ("work/frame", |of| cell(of.work_per_frame, 0)),
+    ("us/frame", |of| cell(Some(of.microseconds_per_frame), 0)),
+];
+
+/// Those of the figures that trackers are compared by.
+pub(super) const HEADLINE: &str = "correct|correct@0.5|F";
+
+fn part(part: usize, all: usize) -> String {
+    if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") }
+}
 
 impl Robustness {
     /// Of each method its recordings, then the means over them if there are several. Nothing if nothing was measured.
-    #[must_use]
     pub fn table(&self) -> String {
         if self.is_empty() {
             return String::new();
         }
-        let header = ["tracker", "sequence", "starts", "correct", "worst", "correct@0.5", "F", "mean IoU"];
-        let header = header.into_iter().chain(Figures::LAST_COLUMNS);
-        let mut lines = vec![header.map(String::from).collect::<Vec<_>>()];
+        let titles = COLUMNS.map(|(title, _)| title.to_owned());
+        let mut lines = vec![header("tracker|sequence|starts").into_iter().chain(titles).collect()];
+        let line = |tracker: &str, what: &str, starts: String, figures: &Figures| {
+            let names = [tracker.to_owned(), what.to_owned(), starts].into_iter();
+            names.chain(COLUMNS.map(|(_, text)| text(figures))).collect::<Vec<_>>()
+        };
         for (index, row) in self.recordings.iter().enumerate() {
-            lines.push(line(&row.tracker, &row.sequence, &row.starts.len().to_string(), &row.figures));
+            lines.push(line(&row.tracker, &row.sequence, row.starts.len().to_string(), &row.figures));
             let last = self.recordings.get(index + 1).is_none_or(|next| next.tracker != row.tracker);
             let means = self.means.iter().filter(|mean| last && mean.tracker == row.tracker);
             for mean in means.filter(|mean| mean.recordings > 1 || mean.folder.is_some()) {
                 let folder = mean.folder.as_ref().map_or(String::new(), |folder| format!(" in {folder}"));
                 let what = format!("mean of {}{folder}", mean.recordings);
-                lines.push(line(&mean.tracker, &what, "", &mean.figures));
-                lines.extend(mean.standard_error.map(|error| standard_error(&mean.tracker, error)));
+                lines.push(line(&mean.tracker, &what, String::new(), &mean.figures));
+                lines.extend(mean.standard_error_line());
             }
         }
         aligned(&lines, 2)
     }
+
+    /// One row a tracker, over all recordings, with the correct frames of each folder if there are several. Nothing if nothing
+    /// was measured.
+    pub fn summary(&self) -> String {
+        if self.is_empty() {
+            return String::new();
+        }
+        let mut folders: Vec<&str> = Vec::new();
+        for folder in self.means.iter().filter_map(|mean| mean.folder.as_deref()) {
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
+        }
+        let correct = |mean: &Mean| mean.figures.mean_correct;
+        let columns = || COLUMNS[1..2].iter().chain(&COLUMNS[5..]);
+        let mut titles = header("tracker|correct|standard error");
+        titles.extend(folders.iter().map(|folder| format!("in {folder}")));
+        titles.extend(columns().map(|(title, _)| (*title).to_owned()));
+        let mut lines = vec![titles];
+        for over_all in self.means.iter().filter(|mean| mean.folder.is_none()) {
+            let in_folder = |folder: &&str| {
+                let is_it = |mean: &&Mean| mean.tracker == over_all.tracker && mean.folder.as_deref() == Some(*folder);
+                cell(self.means.iter().find(is_it).map(correct), 3)
+            };
+            let error = over_all.standard_error.as_ref().and_then(|error| error.values().next());
+            let mut line = vec![over_all.tracker.clone(), cell(Some(correct(over_all)), 3), cell(error, 3)];
+            line.extend(folders.iter().map(in_folder));
+            line.extend(columns().map(|(_, text)| text(&over_all.figures)));
+            lines.push(line);
+        }
+        aligned(&lines, 1)
+    }
 }
 
-fn line(tracker: &str, what: &str, starts: &str, figures: &Figures) -> Vec<String> {
-    let mut line = [tracker, what, starts].map(str::to_owned).to_vec();
-    let fractions = [figures.mean_correct, figures.worst_correct, figures.mean_correct_50, figures.f, figures.mean_iou];
-    line.extend(fractions.map(|fraction| format!("{fraction:.3}")));
-    line.extend(figures.last_cells());
-    line
-}
-
-/// Below the means that it is of.
-fn standard_error(tracker: &str, error: Headline) -> Vec<String> {
-    let [correct, correct_50, f] = error.values().map(|error| format!("{error:.3}"));
-    let empty = String::new;
-    vec![tracker.to_owned(), "  standard error".to_owned(), empty(), correct, empty(), correct_50, f]
-}
-
-impl Figures {
-    /// What tables of figures end with.
-    pub(super) const LAST_COLUMNS: [&str; 8] = [
-        "precision",
-        "answered/hidden",
-        "found/returns",
-        "wrong/tracking",
-        "tracking/wrong",
-        "unsaid/right",
-        "work/frame",
-        "us/frame",
-    ];
-
-    pub(super) fn last_cells(&self) -> [String; 8] {
-        let of = |part: usize, all: usize| if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") };
-        let (of_hidden, of_returns) = (of(self.answered_hidden, self.hidden), of(self.found_again, self.returns));
-        let work = self.work_per_frame.map_or(NOTHING.to_owned(), |work| format!("{work:.0}"));
-        [
-            format!("{:.3}", self.precision),
-            of_hidden,
-            of_returns,
-            of(self.tracking_wrong, self.tracking),
-            of(self.tracking_wrong, self.wrong),
-            of(self.right_unsaid, self.right),
-            work,
-            format!("{:.0}", self.microseconds_per_frame),
-        ]
+impl Mean {
+    /// Below the means that it is of.
+    fn standard_error_line(&self) -> Option<Vec<String>> {
+        let empty = || Some(String::new());
+        let mut errors = self.standard_error.as_ref()?.values().map(|error| cell(Some(error), 3));
+        let names = [Some(self.tracker.clone()), Some("  standard error".to_owned()), empty()];
+        let figures = [errors.next(), empty(), errors.next(), errors.next()];
+        names.into_iter().chain(figures).collect()
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::calibration::Calibration;
-    use super::super::{Mean, Row, StartRow};
+    use super::super::{Row, StartRow};
     use super::*;
+    use crate::evaluate::means::Named;
     use crate::evaluate::{MethodKind, Origin};
     use std::path::PathBuf;
 
@@ -129,7 +154,8 @@ pub(super) mod tests {
             folder: folder.map(str::to_owned),
             recordings,
             figures,
-            standard_error: (recordings > 1).then_some(Headline { mean_correct: 0.1, mean_correct_50: 0.2, f: 0.3 }),
+            standard_error: (recordings > 1)
+                .then(|| Named(vec![("mean_correct", 0.1), ("mean_correct_50", 0.2), ("f", 0.3)])),
         };
         Robustness {
             recordings: vec![
@@ -173,5 +199,41 @@ sad      01_david                5    0.667  0.250        0.250  0.500     0.500
         assert!(json["recordings"][2]["work_per_frame"].is_null());
         assert!(json["means"][0]["folder"].is_null());
         assert_eq!((&json["means"][1]["folder"], &json["means"][1]["recordings"]), (&"tld".into(), &1.into()));
+    }
+
+    #[test]
+    fn folders_stand_side_by_side() {
+        let mean = |tracker: &str, folder: Option<&str>, correct| Mean {
+            tracker: tracker.to_owned(),
+            folder: folder.map(str::to_owned),
+            recordings: 2,
+            figures: Figures {
+                mean_correct: correct,
+                worst_correct: 0.125,
+                precision: 0.75,
+                hidden: 9,
+                answered_hidden: 3,
+                work_per_frame: Some(1234.4),
+                microseconds_per_frame: 55.5,
+                ..Figures::default()
+            },
+            standard_error: None,
+        };
+        let means = vec![
+            mean("smr", None, 0.5),
+            mean("smr", Some("tld"), 0.625),
+            mean("smr", Some("more"), 0.375),
+            mean("without cells", None, 1.0),
+            mean("without cells", Some("more"), 1.0),
+        ];
+        let row = row("smr", "01_david", means[0].figures);
+        let results = Robustness { means, recordings: vec![row], ..Robustness::default() };
+        let expected = "\
+tracker        correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
+smr              0.500               -   0.625    0.375  0.125      0.750              3/9              -               -               -             -        1234        56
+without cells    1.000               -       -    1.000  0.125      0.750              3/9              -               -               -             -        1234        56
+";
+        assert_eq!(results.summary(), expected);
+        assert_eq!(Robustness::default().summary(), "");
     }
 }
