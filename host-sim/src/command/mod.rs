@@ -4,6 +4,7 @@ mod ablate;
 #[cfg(feature = "bench")]
 mod bench;
 mod check;
+#[cfg(feature = "manual")]
 mod completions;
 mod convert;
 mod demo;
@@ -11,8 +12,9 @@ mod eval;
 mod figures;
 mod film;
 mod frame;
+#[cfg(feature = "manual")]
 mod man;
-#[cfg(any(test, not(feature = "bench")))]
+#[cfg(any(test, not(all(feature = "bench", feature = "manual"))))]
 mod not_built;
 mod number;
 mod places;
@@ -108,7 +110,7 @@ enum Command {
     Bench(bench::Bench),
     #[cfg(not(feature = "bench"))]
     /// Measure how fast it is (not built in: --features bench)
-    Bench(NotBuilt<true>),
+    Bench(NotBuilt<{ not_built::BENCH }>),
     /// Write a recording as files that other programs read and firmware replays
     ///
     /// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
@@ -162,14 +164,14 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Target(target::Target),
     #[cfg(not(feature = "emulator"))]
     /// Run the firmware in QEMU on a recording (not built in: --features emulator)
-    Target(NotBuilt<false>),
+    Target(NotBuilt<{ not_built::EMULATOR }>),
     #[cfg(feature = "emulator")]
     /// Run any firmware in QEMU, and print its log
     #[command(after_help = "Example:\n  host-sim run firmware.elf")]
     Run(run::Run),
     #[cfg(not(feature = "emulator"))]
     /// Run any firmware in QEMU (not built in: --features emulator)
-    Run(NotBuilt<false>),
+    Run(NotBuilt<{ not_built::EMULATOR }>),
     /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
     ///
     /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
@@ -181,10 +183,18 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     #[command(after_help = "Example:
   host-sim vectors > vectors.json")]
     Vectors(vectors::Vectors),
+    #[cfg(not(feature = "manual"))]
+    /// Print the completions of a shell (not built in: --features manual)
+    Completions(NotBuilt<{ not_built::MANUAL }>),
+    #[cfg(feature = "manual")]
     /// Print the completions of a shell
     #[command(after_help = "Example:
   host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim")]
     Completions(completions::Completions),
+    #[cfg(not(feature = "manual"))]
+    /// Print a page of the manual (not built in: --features manual)
+    Man(NotBuilt<{ not_built::MANUAL }>),
+    #[cfg(feature = "manual")]
     /// Print a page of the manual
     #[command(after_help = "Example:
   host-sim man track | man -l -")]

@@ -4,19 +4,26 @@ use super::Outcome;
 use anyhow::{Result, bail};
 use std::ffi::OsString;
 
-/// A command that needs the feature `bench`, or else `emulator`.
+/// The features of this package, as places in [`FEATURES`].
+pub const BENCH: usize = 0;
+pub const EMULATOR: usize = 1;
+pub const MANUAL: usize = 2;
+
+const FEATURES: [&str; 3] = ["bench", "emulator", "manual"];
+
+/// A command that needs `FEATURES[FEATURE]`.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
-pub struct NotBuilt<const BENCH: bool> {
+pub struct NotBuilt<const FEATURE: usize> {
     /// Whatever the command would take, `--help` included.
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     _arguments: Vec<OsString>,
 }
 
-impl<const BENCH: bool> NotBuilt<BENCH> {
-    /// Errors: Always: the one line that says what to type instead.
+impl<const FEATURE: usize> NotBuilt<FEATURE> {
+    /// Always fails. The error says what to type instead.
     pub fn run(self) -> Result<Outcome> {
-        let feature = if BENCH { "bench" } else { "emulator" };
+        let feature = FEATURES[FEATURE];
         bail!(
             "this command is not built into this program, so that the program builds quickly: \
              expected `cargo run --release -p host-sim --features {feature} -- ...`"
@@ -32,7 +39,7 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        command: NotBuilt<true>,
+        command: NotBuilt<BENCH>,
     }
 
     #[test]
