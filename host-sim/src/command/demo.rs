@@ -30,24 +30,20 @@ impl Demo {
         let outcome = report.run()?;
         // As `report` names it.
         let page = if self.out.is_dir() { self.out.join(format!("{}.html", synthetic::NAME)) } else { self.out };
-        let page = page.display();
+        // As it was typed, so that the lines below can be copied. cargo leaves a path like target/release/host-sim.
+        let program = std::env::args().next().unwrap_or_else(|| "host-sim".to_owned());
         say(|out| {
             writeln!(
                 out,
-                "Both trackers have followed the target of the built-in recording `{}`. It is half hidden, leaves the",
-                synthetic::NAME
-            )?;
-            writeln!(out, "picture, is lost and is found again. Open {page} in a browser to see it.\n")?;
-            writeln!(out, "Your own video:")?;
-            writeln!(
-                out,
-                "  host-sim frame video.mp4 -o frame.png                               choose a box by the grid"
-            )?;
-            writeln!(
-                out,
-                "  host-sim report video.mp4 --init 150,100,40,48 --out report.html    left, top, width, height\n"
-            )?;
-            writeln!(out, "All commands: host-sim --help")
+                "Both trackers have followed the target of the built-in recording `{}`, which is half hidden, leaves the\n\
+                 picture and comes back. Open {} in a browser to see it.\n\n\
+                 Your own video, with a box to start from (left, top, width, height):\n  \
+                 {program} frame video.mp4 -o frame.png    # a grid helps to find the box\n  \
+                 {program} report video.mp4 --init 150,100,40,48 --out report.html\n\n\
+                 All commands: {program} --help",
+                synthetic::NAME,
+                page.display()
+            )
         })?;
         Ok(outcome)
     }
