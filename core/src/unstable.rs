@@ -6,7 +6,7 @@ use crate::similarity::Scorer;
 use crate::track::robust::{Config, Robust, Workspace};
 use crate::track::{UpdateError, robust};
 
-pub use robust::Part;
+pub use robust::config::Part;
 
 /// `config` without one part of the robust tracker.
 ///

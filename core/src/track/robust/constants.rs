@@ -77,7 +77,7 @@ pub(super) const DAMPING: u32 = 6;
 
 /// Parts on a side of the template: 4 x 4.
 pub(super) const PARTS: u16 = 4;
-/// Index of the agreement in the sorted ratios of the parts: three parts may be hidden.
+/// Which of the sorted ratios of the parts is the agreement; 1 is the least. Three parts may be hidden.
 /// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
 /// The bounds of alpha, in gray levels.

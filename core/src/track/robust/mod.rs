@@ -38,7 +38,7 @@
 
 mod buffers;
 mod confidence;
-mod config;
+pub(crate) mod config;
 mod constants;
 mod cost;
 mod displacement;
@@ -63,8 +63,6 @@ mod verification;
 mod workspace;
 
 pub use config::Config;
-#[cfg(feature = "unstable")]
-pub use config::Part;
 #[cfg(feature = "unstable")]
 pub(crate) use constants::SPAN;
 pub use constants::{CELL, CHANNELS, REACH};

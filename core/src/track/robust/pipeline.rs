@@ -357,16 +357,16 @@ impl Model<'_> {
         Products::new(self.config.backend())
     }
 
-    #[cfg(feature = "unstable")]
     /// The features of the search window, as the next update will see them. False if it is not in memory.
+    #[cfg(feature = "unstable")]
     pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
         let place = self.centre(Purpose::Follow);
         let lattice = Lattice::search_window(place, &self.track.grid, self.config.reach());
         buffers.extractor.features(frame, &lattice, &mut buffers.cells)
     }
 
-    #[cfg(feature = "unstable")]
     /// The filter's responses to these features.
+    #[cfg(feature = "unstable")]
     pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
         let Buffers { extractor, cells, coded, responses, .. } = buffers;

@@ -311,9 +311,9 @@ impl Steps for Robust {
     fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { pipeline, buffers, .. } = workspace;
         let Some(mut track) = pipeline.outcome.track else { return Quality::NONE };
-        buffers.verification.table().set(self.config.table, QUALITY_ALPHA);
+        buffers.verification.table_mut().set(self.config.table, QUALITY_ALPHA);
         if let Some(patch) = pipeline.outcome.patch(buffers, &track.grid) {
-            track.quality = Quality::of(patch, buffers.verification.cut_table());
+            track.quality = Quality::of(patch, buffers.verification.table());
             self.memory.template.start(patch);
         }
         self.memory.track = Some(track);

@@ -81,11 +81,11 @@ impl Scratch {
         self.contrast = Image::new(&self.relit, columns, rows).map_or(Contrast::NONE, Contrast::of);
     }
 
-    pub(super) fn table(&mut self) -> &mut CutTable {
+    pub(super) fn table_mut(&mut self) -> &mut CutTable {
         &mut self.table
     }
 
-    pub(super) fn cut_table(&self) -> &CutTable {
+    pub(super) fn table(&self) -> &CutTable {
         &self.table
     }
 
