@@ -17,7 +17,7 @@ mod firmware {
     use defmt::{error, info};
     use defmt_semihosting as _;
     use semihosting::process::exit;
-    use smr_core::paper::{Config, Radius};
+    use smr_core::paper::Config;
     use smr_core::{Frame, Image, Paper, Rect, State, Tracker};
 
     const WIDTH: u16 = 64;
@@ -36,13 +36,8 @@ mod firmware {
 
     #[entry]
     fn main() -> ! {
-        // A smaller window, because the work is offsets times pixels. It does not grow while the target is lost: that would need a
-        // larger SPAN.
-        let mut config = Config::camera();
-        config.window = Radius { x: 8, y: 8 };
-        config.window_limit = config.window;
-
-        match follow(config) {
+        // A smaller window, because the work is offsets times pixels.
+        match follow(Config::camera_within(8)) {
             Ok(()) => exit(0),
             Err(what) => {
                 error!("{=str}", what);

@@ -777,8 +777,8 @@ const char *smr_version(void);
 /**
  * Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
  *
- * Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
- * 161 is enough), the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
+ * Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all windows fit
+ * #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
  * is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
  *
  * @param config  Memory for the configuration.

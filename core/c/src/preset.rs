@@ -1,16 +1,22 @@
 //! The calls that fill a configuration: the presets of both trackers.
 
-use crate::capacity::PaperTarget;
+use crate::capacity::{PaperTarget, SPAN};
 use crate::config::smr_config;
 use crate::method::method_of;
 use crate::pointer::Out;
 use crate::status::{smr_status, status_of};
 use smr_core::{Robust, paper, robust};
 
+/// With windows for the capacity of this library.
+const CAMERA: paper::Config = {
+    #[allow(clippy::cast_possible_truncation)] // below 161
+    paper::Config::camera_within(if SPAN > 160 { 80 } else { (SPAN as u16 - 1) / 2 })
+};
+
 /// Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
 ///
-/// Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side (an #SMR_SPAN of
-/// 161 is enough), the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
+/// Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all windows fit
+/// #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
 /// is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
 ///
 /// @param config  Memory for the configuration.
@@ -18,7 +24,7 @@ use smr_core::{Robust, paper, robust};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &paper::Config::camera())) })
+    status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &CAMERA)) })
 }
 
 /// Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of about

@@ -29,7 +29,7 @@ mod firmware {
     use defmt::{error, info};
     use defmt_semihosting as _;
     use semihosting::process::exit;
-    use smr_core::paper::{self, Radius};
+    use smr_core::paper;
     use smr_core::record::{Recorded, Recorder};
     use smr_core::{Frame, Image, Paper, Rect, Robust, Tracker, robust};
 
@@ -51,9 +51,7 @@ mod firmware {
             error!("record.smr cannot be written");
             exit(1)
         };
-        let mut config = paper::Config::camera();
-        config.window = Radius { x: 12, y: 12 };
-        config.window_limit = config.window;
+        let config = paper::Config::camera_within(12);
 
         let mut to_file = |bytes: &[u8]| file.write(bytes).ok_or(());
         let to_log = |bytes: &[u8]| -> Result<(), ()> {

@@ -45,10 +45,7 @@ impl Replayed for Smr {
     type Buffer = [u8; SMR_BUFFER];
 
     fn numbers() -> paper::Config {
-        let mut config = paper::Config::camera();
-        config.window = paper::Radius { x: RADIUS, y: RADIUS };
-        config.window_limit = config.window;
-        config
+        paper::Config::camera_within(RADIUS)
     }
 
     #[inline(always)]

@@ -13,6 +13,13 @@ pub struct Radius {
     pub y: u16,
 }
 
+impl Radius {
+    /// No more than `most` on either axis.
+    pub(crate) const fn at_most(self, most: u16) -> Self {
+        Self { x: if self.x > most { most } else { self.x }, y: if self.y > most { most } else { self.y } }
+    }
+}
+
 /// All positions of the box within a radius of its last position, cut at the edges of the padded frame.
 ///
 /// A position is that of the box's top left corner. Positions are one pixel apart. A window is never empty.

@@ -19,7 +19,6 @@ use protocol::{Header, Hello, Record, Remembered, Stack, Taken};
 use qemu::Qemu;
 use serde::Serialize;
 use serde_json::Map;
-use smr_core::paper::Radius;
 use smr_core::{Rect, Robust, Target, Tracker, paper, robust};
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, Write};
@@ -196,10 +195,7 @@ impl<T: Target> Follows for Tracker<T> {
 fn tracker(method: CoreKind, radius: u16) -> Result<Box<dyn Follows>> {
     Ok(match method {
         CoreKind::Smr => {
-            let mut config = paper::Config::camera();
-            config.window = Radius { x: radius, y: radius };
-            config.window_limit = config.window;
-            Box::new(Tracker::<Paper>::new(config)?)
+            Box::new(Tracker::<Paper>::new(paper::Config::camera_within(radius))?)
         }
         CoreKind::Robust => Box::new(Tracker::<Robust>::new(robust::Config::robust())?),
     })

@@ -210,7 +210,7 @@ impl Config {
     ///
     /// Differences from [`Config::paper`]:
     /// - While the target is lost, the window grows by at most 20 pixels on each side, so the cost of a frame at most doubles. It
-    ///   needs a `SPAN` of 161.
+    ///   needs a `SPAN` of 161; for less see [`Config::camera_within`].
     /// - The template is updated up to the edge of the frame, and a peak inside the frame need not exceed the runner-up.
     /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20. Without these, a slight change of light after
     ///   a still scene could move the box anywhere. A patch without contrast is not accepted: see [`Gate::least_ratio`].
@@ -220,6 +220,21 @@ impl Config {
         let gate = Gate { tracking: Fraction::new(0, 1), least_ratio: Table::ONE / 20, ..paper.gate };
         let window_limit = Radius { x: 80, y: 70 };
         Self { least_threshold: 10, window_limit, update_zone: Margins::NONE, gate, ..paper }
+    }
+
+    /// [`Config::camera`] with windows of at most `radius` pixels to each side, also while the target is lost. It fits a tracker with a
+    /// `SPAN` of `2 * radius + 1`.
+    ///
+    /// ```
+    /// use smr_core::{Paper, Tracker, paper::Config};
+    /// let tracker = Tracker::<Paper<1024, 33>>::new(Config::camera_within(16))?;
+    /// # Ok::<(), smr_core::ConfigError>(())
+    /// ```
+    #[must_use]
+    pub const fn camera_within(radius: u16) -> Self {
+        let camera = Self::camera();
+        let (window, window_limit) = (camera.window.at_most(radius), camera.window_limit.at_most(radius));
+        Self { window, window_limit, ..camera }
     }
 
     /// Checks the numbers, as [`Target::new`](crate::Target::new) does.
