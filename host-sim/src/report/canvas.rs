@@ -142,7 +142,7 @@ pub(super) fn pixel(place: f64) -> i32 {
     place.round() as i32
 }
 
-pub(super) fn gray_image(frame: &GrayFrame) -> GrayImage {
+pub(crate) fn gray_image(frame: &GrayFrame) -> GrayImage {
     let at = |x: u32, y: u32| frame.pixels[y as usize * usize::from(frame.width) + x as usize];
     GrayImage::from_fn(frame.width.into(), frame.height.into(), |x, y| Luma([at(x, y)]))
 }

@@ -1,7 +1,7 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
 use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, gray_image, pixel};
-use super::{Color, color_of, encode, pictures};
+use super::{Color, encode, pictures};
 use crate::sequence::GrayFrame;
 use anyhow::{Result, bail};
 use embedded_graphics::geometry::Point;
@@ -12,22 +12,14 @@ use minijinja::value::Serde;
 use minijinja::{Environment, context};
 use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
-use smr_core::State;
 use std::path::Path;
 
 pub(super) const SIZE: (u32, u32) = (760, 460);
-/// What the lines are drawn in.
-pub(super) const LEFT: f64 = 70.0;
-pub(super) const RIGHT: f64 = 640.0;
-pub(super) const TOP: f64 = 44.0;
-pub(super) const BOTTOM: f64 = 400.0;
-pub(super) const GRID: Color = color_of(State::Tracking);
-
 /// How the diagram is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Form {
-    Svg,
     Png,
+    Svg,
 }
 
 impl Form {
@@ -125,6 +117,12 @@ pub enum Mark {
         words: String,
         color: Option<Color>,
     },
+}
+
+impl Mark {
+    pub(super) fn words(x: f64, y: f64, place: f64, words: impl Into<String>, color: Option<Color>) -> Self {
+        Self::Words { x, y, place, words: words.into(), color }
+    }
 }
 
 fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
