@@ -3,6 +3,9 @@
 use super::Color;
 use super::diagram::{Mark, Stroke};
 
+/// The color of lines at a number.
+pub(super) const GRID: Color = [90; 3];
+
 pub(super) struct Axes {
     pub left: f64,
     pub right: f64,
@@ -43,7 +46,7 @@ impl Axes {
         let up = up.into_iter().flat_map(|(value, words)| {
             let y = self.y(value);
             let line =
-                Mark::Line { points: vec![(self.left, y), (self.right, y)], color: [90; 3], stroke: Stroke::Dotted };
+                Mark::Line { points: vec![(self.left, y), (self.right, y)], color: GRID, stroke: Stroke::Dotted };
             [line, Mark::words(self.left - 8.0, y, 1.0, words, None)]
         });
         up.chain(across).collect()

@@ -1,6 +1,6 @@
 //! The chance that a frame is correct by the ratio that was reported in it, as a diagram.
 
-use super::axes::Axes;
+use super::axes::{Axes, GRID};
 use super::diagram::{Mark, Stroke};
 use super::{SAD, SMR};
 use crate::evaluate::robustness::Bin;
@@ -17,6 +17,10 @@ pub fn marks(bins: &[Bin]) -> Vec<Mark> {
     let percent = || (0..=100).step_by(20).map(|percent| (f64::from(percent) / 100.0, percent.to_string()));
     let middle = (AXES.left + AXES.right) / 2.0;
     let mut marks = AXES.grid(percent(), percent());
+    marks.extend(percent().map(|(value, _)| {
+        let points = vec![(AXES.x(value), AXES.top), (AXES.x(value), AXES.bottom)];
+        Mark::Line { points, color: GRID, stroke: Stroke::Dotted }
+    }));
     marks.extend([
         Mark::words(AXES.left, AXES.top / 2.0, 0.0, "line chance to be correct", Some(SMR)),
         Mark::words(AXES.right + 112.0, AXES.top / 2.0, 1.0, "dashed part of all frames", Some(SAD)),

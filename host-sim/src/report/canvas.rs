@@ -152,6 +152,10 @@ pub(super) fn coarse(gray: u8) -> Color {
     [gray / 2 * 2 + gray / 128; 3]
 }
 
+pub(super) fn coarse_image(gray: &GrayImage) -> RgbImage {
+    RgbImage::from_fn(gray.width(), gray.height(), |x, y| image::Rgb(coarse(gray.get_pixel(x, y).0[0])))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

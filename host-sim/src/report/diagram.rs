@@ -1,6 +1,6 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
-use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, gray_image, pixel};
+use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, coarse_image, gray_image, pixel};
 use super::{Color, encode, pictures};
 use crate::sequence::GrayFrame;
 use anyhow::{Result, bail};
@@ -150,7 +150,11 @@ impl Pixels {
         if let Self::Frame(frame) = self {
             return Ok((encode::data_uri("image/jpeg", &encode::jpeg(frame)?), true));
         }
-        Ok((encode::data_uri("image/png", &Canvas(self.image()).png()?), false))
+        Ok((encode::data_uri("image/png", &self.png()?), false))
+    }
+
+    pub(super) fn png(&self) -> Result<Vec<u8>> {
+        Canvas(self.image()).png()
     }
 
     fn image(&self) -> RgbImage {
@@ -163,7 +167,7 @@ impl Pixels {
             Self::Frame(GrayFrame { pixels: levels, .. }) | Self::Patch { levels, .. } => coarse(levels[at]),
             Self::Differences { levels, alpha, .. } => match levels[at] {
                 level if u16::from(level) < *alpha => pictures::counting_color(level),
-                level => coarse(pictures::gray(level.min(pictures::BRIGHTEST))),
+                level => coarse(pictures::gray(level)),
             },
         }
     }
@@ -174,8 +178,7 @@ impl Pixels {
         let sharp = whole(width, self.size().0) && whole(height, self.size().1);
         match self {
             Self::Frame(frame) if !sharp => {
-                let smooth = resize(&gray_image(frame), width, height, FilterType::Triangle);
-                RgbImage::from_fn(width, height, |x, y| Rgb(coarse(smooth.get_pixel(x, y).0[0])))
+                coarse_image(&resize(&gray_image(frame), width, height, FilterType::Triangle))
             }
             _ => resize(&self.image(), width, height, FilterType::Nearest),
         }
