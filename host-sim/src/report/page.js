@@ -131,6 +131,7 @@
     { title: "Cost, comparisons or products", key: "work", digits: 0 },
   ];
   const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 22;
+  const WHOLE = [1, 10, 100, 1000, 1e4, 1e5].flatMap((unit) => [unit, 2 * unit, 5 * unit]);
   const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
   const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
   
@@ -195,7 +196,7 @@
       cursor: { sync: { key: "frames" }, y: false, points: { show: !draw } },
       scales: { x: { time: false }, y: { range: (_, least, largest) => [0, most ?? Math.max(1, largest * 1.05)] } },
       axes: [
-        { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false } },
+        { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false }, incrs: WHOLE },
         { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => styleOf("--rule"), width: 1 }, ...ticks },
       ],
       series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (isVisible(number - 1) ? "" : ", hidden") }, ...drawn.map(line)],
