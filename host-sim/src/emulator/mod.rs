@@ -194,9 +194,7 @@ impl<T: Target> Follows for Tracker<T> {
 /// The tracker as the firmware has it.
 fn tracker(method: CoreKind, radius: u16) -> Result<Box<dyn Follows>> {
     Ok(match method {
-        CoreKind::Smr => {
-            Box::new(Tracker::<Paper>::new(paper::Config::camera_within(radius))?)
-        }
+        CoreKind::Smr => Box::new(Tracker::<Paper>::new(paper::Config::camera_within(radius))?),
         CoreKind::Robust => Box::new(Tracker::<Robust>::new(robust::Config::robust())?),
     })
 }

@@ -148,24 +148,17 @@ fn lead(film: &Film, index: usize) -> Option<f64> {
     }
 }
 
-/// The frame in which they differ most to the advantage of SMR.
+/// The first frame in which they differ most to the advantage of SMR.
 fn clearest(film: &Film) -> Option<usize> {
     let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
-    leads
-        .fold(
-            None,
-            |best: Option<(usize, f64)>, next| {
-                if best.is_some_and(|best| best.1 >= next.1) { best } else { Some(next) }
-            },
-        )
-        .map(|best| best.0)
+    leads.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|best| best.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::evaluate::{Configs, Variant};
-    use crate::export::Decoded;
+    use crate::report::canvas::Canvas;
     use crate::report::diagram::Form;
     use crate::report::{Choice, watch};
     use crate::sequence::{self, OpenOptions, Sequence, synthetic};
@@ -183,12 +176,12 @@ mod tests {
     }
 
     /// Both files, read back.
-    fn drawn(name: &str, figure: Figure, wish: &Wish) -> (Plan, String, Decoded) {
+    fn drawn(name: &str, figure: Figure, wish: &Wish) -> (Plan, String, Canvas) {
         let plan = Plan::new(figure, &watched(open(name), &[]), wish).unwrap();
         let sheet = plan.draw(&watched(open(name), &plan.frames)).unwrap();
         let svg = String::from_utf8(sheet.file(Form::Svg).unwrap()).unwrap();
-        let png = Decoded::new(&sheet.file(Form::Png).unwrap());
-        assert_eq!(png.size, sheet.size);
+        let png = Canvas::decoded(&sheet.file(Form::Png).unwrap());
+        assert_eq!((png.width, png.height), sheet.size);
         (plan, svg, png)
     }
 
@@ -198,7 +191,7 @@ mod tests {
             let (plan, svg, png) = drawn(synthetic::NAME, figure, &Wish::default());
             let colors = [crate::report::SMR, crate::report::SAD];
             for color in colors.iter().skip(usize::from(figure == Figure::Leaving)) {
-                assert!(png.rgb().as_chunks().0.contains(color), "{figure}: {color:?}");
+                assert!(png.pixels.contains(color), "{figure}: {color:?}");
             }
             // Each tile is a frame, in JPEG; patches are PNG.
             assert_eq!(
