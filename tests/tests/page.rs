@@ -23,8 +23,10 @@ fn browser(test: &str) -> Option<&'static str> {
 const SCRIPT: &str = r##"
 <script>
 const problems = [];
+/** The curves are drawn after the script that changes them. */
+const drawn = () => new Promise((resolve) => setTimeout(resolve));
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
-try {
+(async () => { try {
   const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
   const place = () => document.getElementById("place").value;
   is("start", place(), "frame 1 of 240");
@@ -46,17 +48,28 @@ try {
   document.querySelector("#switches input").click();
   is("a method switched off", boxes() < before, true);
   document.querySelector("#switches input").click();
-  const curve = document.querySelectorAll("#curves svg")[1];
-  const area = curve.getBoundingClientRect();
-  const at = { clientX: area.left + 0.75 * area.width, clientY: area.top + area.height / 2, bubbles: true };
-  for (const kind of ["pointermove", "mousemove", "pointerdown", "mousedown", "pointerup", "mouseup", "click"]) {
-    curve.dispatchEvent(new (kind.startsWith("pointer") ? PointerEvent : MouseEvent)(kind, at));
-  }
+  await drawn();
+  const curves = document.querySelectorAll("#curves .u-over");
+  const area = curves[1].getBoundingClientRect();
+  const mouse = (kind, part) => curves[1].dispatchEvent(
+    new MouseEvent(kind, { clientX: area.left + part * area.width, clientY: area.top + area.height / 2, movementX: 1, bubbles: true }));
+  for (const kind of ["mousemove", "mousedown", "mouseup", "click"]) mouse(kind, 0.75);
   const number = Number(place().split(" ")[1]);
   is("a click on a curve goes near " + number, number > 150 && number < 210, true);
+  const cursors = () => [...document.querySelectorAll("#curves .cursor")].filter((cursor) => !cursor.hidden).length;
+  is("the frame is marked in all curves", cursors(), curves.length);
+  const values = () => document.querySelectorAll("#curves .u-legend")[1].textContent;
+  is("the values of the frame", values().includes("frame" + number), true);
+  mouse("mousedown", 0.1); mouse("mousemove", 0.3); mouse("mouseup", 0.3); mouse("click", 0.3);
+  await drawn();
+  is("a drag does not go to a frame", place(), `frame ${number} of 240`);
+  is("a drag zooms, and all curves together", cursors(), 0);
+  mouse("dblclick", 0.2);
+  await drawn();
+  is("a double click shows all frames", cursors(), curves.length);
   is("pictures to compare", document.querySelectorAll("#comparisons img, #comparisons canvas, #comparisons svg").length > 0, true);
 } catch (error) { problems.push(String(error)); }
-document.title = problems.length ? "PROBLEMS " + problems.join("; ") : "FINE";
+document.title = problems.length ? "PROBLEMS " + problems.join("; ") : "FINE"; })();
 </script>
 "##;
 

@@ -1,7 +1,7 @@
 //! A tracker's answers as a film: what of an answer is drawn over its frame.
 
 use crate::evaluate::{Report, name_of};
-use crate::export::{self, Ink, Overlay};
+use crate::export::{self, AMBER, GREEN, Overlay, RED, WHITE};
 use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::Result;
 use smr_core::State;
@@ -35,23 +35,23 @@ impl Film {
     ///
     /// # Errors
     /// As [`export::Film::frame`].
-    pub fn frame(&mut self, frame: GrayFrame, report: &Report) -> Result<()> {
+    pub fn frame(&mut self, frame: &GrayFrame, report: &Report) -> Result<()> {
         let mut overlay = Overlay::new(frame);
         let truth = self.truth.as_ref().and_then(|truth| truth.get(self.frames).copied().flatten());
         self.frames += 1;
         if let Some(truth) = truth {
-            overlay.outline(&truth, Ink::White);
+            overlay.outline(&truth, WHITE);
         }
         self.last = report.target.or(self.last);
-        let ink = match report.state {
-            State::Tracking => Ink::Green,
-            State::Leaving | State::Uncertain => Ink::Amber,
-            State::Lost => Ink::Red,
+        let color = match report.state {
+            State::Tracking => GREEN,
+            State::Leaving | State::Uncertain => AMBER,
+            State::Lost => RED,
         };
         if let Some(last) = self.last {
-            overlay.outline(&last, ink);
+            overlay.outline(&last, color);
         }
-        overlay.label(&label(self.frames, report), ink);
+        overlay.label(&label(self.frames, report), color);
         self.film.frame(&overlay)
     }
 

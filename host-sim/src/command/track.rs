@@ -143,7 +143,7 @@ impl Track {
                 bar.suspend(|| eprintln!("warning: {}: {}", sequence.name, POOR));
             }
             lines.write(&(self.line(number, &report, quality, &origin)? + "\n"))?;
-            film.as_mut().map_or(Ok(()), |film| film.frame(frame, &report))?;
+            film.as_mut().map_or(Ok(()), |film| film.frame(&frame, &report))?;
             bar.inc(1);
         }
         bar.finish_and_clear();

@@ -1,12 +1,13 @@
 //! Frames that were drawn on, as something to watch: an MP4 file (through ffmpeg), an animated GIF, or a folder of PNG pictures.
 
-use super::draw::{Ink, Overlay};
+use super::draw::{INKS, Overlay};
 use crate::ending::Process;
 use crate::output::{Folder, Output};
+use crate::report::Color;
 use crate::sequence::silent;
 use anyhow::{Context, Error, Result, bail, ensure};
 use gif::{Encoder, EncodingError};
-use image::{ExtendedColorType, ImageFormat};
+use image::ImageFormat;
 use std::borrow::Cow;
 use std::fs;
 use std::io::{Cursor, ErrorKind, Read, Write};
@@ -68,18 +69,18 @@ impl Film {
     /// The disk's, or ffmpeg's.
     pub fn frame(&mut self, overlay: &Overlay) -> Result<()> {
         self.frames += 1;
-        let (width, height) = overlay.size();
         match &mut self.way {
             Way::Mp4 { ffmpeg, output } => {
                 if ffmpeg.is_none() {
-                    *ffmpeg = Some(Ffmpeg::start(file_of(output)?, overlay.size(), self.rate, self.patience)?);
+                    *ffmpeg =
+                        Some(Ffmpeg::start(file_of(output)?, overlay.pixels().dimensions(), self.rate, self.patience)?);
                 }
-                let written = ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(overlay.rgb()));
+                let written = ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(overlay.pixels().to_vec()));
                 written.with_context(|| cannot_write(&self.name))
             }
             Way::Gif { output, encoder } => {
                 let written = match (output.take(), encoder) {
-                    (Some(output), encoder) => gif_encoder(output, overlay.size())
+                    (Some(output), encoder) => gif_encoder(output, overlay)
                         .and_then(|made| gif_frame(encoder.insert(made), overlay, self.rate)),
                     (None, Some(encoder)) => gif_frame(encoder, overlay, self.rate),
                     (None, None) => Ok(()),
@@ -88,15 +89,7 @@ impl Film {
             }
             Way::Pictures(folder) => {
                 let mut bytes = Cursor::new(Vec::new());
-                let (rgb, color) = (overlay.rgb(), ExtendedColorType::Rgb8);
-                image::write_buffer_with_format(
-                    &mut bytes,
-                    &rgb,
-                    width.into(),
-                    height.into(),
-                    color,
-                    ImageFormat::Png,
-                )?;
+                overlay.pixels().write_to(&mut bytes, ImageFormat::Png)?;
                 folder.write(&format!("{:05}.png", self.frames), &bytes.into_inner())
             }
         }
@@ -136,22 +129,29 @@ fn file_of(output: &Output) -> Result<&Path> {
 }
 
 /// Gray levels of a GIF: so many that the inks fit in its 256 colours, too.
-const LEVELS: usize = 256 - Ink::ALL.len();
+const LEVELS: usize = 256 - INKS.len();
 
-fn gif_encoder(output: Output, (width, height): (u16, u16)) -> Result<Encoder<Output>, EncodingError> {
+fn gif_encoder(output: Output, overlay: &Overlay) -> Result<Encoder<Output>, EncodingError> {
+    let (width, height) = gif_size(overlay);
     let levels = (0..LEVELS).map(|level| (level * 255 / (LEVELS - 1)).to_le_bytes()[0]);
-    let palette: Vec<u8> = levels.map(|level| [level; 3]).chain(Ink::ALL.map(Ink::color)).flatten().collect();
+    let palette: Vec<u8> = levels.map(|level| [level; 3]).chain(INKS).flatten().collect();
     let mut encoder = Encoder::new(output, width, height, &palette)?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     Ok(encoder)
 }
 
 fn gif_frame(encoder: &mut Encoder<Output>, overlay: &Overlay, rate: u16) -> Result<(), EncodingError> {
-    let (width, height) = overlay.size();
-    let indices: Vec<u8> = overlay.pixels().map(|(gray, ink)| index(gray, ink)).collect();
+    let (width, height) = gif_size(overlay);
+    let indices: Vec<u8> = overlay.pixels().pixels().map(|pixel| index(pixel.0)).collect();
     // In hundredths of a second; shorter than 2 is taken for 10 by browsers.
     let delay = ((100 + rate / 2) / rate).max(2);
     encoder.write_frame(&gif::Frame { width, height, delay, buffer: Cow::Owned(indices), ..gif::Frame::default() })
+}
+
+/// No frame has longer sides.
+fn gif_size(overlay: &Overlay) -> (u16, u16) {
+    let side = |length: u32| u16::try_from(length).unwrap_or(u16::MAX);
+    (side(overlay.pixels().width()), side(overlay.pixels().height()))
 }
 
 /// What the disk says is told as it is.
@@ -162,12 +162,9 @@ fn of_gif(error: EncodingError) -> Error {
     }
 }
 
-fn index(gray: u8, ink: Option<Ink>) -> u8 {
-    let index = match ink {
-        None => (usize::from(gray) * (LEVELS - 1) + 127) / 255,
-        Some(ink) => LEVELS + Ink::ALL.iter().position(|&known| known == ink).unwrap_or(0),
-    };
-    index.to_le_bytes()[0]
+fn index(color: Color) -> u8 {
+    let ink = INKS.iter().position(|ink| *ink == color).map(|ink| LEVELS + ink);
+    ink.unwrap_or((usize::from(color[0]) * (LEVELS - 1) + 127) / 255).to_le_bytes()[0]
 }
 
 /// How many frames wait for ffmpeg.
@@ -191,7 +188,7 @@ struct Ffmpeg {
 }
 
 impl Ffmpeg {
-    fn start(file: &Path, (width, height): (u16, u16), rate: u16, patience: Duration) -> Result<Self> {
+    fn start(file: &Path, (width, height): (u32, u32), rate: u16, patience: Duration) -> Result<Self> {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
         command.args(["-video_size", &format!("{width}x{height}"), "-framerate", &rate.to_string(), "-i", "-"]);
@@ -284,6 +281,7 @@ impl Ffmpeg {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::GREEN;
     use crate::sequence::{self, BoundingBox, GrayFrame};
     use std::fs::File;
 
@@ -293,8 +291,8 @@ mod tests {
     fn frames() -> impl Iterator<Item = Overlay> {
         (0..3u8).map(|step| {
             let pixels = (0..61 * 43).map(|at: u32| at.to_le_bytes()[0] / 2).collect();
-            let mut overlay = Overlay::new(GrayFrame { width: 61, height: 43, pixels });
-            overlay.outline(&BoundingBox { x: f64::from(step) + 10.0, y: 15.0, width: 20.0, height: 12.0 }, Ink::Green);
+            let mut overlay = Overlay::new(&GrayFrame { width: 61, height: 43, pixels });
+            overlay.outline(&BoundingBox { x: f64::from(step) + 10.0, y: 15.0, width: 20.0, height: 12.0 }, GREEN);
             overlay
         })
     }
@@ -315,7 +313,7 @@ mod tests {
         filmed(&out);
         for (number, frame) in (1..).zip(frames()) {
             let picture = image::open(out.join(format!("{number:05}.png"))).unwrap().into_rgb8();
-            assert_eq!(picture.into_raw(), frame.rgb());
+            assert_eq!(picture, *frame.pixels());
         }
     }
 
@@ -330,7 +328,7 @@ mod tests {
         for frame in frames() {
             let decoded = decoder.read_next_frame().unwrap().unwrap();
             assert_eq!(decoded.delay, 4);
-            for (found, expected) in decoded.buffer.chunks_exact(4).zip(frame.rgb().chunks_exact(3)) {
+            for (found, expected) in decoded.buffer.chunks_exact(4).zip(frame.pixels().chunks_exact(3)) {
                 // Gray levels are a few less.
                 assert!(found.iter().zip(expected).all(|(found, expected)| found.abs_diff(*expected) <= 1));
             }

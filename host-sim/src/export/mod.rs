@@ -10,7 +10,7 @@ mod film;
 mod picture;
 mod writer;
 
-pub use draw::{Ink, Overlay};
+pub use draw::{AMBER, GREEN, Overlay, RED, WHITE};
 pub use film::Film;
 pub use picture::{pgm, png};
 pub use writer::{Format, Writer, Written};

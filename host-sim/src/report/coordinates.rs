@@ -1,154 +1,131 @@
 //! One frame with its coordinates, as a picture: what a box is chosen from and checked by.
 
-use super::picture::{Canvas, WHITE, ink, palette};
-use super::{SMR, encode, font};
+use super::SMR;
+use super::canvas::{Canvas, FONT, PAPER, WHITE, coarse, pixel, rgb, width_of};
 use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::Result;
+use embedded_graphics::Drawable;
+use embedded_graphics::draw_target::DrawTargetExt;
+use embedded_graphics::geometry::{Point, Size};
+use embedded_graphics::primitives::{Primitive, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
 
 /// A frame is enlarged by a whole factor as long as no side becomes longer than this.
 const SIDE: u32 = 1280;
 const MOST_ENLARGED: u32 = 16;
-/// Letters are drawn twice as large as they are.
-const LETTER: u32 = 2;
-const LINE: u32 = font::HEIGHT * LETTER;
 const GAP: u32 = 8;
 /// Around the frame: room for a number of five digits, and for a line of text.
-const MARGIN: (u32, u32) = (5 * (font::WIDTH + 1) * LETTER + 2 * GAP, LINE + 2 * GAP);
+const MARGIN: (u32, u32) = (5 * FONT.character_size.width + 2 * GAP, FONT.character_size.height + 2 * GAP);
 /// Lines with a number are at least this far apart in the picture.
 const APART: u32 = 64;
-/// Gray levels, as the palette counts them, by which a line differs from what is under it: seen in the dark and in the light.
-const STRONG: u8 = 40;
-const FAINT: u8 = 14;
+/// Gray levels by which a line differs from what is under it: seen in the dark and in the light.
+const STRONG: u8 = 80;
+const FAINT: u8 = 28;
 /// Width of the box's outline.
-const OUTLINE: i64 = 2;
+const OUTLINE: u32 = 2;
 
 /// The `number`th frame with a grid, numbered axes in pixels of the frame, and the outline of `target` around its pixels.
 ///
 /// # Errors
 /// The encoder's; no picture is known that it refuses.
 pub fn coordinates(frame: &GrayFrame, number: usize, target: Option<&BoundingBox>) -> Result<Vec<u8>> {
-    let sheet = Sheet::new(frame);
-    let mut canvas = Canvas::new(sheet.at(0, u32::from(frame.width)) + MARGIN.0, sheet.bottom() + 2 * MARGIN.1);
-    sheet.frame(&mut canvas, frame);
-    sheet.numbers(&mut canvas);
+    let size = [frame.width, frame.height].map(u32::from);
+    let scale = (SIDE / size[0].max(size[1]).max(1)).clamp(1, MOST_ENLARGED);
+    let [width, height] = size.map(|side| side * scale);
+    let canvas = Canvas::new(width + 2 * MARGIN.0, height + 3 * MARGIN.1, PAPER);
+    let mut sheet = Sheet { canvas, size, scale };
+    sheet.frame(frame);
+    sheet.numbers()?;
     if let Some(target) = target {
-        sheet.outline(&mut canvas, target);
+        sheet.outline(target);
     }
-    sheet.caption(&mut canvas, number, target);
-    encode::png(canvas.size(), canvas.pixels(), &palette())
+    sheet.caption(number, target)?;
+    sheet.canvas.png()
 }
 
 /// Where the frame is in the picture.
 struct Sheet {
+    canvas: Canvas,
     /// Width and height of the frame.
     size: [u32; 2],
-    /// Left and upper end of the frame in the picture.
-    origin: [u32; 2],
     /// Pixels of the picture for one of the frame.
     scale: u32,
-    /// Pixels of the frame from one numbered line to the next.
-    step: u32,
-    /// The same for all lines.
-    fine: u32,
 }
 
 impl Sheet {
-    fn new(frame: &GrayFrame) -> Self {
-        let size = [frame.width, frame.height].map(u32::from);
-        let scale = (SIDE / size[0].max(size[1]).max(1)).clamp(1, MOST_ENLARGED);
-        let (step, fine) = steps(scale);
-        Self { size, origin: [MARGIN.0, MARGIN.1], scale, step, fine }
-    }
-
-    /// The picture's pixel at which the frame's pixel `place` begins, across (`axis` 0) or down (1).
-    fn at(&self, axis: usize, place: u32) -> u32 {
-        self.origin[axis] + place * self.scale
-    }
-
-    fn bottom(&self) -> u32 {
-        self.at(1, self.size[1])
+    /// The picture's pixel at which the frame's pixel begins.
+    fn at(&self, x: f64, y: f64) -> Point {
+        let place = |value: f64, margin: u32| {
+            pixel((value * f64::from(self.scale)).clamp(-1e5, 1e6)).saturating_add_unsigned(margin)
+        };
+        Point::new(place(x, MARGIN.0), place(y, MARGIN.1))
     }
 
     /// The pixels, and the grid in them.
-    fn frame(&self, canvas: &mut Canvas, frame: &GrayFrame) {
+    fn frame(&mut self, frame: &GrayFrame) {
+        let (step, fine) = steps(self.scale);
         let [width, height] = self.size.map(|side| side * self.scale);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             let (column, row) = (x / self.scale, y / self.scale);
-            let gray = frame.pixels[(row * self.size[0] + column) as usize] / 2;
+            let gray = frame.pixels[(row * self.size[0] + column) as usize];
             // A line is the first row or column of picture pixels that belongs to the pixel it names.
             let on = |step: u32| {
                 (x.is_multiple_of(self.scale) && column.is_multiple_of(step))
                     || (y.is_multiple_of(self.scale) && row.is_multiple_of(step))
             };
-            let ink = if on(self.step) {
+            let gray = if on(step) {
                 contrasted(gray, STRONG)
-            } else if on(self.fine) {
+            } else if on(fine) {
                 contrasted(gray, FAINT)
             } else {
                 gray
             };
-            canvas.set(self.origin[0] + x, self.origin[1] + y, ink);
+            self.canvas.0.put_pixel(MARGIN.0 + x, MARGIN.1 + y, image::Rgb(coarse(gray)));
         }
+    }
+
+    fn text(&mut self, left: u32, top: u32, text: &str) -> Result<i32> {
+        Ok(self.canvas.text(i32::try_from(left)?, i32::try_from(top)?, text, WHITE, FONT))
     }
 
     /// The numbers of the lines, on all four sides.
-    fn numbers(&self, canvas: &mut Canvas) {
-        let middle = font::HEIGHT * LETTER / 2;
-        for (axis, side) in self.size.into_iter().enumerate() {
-            for place in (0..side).step_by(self.step as usize) {
-                let (at, text) = (self.at(axis, place), place.to_string());
-                let width = Canvas::width_of(&text);
-                if axis == 0 {
-                    canvas.text(at.saturating_sub(width / 2), GAP, &text, WHITE);
-                    canvas.text(at.saturating_sub(width / 2), self.bottom() + GAP, &text, WHITE);
-                } else {
-                    let top = at.saturating_sub(middle);
-                    canvas.text(self.origin[0] - GAP - width, top, &text, WHITE);
-                    canvas.text(self.at(0, self.size[0]) + GAP, top, &text, WHITE);
-                }
-            }
+    fn numbers(&mut self) -> Result<()> {
+        let (step, _) = steps(self.scale);
+        let [right, bottom] = [MARGIN.0 + self.size[0] * self.scale, MARGIN.1 + self.size[1] * self.scale];
+        for place in (0..self.size[0]).step_by(step as usize) {
+            let text = place.to_string();
+            let left = (MARGIN.0 + place * self.scale).saturating_sub(width_of(&text) / 2);
+            self.text(left, GAP, &text)?;
+            self.text(left, bottom + GAP, &text)?;
         }
-        canvas.text(GAP, GAP, "X", WHITE);
-        canvas.text(GAP, self.origin[1], "Y", WHITE);
+        for place in (0..self.size[1]).step_by(step as usize) {
+            let text = place.to_string();
+            let top = (MARGIN.1 + place * self.scale).saturating_sub(FONT.character_size.height / 2);
+            self.text(MARGIN.0 - GAP - width_of(&text), top, &text)?;
+            self.text(right + GAP, top, &text)?;
+        }
+        self.text(GAP, GAP, "X")?;
+        self.text(GAP, MARGIN.1, "Y")?;
+        Ok(())
     }
 
     /// Around the box's pixels, none of which is hidden. What is outside of the frame is not drawn.
-    fn outline(&self, canvas: &mut Canvas, target: &BoundingBox) {
-        let ends = |axis: usize, first: f64, size: f64| {
-            let scale = f64::from(self.scale);
-            let origin = i64::from(self.origin[axis]);
-            (origin + whole(first * scale), origin + whole((first + size) * scale) - 1)
-        };
-        let ((left, right), (top, bottom)) = (ends(0, target.x, target.width), ends(1, target.y, target.height));
-        let mut dot = |x: i64, y: i64| {
-            let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return };
-            let inside = |axis: usize, at: u32| {
-                (self.origin[axis] - GAP / 2..=self.at(axis, self.size[axis]) + GAP / 2).contains(&at)
-            };
-            if inside(0, x) && inside(1, y) {
-                canvas.set(x, y, ink(SMR));
-            }
-        };
-        let within = |value: i64| value.clamp(-OUTLINE, i64::from(u16::MAX) * 2);
-        for grown in 1..=OUTLINE {
-            let (left, right, top, bottom) = (left - grown, right + grown, top - grown, bottom + grown);
-            for x in within(left)..=within(right) {
-                dot(x, top);
-                dot(x, bottom);
-            }
-            for y in within(top)..=within(bottom) {
-                dot(left, y);
-                dot(right, y);
-            }
-        }
+    fn outline(&mut self, target: &BoundingBox) {
+        let corners = (self.at(target.x, target.y), self.at(target.x + target.width, target.y + target.height));
+        let bbox = Rectangle::with_corners(corners.0, corners.1 - Point::new_equal(1));
+        let style = PrimitiveStyleBuilder::new().stroke_color(rgb(SMR)).stroke_width(OUTLINE);
+        let style = style.stroke_alignment(StrokeAlignment::Outside).build();
+        let [width, height] = self.size.map(|side| side * self.scale);
+        let near = Rectangle::new(self.at(0.0, 0.0), Size::new(width, height)).offset(4);
+        let Ok(()) = bbox.into_styled(style).draw(&mut self.canvas.clipped(&near));
     }
 
-    fn caption(&self, canvas: &mut Canvas, number: usize, target: Option<&BoundingBox>) {
-        let top = self.bottom() + MARGIN.1;
-        let end = canvas.text(self.origin[0], top, &format!("FRAME {number}   "), WHITE);
+    fn caption(&mut self, number: usize, target: Option<&BoundingBox>) -> Result<()> {
+        let top = 2 * MARGIN.1 + self.size[1] * self.scale;
+        let end = self.text(MARGIN.0, top, &format!("frame {number}   "))?;
         if let Some(BoundingBox { x, y, width, height }) = target {
-            canvas.text(end, top, &format!("X {x}  Y {y}  W {width}  H {height}"), ink(SMR));
+            self.canvas.text(end, i32::try_from(top)?, &format!("x {x}  y {y}  w {width}  h {height}"), SMR, FONT);
         }
+        Ok(())
     }
 }
 
@@ -158,14 +135,9 @@ fn steps(scale: u32) -> (u32, u32) {
     round.into_iter().find(|(step, _)| step * scale >= APART).unwrap_or((100, 20))
 }
 
-/// A gray level of the palette that differs from `gray` by `contrast`.
+/// A gray level that differs from `gray` by `contrast`.
 fn contrasted(gray: u8, contrast: u8) -> u8 {
-    if gray > WHITE / 2 { gray.saturating_sub(contrast) } else { gray.saturating_add(contrast).min(WHITE) }
-}
-
-#[allow(clippy::cast_possible_truncation)] // what is too large becomes the largest, and is then clamped
-fn whole(place: f64) -> i64 {
-    (place.round() as i64).clamp(-1_000_000, 1_000_000)
+    if gray > u8::MAX / 2 { gray.saturating_sub(contrast) } else { gray.saturating_add(contrast) }
 }
 
 #[cfg(test)]
@@ -200,9 +172,9 @@ mod tests {
 
     #[test]
     fn lines_are_seen_on_every_gray() {
-        for (gray, contrast) in (0..=WHITE).flat_map(|gray| [(gray, STRONG), (gray, FAINT)]) {
+        for (gray, contrast) in (0..=u8::MAX).flat_map(|gray| [(gray, STRONG), (gray, FAINT)]) {
             let line = contrasted(gray, contrast);
-            assert!(line <= WHITE && line.abs_diff(gray) == contrast, "{gray}: {line}");
+            assert_eq!(line.abs_diff(gray), contrast, "{gray}: {line}");
         }
     }
 

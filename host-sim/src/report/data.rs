@@ -1,6 +1,5 @@
 //! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
 
-use super::Color;
 use super::difference::{BAR, BARS};
 use super::encode::base64;
 use super::entrants::{Entrant, entrants};
@@ -63,7 +62,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     Ok(json!({
         "name": entrant.name,
         "title": entrant.title,
-        "color": css(entrant.color),
+        "color": entrant.color,
         "method": entrant.method,
         "boxes": answers.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>(),
         "lasts": lasts,
@@ -116,8 +115,4 @@ fn of_box(bbox: Option<&BoundingBox>) -> Value {
     bbox.map_or(Value::Null, |bbox| {
         [bbox.x, bbox.y, bbox.width, bbox.height].map(|side| round(side, 2)).to_vec().into()
     })
-}
-
-pub(super) fn css([r, g, b]: Color) -> String {
-    format!("rgb({r}, {g}, {b})")
 }

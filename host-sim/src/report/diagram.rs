@@ -1,14 +1,18 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
-use super::escaped::escaped;
-use super::picture::{Canvas, WHITE, full_palette, ink};
-use super::{Color, color_of, encode, font, pictures};
+use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, gray_image, pixel};
+use super::{Color, color_of, encode, pictures};
 use crate::sequence::GrayFrame;
-use anyhow::{Context, Result, bail};
-use image::GrayImage;
+use anyhow::{Result, bail};
+use embedded_graphics::geometry::Point;
+use embedded_graphics::primitives::Rectangle;
 use image::imageops::{FilterType, resize};
+use image::{Rgb, RgbImage};
+use minijinja::value::Serde;
+use minijinja::{Environment, context};
+use serde::ser::Error as _;
+use serde::{Serialize, Serializer};
 use smr_core::State;
-use std::fmt::Write as _;
 use std::path::Path;
 
 pub(super) const SIZE: (u32, u32) = (760, 460);
@@ -69,7 +73,7 @@ impl Form {
 }
 
 /// How a line is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Stroke {
     Solid,
     /// As thick, with gaps.
@@ -89,6 +93,8 @@ pub enum Pixels {
 }
 
 /// What is drawn, in either form.
+#[derive(Serialize)]
+#[serde(tag = "kind")]
 pub enum Mark {
     Line {
         points: Vec<(f64, f64)>,
@@ -122,60 +128,16 @@ pub enum Mark {
 }
 
 fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" \
-         font-size=\"14\"><rect width=\"{width}\" height=\"{height}\" fill=\"#181818\"/>\n"
-    );
-    let hex = |[r, g, b]: Color| format!("#{r:02x}{g:02x}{b:02x}");
-    for mark in marks {
-        // Writing to a String cannot fail.
-        let _ = match mark {
-            Mark::Line { points, color, stroke } => {
-                let points: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-                let (dashes, width) = match stroke {
-                    Stroke::Solid => ("", 2),
-                    Stroke::Dashed => (" stroke-dasharray=\"6 6\"", 2),
-                    Stroke::Dotted => (" stroke-dasharray=\"3 4\"", 1),
-                };
-                let (points, color) = (points.join(" "), hex(*color));
-                writeln!(
-                    svg,
-                    "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"{dashes}/>"
-                )
-            }
-            Mark::Words { x, y, place, words, color } => {
-                let anchor = if *place == 0.0 {
-                    "start"
-                } else if *place == 1.0 {
-                    "end"
-                } else {
-                    "middle"
-                };
-                let (y, color, words) = (y + 5.0, hex(color.unwrap_or([255; 3])), escaped(words));
-                writeln!(
-                    svg,
-                    "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{color}\">{words}</text>"
-                )
-            }
-            Mark::Area { x, y, width, height, color } => {
-                let color = hex(*color);
-                writeln!(
-                    svg,
-                    "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{color}\"/>"
-                )
-            }
-            Mark::Picture { x, y, width, height, pixels } => {
-                let (href, smooth) = pixels.embedded()?;
-                let sharp = if smooth { "" } else { " style=\"image-rendering:pixelated\"" };
-                writeln!(
-                    svg,
-                    "<image x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" \
-                     preserveAspectRatio=\"none\"{sharp} href=\"{href}\"/>"
-                )
-            }
-        };
+    let mut templates = Environment::new();
+    templates.add_template("diagram.svg", include_str!("diagram.svg"))?;
+    Ok(templates.get_template("diagram.svg")?.render(context! { width, height, marks => Serde(marks) })?)
+}
+
+/// As a URI, and whether it may be smoothed.
+impl Serialize for Pixels {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.embedded().map_err(S::Error::custom)?.serialize(serializer)
     }
-    Ok(svg + "</svg>\n")
 }
 
 impl Pixels {
@@ -186,105 +148,71 @@ impl Pixels {
         }
     }
 
-    /// As a URI, and whether it may be smoothed.
     fn embedded(&self) -> Result<(String, bool)> {
         if let Self::Frame(frame) = self {
             return Ok((encode::data_uri("image/jpeg", &encode::jpeg(frame)?), true));
         }
+        Ok((encode::data_uri("image/png", &Canvas(self.image()).png()?), false))
+    }
+
+    fn image(&self) -> RgbImage {
         let (width, height) = self.size();
-        let inks = self.inks((width.into(), height.into()))?;
-        let bytes = encode::png((width.into(), height.into()), &inks, &full_palette())?;
-        Ok((encode::data_uri("image/png", &bytes), false))
+        RgbImage::from_fn(width.into(), height.into(), |x, y| Rgb(self.color((y * u32::from(width) + x) as usize)))
     }
 
-    /// Row by row, in the palette of a canvas, at another size.
-    fn inks(&self, (width, height): (u32, u32)) -> Result<Vec<u8>> {
-        let own = self.size();
-        let own = (u32::from(own.0), u32::from(own.1));
-        let smooth = !width.is_multiple_of(own.0.max(1)) || !height.is_multiple_of(own.1.max(1));
-        if let (Self::Frame(frame), true) = (self, smooth) {
-            let whole =
-                GrayImage::from_raw(own.0, own.1, frame.pixels.clone()).context("a frame has all its pixels")?;
-            let sized = resize(&whole, width, height, FilterType::Triangle);
-            return Ok(sized.into_raw().into_iter().map(|gray| gray / 2).collect());
-        }
-        let nearest = |at: u32| ((at / width * own.1 / height) * own.0 + at % width * own.0 / width) as usize;
-        Ok((0..width * height).map(|at| self.ink(nearest(at))).collect())
-    }
-
-    fn ink(&self, at: usize) -> u8 {
+    fn color(&self, at: usize) -> Color {
         match self {
-            Self::Frame(frame) => frame.pixels[at] / 2,
-            Self::Patch { levels, .. } => levels[at] / 2,
+            Self::Frame(GrayFrame { pixels: levels, .. }) | Self::Patch { levels, .. } => coarse(levels[at]),
             Self::Differences { levels, alpha, .. } => match levels[at] {
-                level if u16::from(level) < *alpha => ink(pictures::counting_color(level)),
-                level => pictures::gray(level.min(pictures::BRIGHTEST)) / 2,
+                level if u16::from(level) < *alpha => pictures::counting_color(level),
+                level => coarse(pictures::gray(level.min(pictures::BRIGHTEST))),
             },
         }
     }
+
+    /// At another size: smooth where it is a frame that does not become a whole number of times as large.
+    fn sized(&self, width: u32, height: u32) -> RgbImage {
+        let whole = |side: u32, own: u16| side.is_multiple_of(u32::from(own).max(1));
+        let sharp = whole(width, self.size().0) && whole(height, self.size().1);
+        match self {
+            Self::Frame(frame) if !sharp => {
+                let smooth = resize(&gray_image(frame), width, height, FilterType::Triangle);
+                RgbImage::from_fn(width, height, |x, y| Rgb(coarse(smooth.get_pixel(x, y).0[0])))
+            }
+            _ => resize(&self.image(), width, height, FilterType::Nearest),
+        }
+    }
 }
 
-fn png(size: (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
-    let mut canvas = Canvas::new(size.0, size.1);
+fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
+    let mut canvas = Canvas::new(width, height, PAPER);
     for mark in marks {
         match mark {
-            Mark::Line { points, color, stroke } => line(&mut canvas, points, ink(*color), *stroke),
+            Mark::Line { points, color, stroke } => {
+                let (thick, dashes) = match stroke {
+                    Stroke::Solid => (2, Dashes::NONE),
+                    Stroke::Dashed => (2, Dashes::new(6.0, 6.0)),
+                    Stroke::Dotted => (1, Dashes::new(3.0, 4.0)),
+                };
+                canvas::line(&mut canvas, points, thick, *color, dashes);
+            }
             Mark::Words { x, y, place, words, color } => {
-                let left = x - place * f64::from(Canvas::width_of(words));
-                let top = y - f64::from(font::HEIGHT);
-                canvas.text(pixel(left), pixel(top), words, color.map_or(WHITE, ink));
+                let left = x - place * f64::from(canvas::width_of(words));
+                let top = y - f64::from(FONT.character_size.height / 2);
+                canvas.text(pixel(left), pixel(top), words, color.unwrap_or(WHITE), FONT);
             }
             Mark::Area { x, y, width, height, color } => {
-                let rows = pixel(*y)..pixel(y + height);
-                let columns = || pixel(*x)..pixel(x + width);
-                rows.flat_map(|y| columns().map(move |x| (x, y))).for_each(|(x, y)| canvas.set(x, y, ink(*color)));
+                let corners = (Point::new(pixel(*x), pixel(*y)), Point::new(pixel(x + width), pixel(y + height)));
+                canvas.fill(&Rectangle::with_corners(corners.0, corners.1 - Point::new_equal(1)), *color);
             }
             Mark::Picture { x, y, width, height, pixels } => {
-                let (left, top, sides) = (pixel(*x), pixel(*y), (pixel(*width).max(1), pixel(*height).max(1)));
-                for (at, ink) in (0..).zip(pixels.inks(sides)?) {
-                    canvas.set(left + at % sides.0, top + at / sides.0, ink);
-                }
+                let side = |length: &f64| pixel(*length).max(1).unsigned_abs();
+                let place = |at: &f64| pixel(*at).max(0).unsigned_abs();
+                canvas.picture(place(x), place(y), &pixels.sized(side(width), side(height)));
             }
         }
     }
-    encode::png(canvas.size(), canvas.pixels(), &full_palette())
-}
-
-/// Dashes go on around the corners.
-fn line(canvas: &mut Canvas, points: &[(f64, f64)], ink: u8, stroke: Stroke) {
-    let mut drawn = 0;
-    for ends in points.windows(2) {
-        drawn += straight(canvas, ends[0], ends[1], ink, stroke, drawn);
-    }
-}
-
-/// A straight line, two pixels thick; dotted, it is thin. `before` so many steps were drawn; tells how many these are.
-fn straight(canvas: &mut Canvas, from: (f64, f64), to: (f64, f64), ink: u8, stroke: Stroke, before: u32) -> u32 {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let steps = dx.abs().max(dy.abs()).ceil().max(1.0);
-    for step in 0..=pixel(steps) {
-        let gap = match stroke {
-            Stroke::Solid => false,
-            Stroke::Dashed => (before + step) % 12 >= 6,
-            Stroke::Dotted => (before + step) % 6 >= 3,
-        };
-        if gap {
-            continue;
-        }
-        let along = f64::from(step) / steps;
-        let (x, y) = (pixel(from.0 + dx * along), pixel(from.1 + dy * along));
-        canvas.set(x, y, ink);
-        if stroke != Stroke::Dotted {
-            let second = if dx.abs() < dy.abs() { (x + 1, y) } else { (x, y + 1) };
-            canvas.set(second.0, second.1, ink);
-        }
-    }
-    pixel(steps)
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
-fn pixel(value: f64) -> u32 {
-    value.round() as u32
+    canvas.png()
 }
 
 #[cfg(test)]

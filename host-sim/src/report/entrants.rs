@@ -17,12 +17,14 @@ const FILES: [Color; 8] = [
 ];
 
 /// One of them.
+#[derive(serde::Serialize)]
 pub(super) struct Entrant {
     pub name: String,
     /// As it stands on the page.
     pub title: String,
     pub color: Color,
     /// One a frame.
+    #[serde(skip)]
     pub answers: Vec<Option<BoundingBox>>,
     /// Its place among the methods; `None` of a file.
     pub method: Option<usize>,

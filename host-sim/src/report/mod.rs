@@ -2,22 +2,21 @@
 //! their confidence is worth, as diagrams.
 
 pub mod calibration;
+pub(crate) mod canvas;
 mod coordinates;
 mod data;
 pub mod diagram;
 mod difference;
 mod encode;
 mod entrants;
-mod escaped;
 pub mod figures;
 mod film;
-pub(crate) mod font;
 mod look;
 mod page;
 mod picture;
 mod pictures;
-mod plot;
 mod reel;
+mod scores;
 #[cfg(feature = "bench")]
 pub mod speeds;
 mod tile;
@@ -33,7 +32,7 @@ use crate::evaluate::MethodKind;
 use smr_core::State;
 
 /// A color as red, green, blue.
-type Color = [u8; 3];
+pub(crate) type Color = [u8; 3];
 
 // The paper's colors: SMR red, SAD blue. They must be told from each other on any frame, and from the states'.
 const SMR: Color = [255, 64, 64];

@@ -6,9 +6,9 @@
   const data = JSON.parse(byId("data").textContent);
   const TRUTH = "ground truth";
   const off = new Set();
+  for (const entrant of data.recordings.flatMap((one) => one.entrants)) entrant.color = `rgb(${entrant.color})`;
   let recording = data.recordings[0];
   let frame = 0;
-  let hovered = null;
   let timer = null;
   let panels = [];
 
@@ -128,29 +128,24 @@
     { title: "Size, pixels (root of the box's area)", key: "size", digits: 1, truth: true },
     { title: "Cost, comparisons or products", key: "work", digits: 0 },
   ];
-  const LEFT = 56, RIGHT = 8, TOP = 6, BOTTOM = 6, HEIGHT = 104;
-
-  function niceAbove(value) {
-    const unit = 10 ** Math.floor(Math.log10(Math.max(value, 1)));
-    return [1, 2, 3, 4, 5, 6, 8, 10].map((times) => times * unit).find((nice) => nice >= value);
-  }
-
+  const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 22;
   const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
+  const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
+  const truthSize = () => recording.truth.map((box) => box && Math.sqrt(box[2] * box[3]));
 
-  function pathOf(values, x, y) {
-    let path = "";
-    let gap = true;
-    values.forEach((value, index) => {
-      if (value !== null) path += `${gap ? "M" : "L"}${x(index).toFixed(1)} ${y(value).toFixed(1)}${gap ? "h0" : ""}`;
-      gap = value === null;
-    });
-    return path;
+  /** A color as lines have it: what is seen on any frame is too bright on white. */
+  function lineColor(color) {
+    const probe = htmlNode("span", { class: "dash", style: `--c:${color}` });
+    document.body.append(probe);
+    const found = getComputedStyle(probe).borderTopColor;
+    probe.remove();
+    return found;
   }
 
-  /** First and last index of every run for which `same` is a value that is not null. */
-  function runs(length, valueAt) {
+  /** First and last index of every run of the same value that is not null. */
+  function runs(valueAt) {
     const found = [];
-    for (let index = 0; index < length; index++) {
+    for (let index = 0; index < recording.frames; index++) {
       const value = valueAt(index);
       const last = found[found.length - 1];
       if (value === null) continue;
@@ -160,102 +155,99 @@
     return found;
   }
 
-  function drawCurves() {
-    const holder = byId("curves");
-    const width = Math.max(280, holder.clientWidth);
-    const inner = width - LEFT - RIGHT;
-    const edge = (index) => LEFT + (inner * index) / recording.frames;
-    const x = (index) => edge(index + 0.5);
-    const hidden = recording.truth ? runs(recording.frames, (index) => (recording.truth[index] ? null : "hidden")) : [];
-    panels = [];
-    const nodes = [];
-    const add = (title, height, label) => {
-      const svg = svgNode("svg", { class: "curve", viewBox: `0 0 ${width} ${height}`, width, height, role: "img", "aria-label": label });
-      for (const run of hidden) {
-        const shade = { class: "gone", x: edge(run.from), y: 0, width: edge(run.to + 1) - edge(run.from), height };
-        svg.append(svgNode("rect", shade));
-      }
-      const values = htmlNode("span", { class: "values" });
-      const cursor = svgNode("path", { class: "cursor" });
-      const pointer = svgNode("path", { class: "pointer" });
-      nodes.push(htmlNode("div", { class: "panel" }, htmlNode("div", { class: "name" }, htmlNode("b", {}, title), values), svg));
-      const panel = { svg, values, cursor, pointer, x, height };
-      const indexAt = (event) => {
-        const place = event.clientX - svg.getBoundingClientRect().left;
-        return Math.max(0, Math.min(recording.frames - 1, Math.floor(((place - LEFT) / inner) * recording.frames)));
-      };
-      svg.addEventListener("pointermove", (event) => { hovered = indexAt(event); drawReadout(); });
-      svg.addEventListener("pointerleave", () => { hovered = null; drawReadout(); });
-      svg.addEventListener("click", (event) => { play(false); goTo(indexAt(event)); });
-      panels.push(panel);
-      return panel;
+  /** Fills the frames of each run, from `top` on; frame numbers are in their middle. */
+  function fillRuns(plot, found, top, height, colorOf) {
+    const x = (number) => Math.min(Math.max(plot.valToPos(number, "x", true), plot.bbox.left), plot.bbox.left + plot.bbox.width);
+    for (const { value, from, to } of found) {
+      plot.ctx.fillStyle = colorOf(value);
+      plot.ctx.fillRect(x(from + 0.5), plot.bbox.top + top * devicePixelRatio, x(to + 1.5) - x(from + 0.5), height * devicePixelRatio);
+    }
+  }
+
+  /** A panel with these lines over the frames, the first on top: a `label`, `values`, a `color`, and how a value is `read`. */
+  function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
+    const name = htmlNode("div", { class: "name" }, htmlNode("b", {}, title));
+    const panel = htmlNode("div", { class: "panel" }, name);
+    byId("curves").append(panel);
+    const marker = htmlNode("div", { class: "cursor" });
+    const hidden = recording.truth ? runs((index) => (recording.truth[index] ? null : "gone")) : [];
+    const place = (plot) => {
+      const left = plot.valToPos(frame + 1, "x");
+      marker.style.left = left + "px";
+      marker.hidden = left < 0 || left > plot.over.clientWidth;
     };
+    const follow = (plot) => { if (plot.cursor.left < 0) plot.setLegend({ idx: frame }); };
+    // A value between two that are missing has no line: it is a point.
+    const alone = (plot, at) => {
+      const values = plot.data[at];
+      return [...values.keys()].filter((i) => values[i] !== null && (values[i - 1] ?? null) === null && (values[i + 1] ?? null) === null);
+    };
+    const line = ({ label, values, color, read, dashed, width }) => ({
+      label, width: width ?? 1.6, stroke: color, dash: dashed ? [2, 3] : undefined, value: (_, value, at, index) => index === null ? "–" : read(index),
+      points: { show: true, size: 3, stroke: color, fill: color, filter: alone },
+    });
+    const drawn = [...lines].reverse();
+    const axis = { stroke: () => styleOf("--faint"), font: "11px system-ui, sans-serif", ticks: { show: false } };
+    const plot = new uPlot({
+      width: width(), height: height + (isLast ? AXIS : 0), padding: [6, RIGHT, 6, 0],
+      legend: { mount: (_, legend) => name.append(legend) },
+      cursor: { sync: { key: "frames" }, y: false, points: { show: !draw } },
+      scales: { x: { time: false }, y: { range: (_, least, largest) => [0, most ?? Math.max(1, largest * 1.05)] } },
+      axes: [
+        { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false } },
+        { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => styleOf("--rule"), width: 1 }, ...ticks },
+      ],
+      series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (isVisible(number - 1) ? "" : ", hidden") }, ...drawn.map(line)],
+      hooks: {
+        drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.height, () => styleOf("--gone"))],
+        draw: [(plot) => draw && draw(plot), place],
+        setCursor: [follow],
+      },
+    }, [Array.from({ length: recording.frames }, (_, index) => index + 1), ...drawn.map((line) => line.values)], panel);
+    const legend = name.querySelector("tbody");
+    legend.append(...[...legend.children].slice(1).reverse());
+    plot.over.append(marker);
+    plot.over.addEventListener("click", (event) => { play(false); goTo(plot.posToIdx(event.clientX - plot.over.getBoundingClientRect().left)); });
+    panels.push({ plot, read: () => { place(plot); follow(plot); } });
+  }
+
+  const width = () => Math.max(280, byId("curves").clientWidth);
+
+  function drawCurves() {
+    panels.forEach(({ plot }) => plot.destroy());
+    panels = [];
+    byId("curves").replaceChildren();
+    const wanted = [];
     const list = shown();
     const withStates = list.filter((entrant) => entrant.states);
     if (withStates.length) {
-      const panel = add("States", withStates.length * 14 + 4, "states over frames");
-      withStates.forEach((entrant, row) => {
-        panel.svg.append(svgNode("text", { x: LEFT - 6, y: row * 14 + 12, "text-anchor": "end" }, entrant.title.slice(0, 6)));
-        for (const run of runs(recording.frames, (index) => entrant.states[index])) {
-          const band = { class: "band " + run.value, x: edge(run.from), y: row * 14 + 2, width: edge(run.to + 1) - edge(run.from), height: 12 };
-          const node = svgNode("rect", band);
-          node.append(svgNode("title", {}, `${entrant.title} ${run.value}: frames ${run.from + 1} to ${run.to + 1}`));
-          panel.svg.append(node);
-        }
+      const count = withStates.length;
+      wanted.push({
+        title: "States", height: count * BAND + 12, most: count,
+        ticks: { splits: () => withStates.map((_, row) => count - row - 0.5), values: () => withStates.map((entrant) => entrant.title.slice(0, 6)), grid: { show: false } },
+        draw: (plot) => withStates.forEach((entrant, row) => {
+          const color = (state) => styleOf("--" + (state === "uncertain" ? "leaving" : state));
+          fillRuns(plot, runs((index) => entrant.states[index]), row * BAND + 1, BAND - 2, color);
+        }),
+        lines: withStates.map((entrant) => ({ label: entrant.title, values: entrant.states.map(() => null), color: lineColor(entrant.color), read: (index) => entrant.states[index] })),
       });
-      panel.read = (index) => withStates.map((entrant) => [entrant, entrant.states[index]]);
-      panel.svg.append(panel.pointer, panel.cursor);
     }
-    for (const curve of CURVES) {
-      const lines = list.filter((entrant) => entrant[curve.key]);
+    for (const { title, key, second, most, digits, truth } of CURVES) {
+      const lines = list.filter((entrant) => entrant[key]);
       if (!lines.length) continue;
-      const sets = lines.map((entrant) => entrant[curve.key]);
-      const truth = curve.truth && recording.truth && !off.has(TRUTH)
-        ? recording.truth.map((box) => box && Math.sqrt(box[2] * box[3])) : null;
-      if (truth) sets.push(truth);
-      const most = curve.most || niceAbove(sets.reduce((most, values) => values.reduce((a, b) => Math.max(a, b || 0), most), 1));
-      const y = (value) => TOP + (HEIGHT - TOP - BOTTOM) * (1 - Math.min(value, most) / most);
-      const panel = add(curve.title, HEIGHT, curve.title + " over frames");
-      for (const level of [0, most / 2, most]) {
-        panel.svg.append(svgNode("path", { class: "grid", d: `M${LEFT} ${y(level)}H${width - RIGHT}` }));
-        panel.svg.append(svgNode("text", { x: LEFT - 6, y: y(level) + 4, "text-anchor": "end" }, short(level)));
-      }
-      if (truth) panel.svg.append(svgNode("path", { class: "line", style: "--c:var(--truth)", d: pathOf(truth, x, y) }));
-      // What is drawn last is on top: the first one.
-      for (const entrant of [...lines].reverse()) {
-        const style = `--c:${entrant.color}`;
-        const second = curve.second && entrant[curve.second];
-        if (second) panel.svg.append(svgNode("path", { class: "line second", style, d: pathOf(second, x, y) }));
-        panel.svg.append(svgNode("path", { class: "line", style, d: pathOf(entrant[curve.key], x, y) }));
-      }
-      const text = (value) => (value === null ? "–" : value.toFixed(curve.digits));
-      panel.read = (index) => lines.map((entrant) => {
-        const second = curve.second && entrant[curve.second];
-        return [entrant, text(entrant[curve.key][index]) + (second ? ` (${text(second[index])})` : "")];
-      });
-      panel.svg.append(panel.pointer, panel.cursor);
+      const line = (label, color, values) => ({ label, color: lineColor(color), values, read: (index) => values[index] === null ? "–" : values[index].toFixed(digits) });
+      const all = lines.flatMap((entrant) => [
+        line(entrant.title, entrant.color, entrant[key]),
+        ...(second && entrant[second] ? [{ ...line(`${entrant.title} runner-up`, entrant.color, entrant[second]), dashed: true, width: 1.2 }] : []),
+      ]);
+      if (truth && recording.truth && !off.has(TRUTH)) all.push(line("truth", "var(--truth)", truthSize()));
+      wanted.push({ title, height: HEIGHT, most, ticks: { values: (_, values) => values.map(short) }, lines: all });
     }
-    const axis = svgNode("svg", { class: "curve axis", viewBox: `0 0 ${width} 18`, width, height: 18, role: "img", "aria-label": "frames" });
-    const unit = niceAbove(recording.frames / (inner / 90));
-    axis.append(svgNode("text", { x: x(0), y: 13, "text-anchor": "middle" }, 1));
-    for (let number = unit; number <= recording.frames; number += unit) {
-      if (edge(number) > LEFT + 24) axis.append(svgNode("text", { x: Math.min(x(number - 1), width - 12), y: 13, "text-anchor": "middle" }, number));
-    }
-    holder.replaceChildren(...nodes, axis);
+    wanted.forEach((panel, at) => addPanel(panel, at === wanted.length - 1));
     drawReadout();
   }
 
-  function drawReadout() {
-    const at = hovered === null ? frame : hovered;
-    for (const panel of panels) {
-      const line = (index) => `M${panel.x(index).toFixed(1)} 0V${panel.height}`;
-      panel.cursor.setAttribute("d", line(frame));
-      panel.pointer.setAttribute("d", hovered === null ? "" : line(hovered));
-      const values = panel.read(at).map(([entrant, value]) =>
-        htmlNode("span", { class: "value" }, htmlNode("span", { class: "dash", style: `--c:${entrant.color}` }), `${entrant.title} ${value}`));
-      panel.values.replaceChildren(`frame ${at + 1}${isVisible(at) ? "" : ", hidden"}`, ...values);
-    }
-  }
+  const drawReadout = () => panels.forEach((panel) => panel.read());
 
   // ---- what was compared
 
@@ -372,7 +364,8 @@
     link.addEventListener("click", () => open(data.recordings.findIndex((one) => one.name === name), Number(link.dataset.frame) - 1));
   }
   let resized = null;
-  addEventListener("resize", () => { clearTimeout(resized); resized = setTimeout(() => { drawCurves(); show(); }, 100); });
+  addEventListener("resize", () => { clearTimeout(resized); resized = setTimeout(() => { panels.forEach(({ plot }) => plot.setSize({ width: width(), height: plot.height })); show(); }, 100); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawCurves);
   drawScale();
   open(0, 0);
 })();

@@ -1,7 +1,8 @@
 //! Frames per second by size of window and template, as a diagram with two logarithmic axes.
 
+use super::canvas::FONT;
 use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, Stroke, TOP};
-use super::{Color, SAD, SMR, TRUTH, color_of, font};
+use super::{Color, SAD, SMR, TRUTH, color_of};
 use crate::bench::speeds::{Speed, TEMPLATES, WINDOWS};
 use smr_core::State;
 
@@ -121,7 +122,7 @@ fn apart(marks: &mut [Mark]) {
     let mut free = f64::NEG_INFINITY;
     for y in names {
         *y = y.max(free);
-        free = *y + f64::from(font::HEIGHT) * 2.0 + 4.0;
+        free = *y + f64::from(FONT.character_size.height);
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a figure is put together from: frames with boxes, patches, words and lines.
 
+use crate::report::canvas::width_of;
 use crate::report::diagram::{Form, Mark, Pixels, Stroke};
 use crate::report::difference::Difference;
 use crate::report::film::{Film, Still};
@@ -11,8 +12,6 @@ use anyhow::Result;
 pub(super) const WIDTH: f64 = 760.0;
 /// Around and between.
 pub(super) const GAP: f64 = 20.0;
-/// How wide a letter is in a PNG.
-const LETTER: f64 = 12.0;
 /// From one line of words to the next.
 pub(super) const LINE: f64 = 22.0;
 /// What is marked as hidden.
@@ -58,7 +57,7 @@ impl Sheet {
             truth.into_iter().chain([("SAD", SAD, Stroke::Dashed), ("SMR", SMR, Stroke::Solid)])
         {
             self.words(x, y, 1.0, name, Some(color));
-            x -= LETTER * name.len() as f64 + 6.0;
+            x -= f64::from(width_of(name)) + 6.0;
             self.line(vec![(x - 30.0, y), (x, y)], color, stroke);
             x -= 30.0 + GAP;
         }
