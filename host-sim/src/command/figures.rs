@@ -12,7 +12,6 @@ use crate::report::figures::{Figure, METHODS, Plan, Wish};
 use crate::report::{Choice, Film, watch};
 use crate::sequence::FrameRange;
 use anyhow::{Context, Result, ensure};
-use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fs;
@@ -39,7 +38,7 @@ pub struct Figures {
     hidden: Option<FrameRange>,
     /// What files are written as; several are separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "png,svg")]
-    form: Vec<FormName>,
+    form: Vec<Form>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -47,21 +46,6 @@ pub struct Figures {
     recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FormName {
-    Png,
-    Svg,
-}
-
-impl From<FormName> for Form {
-    fn from(name: FormName) -> Self {
-        match name {
-            FormName::Png => Self::Png,
-            FormName::Svg => Self::Svg,
-        }
-    }
 }
 
 #[derive(Serialize)]
@@ -159,7 +143,7 @@ impl Figures {
     fn write(&self, plan: &Plan, film: &Film) -> Result<Written> {
         let sheet = plan.draw(film)?;
         let mut files = Vec::new();
-        for form in self.form.iter().copied().map(Form::from) {
+        for form in self.form.iter().copied() {
             let file = self.out.join(format!("{}.{}", plan.figure, form.extension()));
             let bytes = sheet.file(form)?;
             output::write(&file, &bytes)?;

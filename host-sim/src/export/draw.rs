@@ -1,14 +1,14 @@
 //! Boxes and a line of text, drawn over a frame.
 
 use crate::report::Color;
-use crate::report::canvas::{BLACK, Canvas, rgb};
+use crate::report::canvas::{BLACK, Canvas, gray_image, rgb};
 use crate::sequence::{BoundingBox, GrayFrame};
 use embedded_graphics::Drawable;
 use embedded_graphics::geometry::{Point, Size};
 use embedded_graphics::mono_font::iso_8859_1::FONT_6X10;
 use embedded_graphics::primitives::{Primitive, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
 use image::imageops::{FilterType, replace, resize};
-use image::{Rgb, RgbImage};
+use image::{DynamicImage, RgbImage};
 
 pub const WHITE: Color = [255; 3];
 pub const GREEN: Color = [40, 230, 100];
@@ -23,8 +23,7 @@ pub struct Overlay(Canvas);
 impl Overlay {
     #[must_use]
     pub fn new(frame: &GrayFrame) -> Self {
-        let gray = |x: u32, y: u32| frame.pixels[y as usize * usize::from(frame.width) + x as usize];
-        Self(Canvas(RgbImage::from_fn(frame.width.into(), frame.height.into(), |x, y| Rgb([gray(x, y); 3]))))
+        Self(Canvas(DynamicImage::from(gray_image(frame)).into_rgb8()))
     }
 
     #[must_use]

@@ -1,8 +1,12 @@
 //! The chance that a frame is correct by the ratio that was reported in it, as a diagram.
 
-use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, Stroke, TOP};
+use super::axes::{Axes, GRID};
+use super::diagram::{Mark, Stroke};
 use super::{SAD, SMR};
 use crate::evaluate::robustness::Bin;
+
+/// Both axes go from 0 to 1.
+const AXES: Axes = Axes::DIAGRAM;
 
 /// The diagram: the chance as a line, and as a dashed one how many of all frames are in each bin.
 #[must_use]
@@ -10,50 +14,21 @@ pub fn marks(bins: &[Bin]) -> Vec<Mark> {
     let all = bins.iter().map(|bin| bin.frames).sum::<u64>().max(1) as f64;
     let chances = bins.iter().map(|bin| bin.chance().map(|chance| (bin.middle(), chance)));
     let shares = bins.iter().map(|bin| Some((bin.middle(), bin.frames as f64 / all)));
-    let mut marks = grid();
-    marks.extend(lines(shares).map(|points| Mark::Line { points, color: SAD, stroke: Stroke::Dotted }));
-    marks.extend(lines(chances).map(|points| Mark::Line { points, color: SMR, stroke: Stroke::Solid }));
+    let percent = || (0..=100).step_by(20).map(|percent| (f64::from(percent) / 100.0, percent.to_string()));
+    let middle = (AXES.left + AXES.right) / 2.0;
+    let mut marks = AXES.grid(percent(), percent());
+    marks.extend(percent().map(|(value, _)| {
+        let points = vec![(AXES.x(value), AXES.top), (AXES.x(value), AXES.bottom)];
+        Mark::Line { points, color: GRID, stroke: Stroke::Dotted }
+    }));
+    marks.extend([
+        Mark::words(AXES.left, AXES.top / 2.0, 0.0, "line chance to be correct", Some(SMR)),
+        Mark::words(AXES.right + 112.0, AXES.top / 2.0, 1.0, "dashed part of all frames", Some(SAD)),
+        Mark::words(middle, AXES.bottom + 42.0, 0.5, "ratio and all else in percent", None),
+    ]);
+    marks.extend(AXES.curve(shares, SAD, Stroke::Dotted));
+    marks.extend(AXES.curve(chances, SMR, Stroke::Solid));
     marks
-}
-
-fn x(ratio: f64) -> f64 {
-    LEFT + (RIGHT - LEFT) * ratio
-}
-
-fn y(chance: f64) -> f64 {
-    BOTTOM - (BOTTOM - TOP) * chance
-}
-
-fn grid() -> Vec<Mark> {
-    let words = |x: f64, y: f64, place: f64, words: String, color| Mark::Words { x, y, place, words, color };
-    let mut marks = vec![
-        words(LEFT, TOP / 2.0, 0.0, "line chance to be correct".into(), Some(SMR)),
-        words(RIGHT + 112.0, TOP / 2.0, 1.0, "dashed part of all frames".into(), Some(SAD)),
-        words((LEFT + RIGHT) / 2.0, BOTTOM + 42.0, 0.5, "ratio and all else in percent".into(), None),
-    ];
-    for percent in (0..=100).step_by(20) {
-        let value = f64::from(percent) / 100.0;
-        let (across, up) = ([(LEFT, y(value)), (RIGHT, y(value))], [(x(value), TOP), (x(value), BOTTOM)]);
-        marks.extend([across, up].map(|ends| Mark::Line {
-            points: ends.to_vec(),
-            color: GRID,
-            stroke: Stroke::Dotted,
-        }));
-        marks.push(words(LEFT - 8.0, y(value), 1.0, percent.to_string(), None));
-        marks.push(words(x(value), BOTTOM + 18.0, 0.5, percent.to_string(), None));
-    }
-    marks
-}
-
-/// Lines through neighbours that there are; one without neighbours is a short line of its own.
-fn lines(values: impl Iterator<Item = Option<(f64, f64)>>) -> impl Iterator<Item = Vec<(f64, f64)>> {
-    let values: Vec<_> = values.map(|value| value.map(|(ratio, part)| (x(ratio), y(part)))).collect();
-    let runs = values.split(Option::is_none).map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
-    let line = |points: Vec<(f64, f64)>| match points[..] {
-        [(x, y)] => vec![(x - 3.0, y), (x + 3.0, y)],
-        _ => points,
-    };
-    runs.filter(|points| !points.is_empty()).map(line).collect::<Vec<_>>().into_iter()
 }
 
 #[cfg(test)]
@@ -74,7 +49,7 @@ mod tests {
     fn lines_have_gaps_where_there_are_no_frames() {
         let svg = String::from_utf8(Form::Svg.draw(&marks(&bins())).unwrap()).unwrap();
         assert_eq!(svg.matches("stroke-width=\"2\"").count(), 2, "{svg}");
-        assert_eq!(y(0.125), 355.5);
+        assert_eq!(AXES.y(0.125), 355.5);
         assert!(
             svg.contains("points=\"241.0,355.5 355.0,222.0\"") && svg.contains("points=\"580.0,44.0 586.0,44.0\""),
             "{svg}"

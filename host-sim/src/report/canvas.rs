@@ -142,7 +142,7 @@ pub(super) fn pixel(place: f64) -> i32 {
     place.round() as i32
 }
 
-pub(super) fn gray_image(frame: &GrayFrame) -> GrayImage {
+pub(crate) fn gray_image(frame: &GrayFrame) -> GrayImage {
     let at = |x: u32, y: u32| frame.pixels[y as usize * usize::from(frame.width) + x as usize];
     GrayImage::from_fn(frame.width.into(), frame.height.into(), |x, y| Luma([at(x, y)]))
 }
@@ -150,6 +150,10 @@ pub(super) fn gray_image(frame: &GrayFrame) -> GrayImage {
 /// Half of the gray levels are enough for the eye, and noise makes up most of a file.
 pub(super) fn coarse(gray: u8) -> Color {
     [gray / 2 * 2 + gray / 128; 3]
+}
+
+pub(super) fn coarse_image(gray: &GrayImage) -> RgbImage {
+    RgbImage::from_fn(gray.width(), gray.height(), |x, y| image::Rgb(coarse(gray.get_pixel(x, y).0[0])))
 }
 
 #[cfg(test)]

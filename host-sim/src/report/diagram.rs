@@ -1,7 +1,7 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
-use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, gray_image, pixel};
-use super::{Color, color_of, encode, pictures};
+use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, coarse_image, gray_image, pixel};
+use super::{Color, encode, pictures};
 use crate::sequence::GrayFrame;
 use anyhow::{Result, bail};
 use embedded_graphics::geometry::Point;
@@ -12,22 +12,14 @@ use minijinja::value::Serde;
 use minijinja::{Environment, context};
 use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
-use smr_core::State;
 use std::path::Path;
 
 pub(super) const SIZE: (u32, u32) = (760, 460);
-/// What the lines are drawn in.
-pub(super) const LEFT: f64 = 70.0;
-pub(super) const RIGHT: f64 = 640.0;
-pub(super) const TOP: f64 = 44.0;
-pub(super) const BOTTOM: f64 = 400.0;
-pub(super) const GRID: Color = color_of(State::Tracking);
-
 /// How the diagram is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Form {
-    Svg,
     Png,
+    Svg,
 }
 
 impl Form {
@@ -127,6 +119,12 @@ pub enum Mark {
     },
 }
 
+impl Mark {
+    pub(super) fn words(x: f64, y: f64, place: f64, words: impl Into<String>, color: Option<Color>) -> Self {
+        Self::Words { x, y, place, words: words.into(), color }
+    }
+}
+
 fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
     let mut templates = Environment::new();
     templates.add_template("diagram.svg", include_str!("diagram.svg"))?;
@@ -152,7 +150,11 @@ impl Pixels {
         if let Self::Frame(frame) = self {
             return Ok((encode::data_uri("image/jpeg", &encode::jpeg(frame)?), true));
         }
-        Ok((encode::data_uri("image/png", &Canvas(self.image()).png()?), false))
+        Ok((encode::data_uri("image/png", &self.png()?), false))
+    }
+
+    pub(super) fn png(&self) -> Result<Vec<u8>> {
+        Canvas(self.image()).png()
     }
 
     fn image(&self) -> RgbImage {
@@ -165,7 +167,7 @@ impl Pixels {
             Self::Frame(GrayFrame { pixels: levels, .. }) | Self::Patch { levels, .. } => coarse(levels[at]),
             Self::Differences { levels, alpha, .. } => match levels[at] {
                 level if u16::from(level) < *alpha => pictures::counting_color(level),
-                level => coarse(pictures::gray(level.min(pictures::BRIGHTEST))),
+                level => coarse(pictures::gray(level)),
             },
         }
     }
@@ -176,8 +178,7 @@ impl Pixels {
         let sharp = whole(width, self.size().0) && whole(height, self.size().1);
         match self {
             Self::Frame(frame) if !sharp => {
-                let smooth = resize(&gray_image(frame), width, height, FilterType::Triangle);
-                RgbImage::from_fn(width, height, |x, y| Rgb(coarse(smooth.get_pixel(x, y).0[0])))
+                coarse_image(&resize(&gray_image(frame), width, height, FilterType::Triangle))
             }
             _ => resize(&self.image(), width, height, FilterType::Nearest),
         }

@@ -1,6 +1,7 @@
 //! What people look at: methods side by side on recordings, as one page, as one picture or as figures; how fast they are and what
 //! their confidence is worth, as diagrams.
 
+mod axes;
 pub mod calibration;
 pub(crate) mod canvas;
 mod coordinates;

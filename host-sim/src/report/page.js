@@ -89,7 +89,9 @@
       input.addEventListener("change", () => {
         if (input.checked) off.delete(name);
         else off.add(name);
+        const { min, max } = panels.length ? panels[0].plot.scales.x : {};
         drawCurves();
+        if (min) panels.forEach(({ plot }) => plot.setScale("x", { min, max }));
         show();
       });
       return htmlNode("label", {}, input, htmlNode("span", { class: "key", style: `--c:${color}` }), title);
@@ -129,10 +131,10 @@
     { title: "Cost, comparisons or products", key: "work", digits: 0 },
   ];
   const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 22;
+  const WHOLE = [1, 10, 100, 1000, 1e4, 1e5].flatMap((unit) => [unit, 2 * unit, 5 * unit]);
   const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
   const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
-  const truthSize = () => recording.truth.map((box) => box && Math.sqrt(box[2] * box[3]));
-
+  
   /** A color as lines have it: what is seen on any frame is too bright on white. */
   function lineColor(color) {
     const probe = htmlNode("span", { class: "dash", style: `--c:${color}` });
@@ -167,7 +169,7 @@
   /** A panel with these lines over the frames, the first on top: a `label`, `values`, a `color`, and how a value is `read`. */
   function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
     const name = htmlNode("div", { class: "name" }, htmlNode("b", {}, title));
-    const panel = htmlNode("div", { class: "panel" }, name);
+    const panel = htmlNode("div", { class: "panel", role: "group", "aria-label": title + " over frames" }, name);
     byId("curves").append(panel);
     const marker = htmlNode("div", { class: "cursor" });
     const hidden = recording.truth ? runs((index) => (recording.truth[index] ? null : "gone")) : [];
@@ -194,12 +196,12 @@
       cursor: { sync: { key: "frames" }, y: false, points: { show: !draw } },
       scales: { x: { time: false }, y: { range: (_, least, largest) => [0, most ?? Math.max(1, largest * 1.05)] } },
       axes: [
-        { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false } },
+        { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false }, incrs: WHOLE },
         { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => styleOf("--rule"), width: 1 }, ...ticks },
       ],
       series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (isVisible(number - 1) ? "" : ", hidden") }, ...drawn.map(line)],
       hooks: {
-        drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.height, () => styleOf("--gone"))],
+        drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.bbox.height / devicePixelRatio, () => styleOf("--gone"))],
         draw: [(plot) => draw && draw(plot), place],
         setCursor: [follow],
       },
@@ -222,14 +224,17 @@
     const withStates = list.filter((entrant) => entrant.states);
     if (withStates.length) {
       const count = withStates.length;
+      const states = withStates.map((entrant) => runs((index) => entrant.states[index]));
+      const color = (state) => styleOf("--" + (state === "uncertain" ? "leaving" : state));
+      const said = ({ value, from, to }) => `${value} in ${from + 1} to ${to + 1}`;
       wanted.push({
         title: "States", height: count * BAND + 12, most: count,
         ticks: { splits: () => withStates.map((_, row) => count - row - 0.5), values: () => withStates.map((entrant) => entrant.title.slice(0, 6)), grid: { show: false } },
-        draw: (plot) => withStates.forEach((entrant, row) => {
-          const color = (state) => styleOf("--" + (state === "uncertain" ? "leaving" : state));
-          fillRuns(plot, runs((index) => entrant.states[index]), row * BAND + 1, BAND - 2, color);
-        }),
-        lines: withStates.map((entrant) => ({ label: entrant.title, values: entrant.states.map(() => null), color: lineColor(entrant.color), read: (index) => entrant.states[index] })),
+        draw: (plot) => states.forEach((found, row) => fillRuns(plot, found, row * BAND + 1, BAND - 2, color)),
+        lines: withStates.map((entrant, row) => ({
+          label: entrant.title, color: lineColor(entrant.color), values: entrant.states.map(() => null),
+          read: (index) => said(states[row].find((run) => index <= run.to)),
+        })),
       });
     }
     for (const { title, key, second, most, digits, truth } of CURVES) {
@@ -240,7 +245,7 @@
         line(entrant.title, entrant.color, entrant[key]),
         ...(second && entrant[second] ? [{ ...line(`${entrant.title} runner-up`, entrant.color, entrant[second]), dashed: true, width: 1.2 }] : []),
       ]);
-      if (truth && recording.truth && !off.has(TRUTH)) all.push(line("truth", "var(--truth)", truthSize()));
+      if (truth && recording.truth && !off.has(TRUTH)) all.push(line("truth", "var(--truth)", recording.truth.map((box) => box && Math.sqrt(box[2] * box[3]))));
       wanted.push({ title, height: HEIGHT, most, ticks: { values: (_, values) => values.map(short) }, lines: all });
     }
     wanted.forEach((panel, at) => addPanel(panel, at === wanted.length - 1));

@@ -1,6 +1,6 @@
 //! The film strip as one picture: what a README shows.
 
-use super::canvas::{BLACK, Canvas, Dashes, FONT, PAPER, WHITE, coarse, gray_image, line, pixel};
+use super::canvas::{BLACK, Canvas, Dashes, FONT, PAPER, WHITE, coarse_image, gray_image, line, pixel};
 use super::film::{Film, Still};
 use super::turns::turns;
 use super::{Color, TRUTH, color_of, color_of_method};
@@ -11,7 +11,6 @@ use embedded_graphics::draw_target::DrawTargetExt;
 use embedded_graphics::geometry::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 use image::imageops::{FilterType, resize};
-use image::{Rgb, RgbImage};
 
 /// No side of a frame is longer in the picture.
 const TILE: u32 = 320;
@@ -63,7 +62,7 @@ fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still
     let (width, height) = fitted((still.frame.width, still.frame.height));
     // The nearest pixel each: whole factors stay sharp.
     let sized = resize(&gray_image(&still.frame), width, height, FilterType::Nearest);
-    canvas.picture(left, top, &RgbImage::from_fn(width, height, |x, y| Rgb(coarse(sized.get_pixel(x, y).0[0]))));
+    canvas.picture(left, top, &coarse_image(&sized));
     let (left, top, size) = (f64::from(left), f64::from(top), [width, height].map(f64::from));
     let scale = size[0] / f64::from(still.frame.width);
     let mut clipped = canvas.clipped(&Rectangle::new(Point::new(pixel(left), pixel(top)), Size::new(width, height)));
@@ -109,7 +108,7 @@ mod tests {
     use std::collections::BTreeSet;
     use std::path::Path;
 
-    fn drawn(sequence: Sequence, choice: Choice) -> RgbImage {
+    fn drawn(sequence: Sequence, choice: Choice) -> image::RgbImage {
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
         let film = watch(sequence, &methods, choice, None, || ()).unwrap();

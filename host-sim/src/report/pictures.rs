@@ -1,10 +1,11 @@
 //! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
 
+use super::diagram::Pixels;
 use super::difference::{BARS, Difference};
 use super::look::Sight;
 use super::{Color, encode};
 use crate::sequence::GrayFrame;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use image::ImageFormat;
 use image::imageops::{FilterType, resize};
 
@@ -115,10 +116,10 @@ fn smaller(jpeg: &[u8], side: u32) -> Result<Vec<u8>> {
 fn comparison(sight: &Sight) -> Result<Option<Comparison>> {
     let Some(search) = &sight.search else { return Ok(None) };
     let Difference { size, pixels, template, .. } = &search.difference;
-    let (size, pixels, template) = (*size, thinned(pixels, *size), thinned(template, *size));
+    let (template, levels, size) = (thinned(template, *size), thinned(pixels, *size), thin_size(*size));
     Ok(Some(Comparison {
-        template: encode::png(thin_size(size), &template, &(0..=255).map(|level| [level; 3]).collect::<Vec<Color>>())?,
-        map: map(thin_size(size), &pixels, search.alpha.unwrap_or(0))?,
+        template: Pixels::Patch { size, levels: template }.png()?,
+        map: Pixels::Differences { size, levels, alpha: search.alpha.unwrap_or(0) }.png()?,
         histogram: search.difference.histogram(),
         counting: search.alpha.map(|alpha| search.difference.counting(alpha)),
     }))
@@ -129,9 +130,9 @@ fn thinning((width, height): (u16, u16)) -> u16 {
     width.max(height).div_ceil(LARGEST_PATCH).max(1)
 }
 
-fn thin_size(size: (u16, u16)) -> (u32, u32) {
+fn thin_size(size: (u16, u16)) -> (u16, u16) {
     let every = thinning(size);
-    (size.0.div_ceil(every).into(), size.1.div_ceil(every).into())
+    (size.0.div_ceil(every), size.1.div_ceil(every))
 }
 
 fn thinned(pixels: &[u8], size: (u16, u16)) -> Vec<u8> {
@@ -140,17 +141,8 @@ fn thinned(pixels: &[u8], size: (u16, u16)) -> Vec<u8> {
     rows.flat_map(|row| row.iter().step_by(every)).copied().collect()
 }
 
-/// Larger differences are as bright: a first half of a palette for pixels that do not count, the other for those that do.
+/// Larger differences are as bright.
 pub(super) const BRIGHTEST: u8 = 127;
-
-/// Each pixel's difference; those below `alpha` are marked.
-fn map(size: (u32, u32), differences: &[u8], alpha: u16) -> Result<Vec<u8>> {
-    let index = |&pixel: &u8| pixel.min(BRIGHTEST) + if u16::from(pixel) < alpha { BRIGHTEST + 1 } else { 0 };
-    let indices: Vec<u8> = differences.iter().map(index).collect();
-    let palette: Vec<Color> =
-        (0..=BRIGHTEST).map(|level| [gray(level); 3]).chain((0..=BRIGHTEST).map(counting_color)).collect();
-    encode::png(size, &indices, &palette).context("a difference map")
-}
 
 /// Steep where differences are small, as most are.
 pub(super) fn gray(level: u8) -> u8 {

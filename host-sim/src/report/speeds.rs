@@ -1,10 +1,12 @@
 //! Frames per second by size of window and template, as a diagram with two logarithmic axes.
 
+use super::axes::Axes;
 use super::canvas::FONT;
-use super::diagram::{BOTTOM, GRID, LEFT, Mark, RIGHT, Stroke, TOP};
+use super::diagram::{Mark, Stroke};
 use super::{Color, SAD, SMR, TRUTH, color_of};
 use crate::bench::speeds::{Speed, TEMPLATES, WINDOWS};
 use smr_core::State;
+use smr_core::paper::Radius;
 
 /// Of the templates, from the smallest to the largest.
 const COLORS: [Color; 4] = [SAD, TRUTH, color_of(State::Leaving), SMR];
@@ -12,87 +14,48 @@ const COLORS: [Color; 4] = [SAD, TRUTH, color_of(State::Leaving), SMR];
 /// The diagram of `speeds`.
 #[must_use]
 pub fn marks(speeds: &[Speed]) -> Vec<Mark> {
-    Diagram::new(speeds).marks(speeds)
-}
-
-/// Where values are in it.
-struct Diagram {
-    /// Powers of ten: the y axis.
-    decades: (i32, i32),
-    /// Logarithms of offsets: the x axis.
-    offsets: (f64, f64),
-}
-
-impl Diagram {
-    fn new(speeds: &[Speed]) -> Self {
-        let values = || speeds.iter().flat_map(|speed| [speed.pruned, speed.exhaustive]).flatten().map(f64::log10);
-        let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-        let decades = if least <= most { (whole(least.floor()), whole(most.ceil())) } else { (0, 1) };
-        let decades = (decades.0, decades.1.max(decades.0 + 1));
-        let offsets = |window: usize| WINDOWS.get(window).map_or(0.0, |radius| offsets(radius.x, radius.y));
-        Self { decades, offsets: (offsets(0), offsets(WINDOWS.len() - 1)) }
-    }
-
-    fn x(&self, logarithm: f64) -> f64 {
-        LEFT + 12.0 + (RIGHT - LEFT - 24.0) * (logarithm - self.offsets.0) / (self.offsets.1 - self.offsets.0)
-    }
-
-    fn y(&self, logarithm: f64) -> f64 {
-        let (least, most) = (f64::from(self.decades.0), f64::from(self.decades.1));
-        BOTTOM - (BOTTOM - TOP) * (logarithm - least) / (most - least)
-    }
-
-    fn marks(&self, speeds: &[Speed]) -> Vec<Mark> {
-        let mut marks = self.grid();
-        for (side, color) in TEMPLATES.into_iter().zip(COLORS) {
-            let of_side = || speeds.iter().filter(move |speed| speed.template == side);
-            marks.extend(self.line(of_side().map(|speed| (speed, speed.exhaustive)), color, Stroke::Dotted));
-            marks.extend(self.line(of_side().map(|speed| (speed, speed.pruned)), color, Stroke::Solid));
-            let last = of_side().filter_map(|speed| speed.pruned).next_back();
-            if let Some(last) = last {
-                let words = format!("{side}x{side}");
-                let y = self.y(last.log10());
-                marks.push(Mark::Words { x: RIGHT + 8.0, y, place: 0.0, words, color: Some(color) });
-            }
-        }
-        apart(&mut marks);
-        marks
-    }
-
-    fn grid(&self) -> Vec<Mark> {
-        let white = |x: f64, y: f64, place: f64, words: String| Mark::Words { x, y, place, words, color: None };
-        let mut marks = vec![white(LEFT, TOP / 2.0, 0.0, "frames per second   line pruned   dashed exhaustive".into())];
-        for decade in self.decades.0..=self.decades.1 {
-            let y = self.y(f64::from(decade));
-            marks.push(Mark::Line { points: vec![(LEFT, y), (RIGHT, y)], color: GRID, stroke: Stroke::Dotted });
-            marks.push(white(LEFT - 8.0, y, 1.0, power_of_ten(decade)));
-        }
-        for radius in WINDOWS {
-            let x = self.x(offsets(radius.x, radius.y));
-            marks.push(white(x, BOTTOM + 18.0, 0.5, format!("{}x{}", radius.x, radius.y)));
-        }
-        marks.push(white((LEFT + RIGHT) / 2.0, BOTTOM + 42.0, 0.5, "window to each side".into()));
-        marks
-    }
-
-    /// Through all that there is.
-    fn line<'a>(
-        &self,
-        values: impl Iterator<Item = (&'a Speed, Option<f64>)>,
-        color: Color,
-        stroke: Stroke,
-    ) -> Option<Mark> {
-        let point = |(speed, value): (&Speed, Option<f64>)| {
-            Some((self.x(offsets(speed.window.x, speed.window.y)), self.y(value?.log10())))
+    let values = || speeds.iter().flat_map(|speed| [speed.pruned, speed.exhaustive]).flatten().map(f64::log10);
+    let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let (least, most) = if least <= most { (whole(least.floor()), whole(most.ceil())) } else { (0, 1) };
+    let most = most.max(least + 1);
+    let ends = [&WINDOWS[0], &WINDOWS[WINDOWS.len() - 1]].map(offsets);
+    let axes = Axes {
+        // Names below the ends have room.
+        across: (ends[0] - 0.05, ends[1] + 0.05),
+        up: (least.into(), most.into()),
+        ..Axes::DIAGRAM
+    };
+    let windows = WINDOWS.map(|radius| (offsets(&radius), format!("{}x{}", radius.x, radius.y)));
+    let mut marks = axes.grid(windows, (least..=most).map(|decade| (decade.into(), power_of_ten(decade))));
+    let title = "frames per second   line pruned   dashed exhaustive";
+    marks.push(Mark::words(axes.left, axes.top / 2.0, 0.0, title, None));
+    let middle = (axes.left + axes.right) / 2.0;
+    marks.push(Mark::words(middle, axes.bottom + 42.0, 0.5, "window to each side", None));
+    let mut names = Vec::new();
+    for (side, color) in TEMPLATES.into_iter().zip(COLORS) {
+        // Through all that there is.
+        let points = |value: fn(&Speed) -> Option<f64>| {
+            let of_side = speeds.iter().filter(move |speed| speed.template == side);
+            of_side.filter_map(move |speed| Some(Some((offsets(&speed.window), value(speed)?.log10()))))
         };
-        let points: Vec<_> = values.filter_map(point).collect();
-        (points.len() > 1).then_some(Mark::Line { points, color, stroke })
+        marks.extend(axes.curve(points(|speed| speed.exhaustive), color, Stroke::Dotted));
+        marks.extend(axes.curve(points(|speed| speed.pruned), color, Stroke::Solid));
+        names.extend(points(|speed| speed.pruned).next_back().flatten().map(|(_, last)| (axes.y(last), side, color)));
     }
+    names.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut free = f64::NEG_INFINITY;
+    for (y, side, color) in names {
+        // Names that would lie on each other are moved down.
+        let y = y.max(free);
+        free = y + f64::from(FONT.character_size.height);
+        marks.push(Mark::words(axes.right + 8.0, y, 0.0, format!("{side}x{side}"), Some(color)));
+    }
+    marks
 }
 
 /// The logarithm of the number of offsets.
-fn offsets(x: u16, y: u16) -> f64 {
-    ((2.0 * f64::from(x) + 1.0) * (2.0 * f64::from(y) + 1.0)).log10()
+fn offsets(radius: &Radius) -> f64 {
+    ((2.0 * f64::from(radius.x) + 1.0) * (2.0 * f64::from(radius.y) + 1.0)).log10()
 }
 
 #[allow(clippy::cast_possible_truncation)] // logarithms of speeds
@@ -109,30 +72,13 @@ fn power_of_ten(decade: i32) -> String {
     }
 }
 
-/// Names at the right end that would lie on each other are moved down.
-fn apart(marks: &mut [Mark]) {
-    let mut names: Vec<&mut f64> = marks
-        .iter_mut()
-        .filter_map(|mark| match mark {
-            Mark::Words { x, y, .. } if *x > RIGHT => Some(y),
-            _ => None,
-        })
-        .collect();
-    names.sort_by(|a, b| a.total_cmp(b));
-    let mut free = f64::NEG_INFINITY;
-    for y in names {
-        *y = y.max(free);
-        free = *y + f64::from(FONT.character_size.height);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::diagram::{Form, SIZE};
     use super::*;
 
     fn speeds() -> Vec<Speed> {
-        let speed = |template: u16, window: smr_core::paper::Radius| {
+        let speed = |template: u16, window: Radius| {
             let offsets = (2 * u32::from(window.x) + 1) * (2 * u32::from(window.y) + 1);
             let pruned = 1e9 / f64::from(offsets) / f64::from(template).powi(2);
             // Not everything was timed.
@@ -161,17 +107,12 @@ mod tests {
 
     #[test]
     fn names_do_not_lie_on_each_other() {
-        let diagram = Diagram::new(&[]);
         let speeds: Vec<Speed> = speeds().into_iter().map(|speed| Speed { pruned: Some(5.0), ..speed }).collect();
-        let marks = diagram.marks(&speeds);
-        let mut names: Vec<f64> = marks
-            .iter()
-            .filter_map(|mark| match mark {
-                Mark::Words { x, y, .. } if *x > RIGHT => Some(*y),
-                _ => None,
-            })
-            .collect();
-        names.sort_by(f64::total_cmp);
+        let name = |mark: &Mark| match mark {
+            Mark::Words { x, y, .. } if *x > Axes::DIAGRAM.right => Some(*y),
+            _ => None,
+        };
+        let names: Vec<f64> = marks(&speeds).iter().filter_map(name).collect();
         assert_eq!(names.len(), 4);
         assert!(names.windows(2).all(|pair| pair[1] - pair[0] >= 14.0), "{names:?}");
     }

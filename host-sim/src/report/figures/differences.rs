@@ -1,7 +1,8 @@
 //! Figure 2: what each method differs by from its template, in the place that won and in the true one; and how often.
 
-use super::sheet::{Axes, GAP, LINE, Sheet, WIDTH, template};
-use super::{METHODS, asked, lead};
+use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
+use super::{METHODS, asked, clearest};
+use crate::report::axes::Axes;
 use crate::report::diagram::{Pixels, Stroke};
 use crate::report::difference::{BAR, BARS, Difference};
 use crate::report::film::{Film, Still};
@@ -18,9 +19,7 @@ const SHOWN: usize = BARS / 2;
 pub(super) fn frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     ensure!(film.truth.is_some(), "it needs ground truth, for the true place of the target");
     let Some(frame) = wish else {
-        let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
-        let best = leads.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-        return Ok(best.context("there is no frame in which SMR has an answer and the target is visible")?.0);
+        return clearest(film).context("there is no frame in which SMR has an answer and the target is visible");
     };
     let frame = asked(film, frame)?;
     ensure!(
@@ -81,14 +80,9 @@ pub(super) fn draw(film: &Film, still: &Still) -> Result<Sheet> {
         top,
         bottom: top + PLOT,
         across: (0.0, levels),
-        most: (most * 5.0).ceil().max(1.0) * 20.0,
+        up: (0.0, (most * 5.0).ceil().max(1.0) * 20.0),
     };
-    axes.draw(
-        &mut sheet,
-        &[],
-        ("difference in gray levels", "% of the pixels, line: its box, dashed: the true box"),
-        0,
-    );
+    sheet.axes(&axes, ("difference in gray levels", "% of the pixels, line: its box, dashed: the true box"), 0);
     if let Some(alpha) = alpha {
         let x = axes.x(f64::from(alpha).min(levels));
         sheet.line(vec![(x, axes.top), (x, axes.bottom)], [200; 3], Stroke::Dotted);

@@ -1,8 +1,9 @@
 //! Figure 4: drift, as the distance from the true centre over the frames.
 
-use super::sheet::{Axes, GAP, LINE, Sheet, WIDTH, nice};
+use super::sheet::{GAP, LINE, Sheet, WIDTH, nice};
 use super::{METHODS, SAD};
 use crate::evaluate::centre_errors;
+use crate::report::axes::Axes;
 use crate::report::color_of_method;
 use crate::report::diagram::Stroke;
 use crate::report::film::Film;
@@ -27,13 +28,14 @@ pub(super) fn draw(film: &Film) -> Sheet {
         top,
         bottom: top + PLOT,
         across: (1.0, film.moments.len().max(2) as f64),
-        most: nice(most),
+        up: (0.0, nice(most)),
     };
     let hidden = super::occlusion::spans(film);
-    axes.draw(&mut sheet, &hidden, ("frame", "pixels"), usize::from(axes.most < 20.0));
+    sheet.hidden(&axes, &hidden);
+    sheet.axes(&axes, ("frame", "pixels"), usize::from(axes.up.1 < 20.0));
     for (method, values) in errors.iter().enumerate().rev() {
         let stroke = if method == SAD { Stroke::Dashed } else { Stroke::Solid };
-        axes.curve(&mut sheet, 1, values, color_of_method(METHODS[method]), stroke);
+        sheet.curve(&axes, 1, values, color_of_method(METHODS[method]), stroke);
     }
     for (method, values) in errors.iter().enumerate() {
         let measured: Vec<f64> = values.iter().flatten().copied().collect();

@@ -148,17 +148,10 @@ fn lead(film: &Film, index: usize) -> Option<f64> {
     }
 }
 
-/// The frame in which they differ most to the advantage of SMR.
+/// The first frame in which they differ most to the advantage of SMR.
 fn clearest(film: &Film) -> Option<usize> {
     let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
-    leads
-        .fold(
-            None,
-            |best: Option<(usize, f64)>, next| {
-                if best.is_some_and(|best| best.1 >= next.1) { best } else { Some(next) }
-            },
-        )
-        .map(|best| best.0)
+    leads.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|best| best.0)
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Figure 5: the target is hidden slowly. What hides it gets into the template, and is followed then.
 
-use super::sheet::{Axes, GAP, LINE, Sheet, WIDTH, template};
+use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
 use super::{METHODS, SAD, SMR};
+use crate::report::axes::Axes;
 use crate::report::color_of_method;
 use crate::report::diagram::Stroke;
 use crate::report::film::{Film, Still};
@@ -96,15 +97,16 @@ pub(super) fn draw(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Re
         top,
         bottom: top + PLOT,
         across: (from as f64 + 1.0, to as f64 + 1.0),
-        most: 1.0,
+        up: (0.0, 1.0),
     };
-    axes.draw(&mut sheet, &[hidden], ("frame", "IoU, shaded: hidden, dotted: correct above 0.25"), 2);
+    sheet.hidden(&axes, &[hidden]);
+    sheet.axes(&axes, ("frame", "IoU, shaded: hidden, dotted: correct above 0.25"), 2);
     let limit = axes.y(CORRECT);
     sheet.line(vec![(axes.left, limit), (axes.right, limit)], [220; 3], Stroke::Dotted);
     for method in [SAD, SMR] {
         let values: Vec<Option<f64>> = (from..=to).map(|index| overlap(film, method, index)).collect();
         let stroke = if method == SAD { Stroke::Dashed } else { Stroke::Solid };
-        axes.curve(&mut sheet, from + 1, &values, color_of_method(METHODS[method]), stroke);
+        sheet.curve(&axes, from + 1, &values, color_of_method(METHODS[method]), stroke);
     }
     Ok(sheet)
 }

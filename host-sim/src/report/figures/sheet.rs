@@ -1,5 +1,6 @@
 //! What a figure is put together from: frames with boxes, patches, words and lines.
 
+use crate::report::axes::Axes;
 use crate::report::canvas::width_of;
 use crate::report::diagram::{Form, Mark, Pixels, Stroke};
 use crate::report::difference::Difference;
@@ -42,11 +43,39 @@ impl Sheet {
     }
 
     pub(super) fn words(&mut self, x: f64, y: f64, place: f64, words: &str, color: Option<Color>) {
-        self.marks.push(Mark::Words { x, y, place, words: words.to_owned(), color });
+        self.marks.push(Mark::words(x, y, place, words, color));
     }
 
     pub(super) fn line(&mut self, points: Vec<(f64, f64)>, color: Color, stroke: Stroke) {
         self.marks.push(Mark::Line { points, color, stroke });
+    }
+
+    /// Lines with their numbers, and what they count: across, then up.
+    pub(super) fn axes(&mut self, axes: &Axes, names: (&str, &str), digits: usize) {
+        let step = nice((axes.across.1 - axes.across.0) / 7.0);
+        let first = (axes.across.0 / step).ceil();
+        let across = (0..).map(|at| (first + f64::from(at)) * step).take_while(|value| *value <= axes.across.1);
+        let up = (0..=4).map(|part| axes.up.1 * f64::from(part) / 4.0);
+        self.marks.extend(axes.grid(
+            across.map(|value| (value, format!("{value:.0}"))),
+            up.map(|value| (value, format!("{value:.digits$}"))),
+        ));
+        self.words(axes.right, axes.bottom + 38.0, 1.0, names.0, None);
+        self.words(axes.left, axes.top - 16.0, 0.0, names.1, None);
+    }
+
+    /// Frames in which the target is hidden.
+    pub(super) fn hidden(&mut self, axes: &Axes, spans: &[(usize, usize)]) {
+        for &(first, last) in spans {
+            let (from, to) = (axes.x(first as f64 + 0.5), axes.x(last as f64 + 1.5));
+            self.shade(from, axes.top, (to - from).max(2.0), axes.bottom - axes.top);
+        }
+    }
+
+    /// The values of frames, the first being `first`; a gap where there is none.
+    pub(super) fn curve(&mut self, axes: &Axes, first: usize, values: &[Option<f64>], color: Color, stroke: Stroke) {
+        let points = (first..).zip(values).map(|(frame, value)| Some((frame as f64, (*value)?)));
+        self.marks.extend(axes.curve(points, color, stroke));
     }
 
     /// A line of words that tells who has which color, from the right end.
@@ -117,66 +146,6 @@ pub(super) fn template(difference: &Difference) -> Pixels {
 fn fit((width, height): (f64, f64), within: (f64, f64)) -> f64 {
     let scale = (within.0 / width.max(1.0)).min(within.1 / height.max(1.0));
     if scale >= 1.0 { scale.floor() } else { scale }
-}
-
-/// Values over frames, or over gray levels.
-pub(super) struct Axes {
-    pub left: f64,
-    pub right: f64,
-    pub top: f64,
-    pub bottom: f64,
-    /// From and to.
-    pub across: (f64, f64),
-    /// From 0.
-    pub most: f64,
-}
-
-impl Axes {
-    pub fn x(&self, value: f64) -> f64 {
-        self.left + (self.right - self.left) * (value - self.across.0) / (self.across.1 - self.across.0).max(1.0)
-    }
-
-    pub fn y(&self, value: f64) -> f64 {
-        self.bottom - (self.bottom - self.top) * value.min(self.most) / self.most
-    }
-
-    /// Where the target is hidden, then lines with their numbers, and what they count.
-    pub fn draw(&self, sheet: &mut Sheet, hidden: &[(usize, usize)], names: (&str, &str), digits: usize) {
-        for &(first, last) in hidden {
-            let (from, to) = (self.x(first as f64 + 0.5), self.x(last as f64 + 1.5));
-            let (from, to) = (from.clamp(self.left, self.right), to.clamp(self.left, self.right));
-            sheet.shade(from, self.top, (to - from).max(2.0), self.bottom - self.top);
-        }
-        for part in 0..=4 {
-            let value = self.most * f64::from(part) / 4.0;
-            let y = self.y(value);
-            sheet.line(vec![(self.left, y), (self.right, y)], [90; 3], Stroke::Dotted);
-            sheet.words(self.left - 8.0, y, 1.0, &format!("{value:.digits$}"), None);
-        }
-        let step = nice((self.across.1 - self.across.0) / 7.0);
-        let mut value = (self.across.0 / step).ceil() * step;
-        while value <= self.across.1 {
-            let x = self.x(value);
-            sheet.line(vec![(x, self.bottom), (x, self.bottom + 5.0)], [150; 3], Stroke::Solid);
-            sheet.words(x, self.bottom + 16.0, 0.5, &format!("{value:.0}"), None);
-            value += step;
-        }
-        sheet.words(self.right, self.bottom + 38.0, 1.0, names.0, None);
-        sheet.words(self.left, self.top - 16.0, 0.0, names.1, None);
-    }
-
-    /// The values of frames, the first being `first`; a gap where there is none.
-    pub fn curve(&self, sheet: &mut Sheet, first: usize, values: &[Option<f64>], color: Color, stroke: Stroke) {
-        let point = |(at, value): (usize, &Option<f64>)| Some((self.x((first + at) as f64), self.y((*value)?)));
-        let points: Vec<Option<(f64, f64)>> = values.iter().enumerate().map(point).collect();
-        for run in points.split(Option::is_none).filter(|run| !run.is_empty()) {
-            let mut run: Vec<(f64, f64)> = run.iter().flatten().copied().collect();
-            if let [(x, y)] = run[..] {
-                run = vec![(x - 1.0, y), (x + 1.0, y)];
-            }
-            sheet.line(run, color, stroke);
-        }
-    }
 }
 
 /// The next of 1, 2, 5, 10, 20, ... that is not below.
