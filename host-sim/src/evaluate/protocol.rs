@@ -45,51 +45,59 @@ pub struct Score {
     pub vot: Option<Vot>,
 }
 
-/// A figure of a score: what CSV, tables and means need to know of it.
+/// A figure of a score: all that CSV, tables, means and the page need to know of it.
 pub struct Figure {
     /// Its key in JSON and CSV.
     pub key: &'static str,
     /// Its column in tables; empty if it has none.
     pub title: &'static str,
+    /// Its column on the page of `report`; empty if it has none.
+    pub page: &'static str,
     pub digits: usize,
     /// Whether it has a mean over recordings.
     pub has_mean: bool,
+    /// Whether more of it is better.
+    pub is_ranked: bool,
     pub of: Of,
 }
 
 type Of = fn(&Score) -> Option<f64>;
 
-const fn count(key: &'static str, title: &'static str, of: Of) -> Figure {
-    Figure { key, title, digits: 0, has_mean: false, of }
+const fn count(key: &'static str, title: &'static str, page: &'static str, of: Of) -> Figure {
+    Figure { key, title, page, digits: 0, has_mean: false, is_ranked: false, of }
 }
 
-const fn fraction(key: &'static str, title: &'static str, of: Of) -> Figure {
-    Figure { key, title, digits: 3, has_mean: true, of }
+const fn correct(key: &'static str, title: &'static str, page: &'static str, of: Of) -> Figure {
+    Figure { is_ranked: true, ..count(key, title, page, of) }
 }
 
-const fn without_mean(figure: Figure) -> Figure {
-    Figure { has_mean: false, ..figure }
+const fn fraction(key: &'static str, title: &'static str, page: &'static str, of: Of) -> Figure {
+    Figure { key, title, page, digits: 3, has_mean: true, is_ranked: true, of }
+}
+
+const fn without_mean(key: &'static str, title: &'static str, of: Of) -> Figure {
+    Figure { has_mean: false, ..fraction(key, title, "", of) }
 }
 
 impl Score {
     /// All figures in the order of JSON: to add one, add a field, compute it, and give it a line here.
-    pub const FIGURES: [Figure; 16] = [
-        count("frames", "frames", |score| Some(score.frames as f64)),
-        count("visible", "visible", |score| Some(score.visible as f64)),
-        count("answered", "answered", |score| Some(score.answered as f64)),
-        count("correct", "correct", |score| Some(score.correct as f64)),
-        count("correct_50", "correct@0.5", |score| Some(score.correct_50 as f64)),
-        fraction("precision", "precision", |score| Some(score.precision)),
-        fraction("recall", "recall", |score| Some(score.recall)),
-        fraction("f", "F", |score| Some(score.f)),
-        fraction("mean_iou", "mean IoU", |score| Some(score.mean_iou)),
-        count("first_failure", "first failure", |score| score.first_failure.map(|frame| frame as f64)),
-        fraction("otb_auc", "OTB AUC", |score| Some(score.otb?.otb_auc)),
-        fraction("otb_precision", "OTB P20", |score| Some(score.otb?.otb_precision)),
-        fraction("vot_f", "VOT F", |score| Some(score.vot?.vot_f)),
-        without_mean(fraction("vot_precision", "", |score| Some(score.vot?.vot_precision))),
-        without_mean(fraction("vot_recall", "", |score| Some(score.vot?.vot_recall))),
-        without_mean(fraction("vot_threshold", "threshold", |score| score.vot?.vot_threshold)),
+    pub const FIGURES: &[Figure] = &[
+        count("frames", "frames", "", |score| Some(score.frames as f64)),
+        count("visible", "visible", "", |score| Some(score.visible as f64)),
+        count("answered", "answered", "answered", |score| Some(score.answered as f64)),
+        correct("correct", "correct", "correct", |score| Some(score.correct as f64)),
+        correct("correct_50", "correct@0.5", "correct at 0.5", |score| Some(score.correct_50 as f64)),
+        fraction("precision", "precision", "correct / answered", |score| Some(score.precision)),
+        fraction("recall", "recall", "correct / visible", |score| Some(score.recall)),
+        fraction("f", "F", "F", |score| Some(score.f)),
+        fraction("mean_iou", "mean IoU", "mean IoU", |score| Some(score.mean_iou)),
+        count("first_failure", "first failure", "first failure", |score| Some(score.first_failure? as f64)),
+        fraction("otb_auc", "OTB AUC", "OTB AUC", |score| Some(score.otb?.otb_auc)),
+        fraction("otb_precision", "OTB P20", "OTB P20", |score| Some(score.otb?.otb_precision)),
+        fraction("vot_f", "VOT F", "", |score| Some(score.vot?.vot_f)),
+        without_mean("vot_precision", "", |score| Some(score.vot?.vot_precision)),
+        without_mean("vot_recall", "", |score| Some(score.vot?.vot_recall)),
+        without_mean("vot_threshold", "threshold", |score| score.vot?.vot_threshold),
     ];
 
     /// The score of `answers` by `truth`, with what follows from the confidence that was reported in each frame; `None`

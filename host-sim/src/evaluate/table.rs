@@ -79,12 +79,12 @@ impl Results {
 
 /// The figures that tables have.
 fn columns() -> impl Iterator<Item = &'static Figure> {
-    const { &Score::FIGURES }.iter().filter(|figure| !figure.title.is_empty())
+    Score::FIGURES.iter().filter(|figure| !figure.title.is_empty())
 }
 
 /// The columns of CSV: the keys of JSON.
 fn csv_columns() -> String {
-    let figures = Score::FIGURES.map(|figure| figure.key).join(",");
+    let figures = Score::FIGURES.iter().map(|figure| figure.key).collect::<Vec<_>>().join(",");
     format!("tracker,source,sequence,recordings,{figures},method,version,options")
 }
 

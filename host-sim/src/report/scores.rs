@@ -86,31 +86,16 @@ impl<'a> Measured<'a> {
         self.scored.iter().find(|scored| scored.entrant.name == entrant.name)
     }
 
-    fn table(&self) -> Table<'_> {
-        let columns = [
-            ("answered", 0, false),
-            ("correct", 0, true),
-            ("correct at 0.5", 0, true),
-            ("correct / answered", 3, true),
-            ("correct / visible", 3, true),
-            ("F", 3, true),
-            ("mean IoU", 3, true),
-            ("OTB AUC", 3, true),
-            ("OTB P20", 3, true),
-            ("first failure", 0, false),
-        ];
-        fn line(scored: &Scored) -> Line<'_> {
-            let (score, otb) = (&scored.score, scored.score.otb.unwrap_or_default());
-            let count = |count: usize| Some(count as f64);
-            let counts = [score.answered, score.correct, score.correct_50].map(count);
-            let parts = [score.precision, score.recall, score.f, score.mean_iou, otb.otb_auc, otb.otb_precision];
-            let values = [&counts[..], &parts.map(Some), &[score.first_failure.and_then(count)]].concat();
-            Line { entrant: &scored.entrant, values }
-        }
+    fn table(&'a self) -> Table<'a> {
+        let figures = || Score::FIGURES.iter().filter(|figure| !figure.page.is_empty());
+        let line = |scored: &'a Scored| Line {
+            entrant: &scored.entrant,
+            values: figures().map(|figure| (figure.of)(&scored.score)).collect(),
+        };
         let caption = format!("{} frames, the target is visible in {}", self.film.moments.len(), self.visible);
         Table::new(
             caption,
-            columns.map(|(title, digits, ranked)| (title.to_owned(), digits, ranked)),
+            figures().map(|figure| (figure.page.to_owned(), figure.digits, figure.is_ranked)),
             self.scored.iter().map(line).collect(),
         )
     }
