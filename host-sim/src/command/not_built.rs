@@ -6,7 +6,9 @@ use std::ffi::OsString;
 
 /// The features of this package, as places in [`FEATURES`].
 pub const BENCH: usize = 0;
+#[cfg(not(feature = "emulator"))]
 pub const EMULATOR: usize = 1;
+#[cfg(not(feature = "manual"))]
 pub const MANUAL: usize = 2;
 
 const FEATURES: [&str; 3] = ["bench", "emulator", "manual"];
