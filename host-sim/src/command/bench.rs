@@ -53,16 +53,16 @@ pub struct Bench {
     /// Time a search in every N-th frame [default: so that there are about 60 in all]
     #[arg(long, value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     every: Option<NonZeroUsize>,
-    /// Each search is timed up to so many times; the shortest counts
+    /// Time each search up to this many times; the shortest time counts
     #[arg(long, value_name = "N", default_value = "7", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     repeat: NonZeroU32,
-    /// How long one way to search may take in all; one that is slower is timed in fewer frames
+    /// The most seconds for one kind of search; a slower one is timed in fewer frames
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     seconds: NonZeroU32,
     /// Count the instructions of an update on this board, in QEMU; may be given several times
     #[arg(long, value_enum)]
     machine: Vec<Machine>,
-    /// What runs Python, for OpenCV
+    /// The Python program, for OpenCV
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: String,
     /// Draw frames per second by size of template and window: FILE.svg or FILE.png

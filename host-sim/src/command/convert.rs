@@ -18,7 +18,7 @@ pub struct Convert {
     /// A file, or a folder; made if it is not there, and refused if there is something in it
     #[arg(long, short, value_name = "OUT")]
     out: PathBuf,
-    /// What frames are written as [default: by the extension of OUT, else png]
+    /// The format of the frames [default: by the extension of OUT, else png]
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Print a JSON object instead of a line

@@ -36,7 +36,7 @@ pub struct Figures {
     /// Where the target is hidden, for figure 5 [default: the frames without a box in the ground truth]
     #[arg(long, value_name = "A..B")]
     hidden: Option<FrameRange>,
-    /// What files are written as; several are separated by commas
+    /// The formats of the files; several are separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "png,svg")]
     form: Vec<Form>,
     /// Print a JSON object instead of a line for each file

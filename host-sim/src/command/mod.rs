@@ -127,14 +127,14 @@ enum Command {
     ///
     /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
     /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
-    /// is hidden. 2, 4 and 5 need ground truth. A figure that the recording has nothing for is left out, and that is said; one that is asked
-    /// for by --figure is an error then.
+    /// is hidden. 2, 4 and 5 need ground truth. If a recording lacks what a figure needs, host-sim leaves the figure
+    /// out and says so; with --figure it is an error.
     #[command(after_help = "Examples:
   host-sim figures synthetic -o figures
   host-sim figures sequences/car -o figures --figure 1,2 --frame 180 --form png
   host-sim figures sequences/car -o figures --figure occlusion --hidden 45..60")]
     Figures(figures::Figures),
-    /// Run both ways of calling a tracker over as many frames as there is time for, and compare every answer
+    /// Run a tracker over a long generated video in two different ways, and compare every answer
     ///
     /// The generated video has motion, jumps of the light, things in front of the target, faults of the camera, turns of the camera, and targets that
     /// are saved and restored. One tracker has the fastest backend and whole frames. The other has the plain loops, sees only the parts of a frame that

@@ -32,7 +32,7 @@ pub struct RecordingOptions {
     /// The first of them is then frame 1, and the box to start from is the one that the ground truth has there.
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
-    /// Go on where a recording is damaged, and say on standard error how many frames are
+    /// Continue after damage in a recording, and print on standard error how many frames are damaged
     ///
     /// Without it, damage is an error: a picture that is cut, a dump that ends within a frame, anything that ffmpeg complains about.
     #[arg(long)]

@@ -24,7 +24,7 @@ pub struct Report {
     /// Recordings, or folders of recordings
     #[arg(value_name = "SEQ|DIR", required = true)]
     paths: Vec<PathBuf>,
-    /// Who is shown; several are separated by commas. The states are those of the first
+    /// The methods to show; several are separated by commas. The states are those of the first
     #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,sad")]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name

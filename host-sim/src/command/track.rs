@@ -27,7 +27,7 @@ pub struct Track {
     /// How the target is followed
     #[arg(long, value_enum, default_value = "smr")]
     method: MethodKind,
-    /// What a line is
+    /// The format of a line
     #[arg(long, value_enum, default_value = "tld")]
     format: Format,
     /// Print one JSON object for each frame instead
@@ -37,7 +37,7 @@ pub struct Track {
     /// is lost.
     #[arg(long, conflicts_with = "format")]
     json: bool,
-    /// Write to this file instead of standard output; if something goes wrong on the way it is not written
+    /// Write to this file instead of standard output; after an error there is no file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4 (needs ffmpeg), .gif, or a new folder for PNG pictures

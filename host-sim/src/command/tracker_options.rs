@@ -64,7 +64,7 @@ pub struct TrackerOptions {
     /// The smallest similarity matching ratio at which a peak is believed, as N/M [default: none]
     #[arg(long, value_name = "N/M")]
     least_ratio: Option<Ratio>,
-    /// Score every offset to its last pixel; changes nothing but the time
+    /// Score every offset to its last pixel; changes only the time
     #[arg(long)]
     exhaustive: bool,
     /// Look for the runner-up in every frame, not only where the gate's decision depends on it
@@ -91,11 +91,11 @@ pub struct TrackerOptions {
     /// How far the early template moves towards the current frame, in 1024ths, 0 to 1024 [robust] [default: 1]
     #[arg(long, value_name = "1024THS", value_parser = whole::<u16>(0..=1024))]
     early_rate: Option<u16>,
-    /// How scores are computed; changes nothing but the time [smr, robust] [default: the fastest on this machine]
+    /// How scores are computed; changes only the time [smr, robust] [default: the fastest on this machine]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     #[serde(serialize_with = "backend_as_name")]
     backend: Option<Backend>,
-    /// Update in steps of this much work, as firmware with a deadline does; changes no answer [smr, robust] [default: all at once]
+    /// Update in steps of this much work, as firmware with a deadline does; does not change the answers [smr, robust] [default: all at once]
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
 }
