@@ -411,7 +411,7 @@ fn messages_are_in_peoples_words() {
         .refuses(&["cannot open no/such: expected a folder, a file, or one of synthetic", "there is no such file"]);
     for (name, holds, expected) in [
         ("cut.pgm", &b"P5 9 9 255\nabc"[..], "it is cut short"),
-        ("bad.png", b"not a picture", "it is damaged"),
+        ("bad.png", b"not a picture", "it begins like none of them"),
         ("bad.jpg", b"\xFF\xD8\xFF\xE0junk", "it is damaged"),
         ("bad.y4m", b"YUV4MPEG2 W2 H2 Fx Cmono\nFRAME\nabcd", "its header is not understood"),
         ("frame.y4m", b"YUV4MPEG2 W2 H2 F25:1 Cmono\nFRAMX\nabcd", "expected a line FRAME before its pixels"),

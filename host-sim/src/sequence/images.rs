@@ -63,7 +63,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
 }
 
 fn png(bytes: &[u8]) -> Result<GrayFrame> {
-    let limits = png::Limits { bytes: 8 * MOST_PIXELS as usize };
+    // Of what is in the file beside the pixels, whose number is checked below.
+    let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     // To gray or RGB, with or without alpha, of 8 bits each.
     decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
