@@ -4,7 +4,7 @@
 //! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`boards`]: instructions of an update in QEMU.
-//! - [`goals`]: the goals, and whether they are reached.
+//! - [`goal`], [`goals`]: the goals, and whether they are reached.
 //! - [`window`]: the times of a window's searches, summed up.
 //! - [`report`]: the measurements as JSON; [`table`]: as text.
 //!
@@ -13,6 +13,7 @@
 
 pub mod boards;
 pub mod case;
+pub mod goal;
 pub mod goals;
 pub mod opencv;
 pub mod report;

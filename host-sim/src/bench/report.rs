@@ -1,7 +1,7 @@
 //! The measurements as `--json` prints them; the tables are made from the same data.
 
 use super::boards::Figures;
-use super::goals::{self, Goal};
+use super::goal::{Goal, STATED_FOR};
 use super::speeds::Speed;
 use super::window::Window;
 use super::{Bench, opencv};
@@ -28,6 +28,7 @@ pub struct Report {
     /// Seconds that `eval` takes for the recordings, on two threads.
     pub eval_seconds: Option<f64>,
     pub goals_stated_for: &'static str,
+    /// Filled in by [`goals::all`](super::goals::all).
     pub goals: Vec<Goal>,
     /// Cases and frames in which two ways, or a board and the host, gave different answers.
     pub differences: Vec<String>,
@@ -59,7 +60,7 @@ impl Report {
             differences: bench.windows.iter().flat_map(|window| window.differences.clone()).collect(),
             boards,
             eval_seconds: eval.map(|time| time.as_secs_f64()),
-            goals_stated_for: goals::STATED_FOR,
+            goals_stated_for: STATED_FOR,
             goals: vec![],
         };
         for board in &report.boards {
@@ -67,7 +68,6 @@ impl Report {
             let named = board.differences.iter().map(|difference| format!("{name}: {difference}"));
             report.differences.extend(named);
         }
-        report.goals = goals::all(&report);
         report
     }
 }

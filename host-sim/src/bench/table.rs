@@ -1,7 +1,7 @@
 //! The measurements as text.
 
 use super::boards::Figures;
-use super::goals::STATED_FOR;
+use super::goal::STATED_FOR;
 use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use super::window::{Row, Window};
@@ -148,7 +148,7 @@ fn plus_minus(radius: Radius) -> String {
 mod tests {
     use super::*;
     use crate::bench::boards::Measured;
-    use crate::bench::goals::Goal;
+    use crate::bench::goal::Goal;
     use crate::bench::report::OpenCv;
     use crate::bench::sad::Sad;
     use crate::bench::searches::Way;

@@ -9,7 +9,7 @@ use super::{Outcome, progress, tell};
 use crate::bench::boards::{self, Figures};
 use crate::bench::case::{self, Size};
 use crate::bench::report::Report;
-use crate::bench::{Bench as Run, Settings, table};
+use crate::bench::{Bench as Run, Settings, goals, table};
 use crate::clock::{Patience, timed};
 use crate::emulator::qemu::Machine;
 use crate::evaluate::{self, CoreKind, MethodKind, Variant};
@@ -93,7 +93,8 @@ impl Bench {
         let run = self.time(&paths)?;
         let (evaluated, time) = timed(|| self.evaluate(&paths));
         evaluated?;
-        let report = Report::new(&run, boards, Some(time));
+        let mut report = Report::new(&run, boards, Some(time));
+        report.goals = goals::all(&report);
         if let (Some(mut plot), Some(form)) = (plot, form) {
             plot.write(&form.draw(&speeds::marks(&report.speeds))?)?;
             plot.finish()?;

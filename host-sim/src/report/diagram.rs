@@ -1,15 +1,14 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
-use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, coarse, coarse_frame, pixel};
-use super::{Color, encode, pictures};
-use crate::sequence::{GrayFrame, resized};
+use super::Color;
+use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, pixel};
+use super::pixels::Pixels;
 use anyhow::{Result, bail};
 use embedded_graphics::geometry::Point;
 use embedded_graphics::primitives::Rectangle;
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
-use serde::ser::Error as _;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use std::path::Path;
 
 pub(super) const SIZE: (u32, u32) = (760, 460);
@@ -72,16 +71,6 @@ pub enum Stroke {
     Dotted,
 }
 
-/// Pixels of a picture.
-pub enum Pixels {
-    /// A frame, which may be made smaller or larger.
-    Frame(GrayFrame),
-    /// Gray levels, of which each stays to be seen.
-    Patch { size: (u16, u16), levels: Vec<u8> },
-    /// Differences, those that count being green; brighter than they are, as most are small.
-    Differences { size: (u16, u16), levels: Vec<u8>, alpha: u16 },
-}
-
 /// What is drawn, in either form.
 #[derive(Serialize)]
 #[serde(tag = "kind")]
@@ -127,58 +116,6 @@ fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
     let mut templates = Environment::new();
     templates.add_template("diagram.svg", include_str!("diagram.svg"))?;
     Ok(templates.get_template("diagram.svg")?.render(context! { width, height, marks => Serde(marks) })?)
-}
-
-/// As a URI, and whether it may be smoothed.
-impl Serialize for Pixels {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.embedded().map_err(S::Error::custom)?.serialize(serializer)
-    }
-}
-
-impl Pixels {
-    pub(super) const fn size(&self) -> (u16, u16) {
-        match self {
-            Self::Frame(frame) => (frame.width, frame.height),
-            Self::Patch { size, .. } | Self::Differences { size, .. } => *size,
-        }
-    }
-
-    fn embedded(&self) -> Result<(String, bool)> {
-        if let Self::Frame(frame) = self {
-            return Ok((encode::data_uri("image/jpeg", &encode::jpeg(frame)?), true));
-        }
-        Ok((encode::data_uri("image/png", &self.png()?), false))
-    }
-
-    pub(super) fn png(&self) -> Result<Vec<u8>> {
-        self.image().png()
-    }
-
-    fn image(&self) -> Canvas {
-        let (width, height) = self.size();
-        Canvas::from_fn(width.into(), height.into(), |x, y| self.color((y * u32::from(width) + x) as usize))
-    }
-
-    fn color(&self, at: usize) -> Color {
-        match self {
-            Self::Frame(GrayFrame { pixels: levels, .. }) | Self::Patch { levels, .. } => coarse(levels[at]),
-            Self::Differences { levels, alpha, .. } => match levels[at] {
-                level if u16::from(level) < *alpha => pictures::counting_color(level),
-                level => coarse(pictures::gray(level)),
-            },
-        }
-    }
-
-    /// At another size: smooth where it is a frame that does not become a whole number of times as large.
-    fn sized(&self, width: u16, height: u16) -> Canvas {
-        let whole = |side: u16, own: u16| side.is_multiple_of(own.max(1));
-        let sharp = whole(width, self.size().0) && whole(height, self.size().1);
-        match self {
-            Self::Frame(frame) if !sharp => coarse_frame(&resized(frame.clone(), width, height)),
-            _ => self.image().nearest(width.into(), height.into()),
-        }
-    }
 }
 
 fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {

@@ -16,6 +16,7 @@ mod look;
 mod page;
 mod picture;
 mod pictures;
+mod pixels;
 mod reel;
 mod scores;
 #[cfg(feature = "bench")]

@@ -5,7 +5,7 @@ use super::entrants::{Entrant, entrants};
 use super::film::Film;
 use super::scores::{Measured, Scores};
 use super::tile::Tile;
-use super::{Color, TRUTH, color_of, pictures};
+use super::{Color, TRUTH, color_of, pictures, pixels};
 use crate::evaluate::name_of;
 use anyhow::{Result, ensure};
 use minijinja::Environment;
@@ -91,7 +91,7 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
     let page = Page {
         about,
         version: env!("CARGO_PKG_VERSION"),
-        colors: [tracking, leaving, lost, ("truth", TRUTH), ("counts", pictures::counting_color(20))],
+        colors: [tracking, leaving, lost, ("truth", TRUTH), ("counts", pixels::counting_color(20))],
         recordings: films.iter().map(Recording::new).collect::<Result<_>>()?,
         scores: Scores::new(&measured),
         data: data(films)?,

@@ -1,9 +1,9 @@
 //! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
 
-use super::diagram::Pixels;
 use super::difference::{BARS, Difference};
+use super::encode;
 use super::look::Sight;
-use super::{Color, encode};
+use super::pixels::Pixels;
 use crate::sequence::{GrayFrame, decode_picture};
 use anyhow::Result;
 
@@ -130,20 +130,6 @@ fn thinned(pixels: &[u8], size: (u16, u16)) -> Vec<u8> {
     rows.flat_map(|row| row.iter().step_by(every)).copied().collect()
 }
 
-/// Larger differences are as bright.
-pub(super) const BRIGHTEST: u8 = 127;
-
-/// Steep where differences are small, as most are.
-pub(super) fn gray(level: u8) -> u8 {
-    let shade = (255 * 255 * u32::from(level) / u32::from(BRIGHTEST)).isqrt();
-    u8::try_from(shade).unwrap_or(u8::MAX)
-}
-
-pub(super) fn counting_color(level: u8) -> Color {
-    let shade = gray(level) / 3;
-    [shade, 105 + shade, 65 + shade]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,11 +171,5 @@ mod tests {
         assert_eq!(thin_size(size), (50, 2));
         let pixels: Vec<u8> = (0..3).flat_map(|row| (0..100).map(move |column| row * 100 + column / 2)).collect();
         assert_eq!(thinned(&pixels, size), (0..50).chain(200..250).collect::<Vec<u8>>());
-    }
-
-    #[test]
-    fn brightness_grows_with_the_difference() {
-        assert!((1..=BRIGHTEST).all(|level| gray(level) >= gray(level - 1)));
-        assert_eq!((gray(0), gray(BRIGHTEST)), (0, 255));
     }
 }

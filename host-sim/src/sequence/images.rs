@@ -4,6 +4,7 @@
 //! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
 
 use super::damage::{Damaged, Instead};
+use super::gray::{EXPECTED, MOST_PIXELS, check_size, damaged, gray, luma};
 use super::{GrayFrame, has_extension, pnm};
 use crate::input;
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -15,8 +16,6 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
-
-pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
 
 pub(super) fn is_picture(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
@@ -35,9 +34,6 @@ pub(super) fn frames(files: Vec<PathBuf>) -> impl Iterator<Item = Result<GrayFra
         read(&file).with_context(|| format!("cannot read {} (frame {})", file.display(), index + 1))
     })
 }
-
-/// The largest picture that memory is taken for, in pixels: 16384x16384.
-const MOST_PIXELS: u64 = 1 << 28;
 
 /// One picture.
 pub fn read_picture(file: &Path) -> Result<GrayFrame> {
@@ -75,13 +71,6 @@ fn png(bytes: &[u8]) -> Result<GrayFrame> {
     let decoded = reader.next_frame(&mut samples).map_err(undecodable)?;
     samples.truncate(decoded.buffer_size());
     gray(width, height, decoded.color_type.samples(), samples)
-}
-
-pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
-    let pixels = u64::from(width) * u64::from(height);
-    ensure!(pixels > 0, "it is {width}x{height}: expected at least 1 pixel on each side");
-    ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
-    Ok(())
 }
 
 /// A decoder conceals what is missing unless it is told to be strict.
@@ -139,30 +128,4 @@ fn undecodable(error: DecodingError) -> Error {
         DecodingError::LimitsExceeded => anyhow!("it is too large: expected at most {MOST_PIXELS} pixels"),
         _ => damaged(format!("{EXPECTED}: it is damaged")),
     }
-}
-
-/// Of a picture of which nothing can be decoded.
-pub(super) fn damaged(why: String) -> Error {
-    Damaged { why, instead: Instead::Former }.into()
-}
-
-/// A frame of samples of 8 bits: gray or RGB, each with or without alpha.
-pub(super) fn gray(width: u32, height: u32, channels: usize, samples: Vec<u8>) -> Result<GrayFrame> {
-    let side = |side: u32| {
-        u16::try_from(side).map_err(|_| anyhow!("it is {width}x{height}: expected at most 65535 pixels on each side"))
-    };
-    let (width, height) = (side(width)?, side(height)?);
-    let pixels = match channels {
-        1 => samples,
-        2 => samples.iter().step_by(2).copied().collect(),
-        3 => samples.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
-        _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| luma([r, g, b])).collect(),
-    };
-    Ok(GrayFrame { width, height, pixels })
-}
-
-/// The weights add up to 65536, so the third byte from the right is the quotient and never overflows.
-pub(crate) fn luma([r, g, b]: [u8; 3]) -> u8 {
-    let sum = 19595 * u32::from(r) + 38470 * u32::from(g) + 7471 * u32::from(b) + 32768;
-    sum.to_be_bytes()[1]
 }

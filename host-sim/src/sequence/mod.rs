@@ -8,6 +8,7 @@ pub mod boxes;
 pub mod cover;
 mod damage;
 pub mod fault;
+mod gray;
 mod images;
 mod iou;
 mod noise;
@@ -23,7 +24,7 @@ mod y4m;
 
 pub use boxes::BoundingBox;
 pub use damage::Damage;
-pub(crate) use images::luma;
+pub(crate) use gray::luma;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
 pub use resize::Resize;

@@ -1,7 +1,7 @@
 //! PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits a value.
 
 use super::GrayFrame;
-use super::images::{EXPECTED, check_size, damaged, gray};
+use super::gray::{EXPECTED, check_size, damaged, gray};
 use anyhow::{Error, Result, ensure};
 
 /// One picture as the bytes of its file.

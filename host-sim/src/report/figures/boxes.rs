@@ -3,8 +3,8 @@
 use super::sheet::{GAP, LINE, Sheet, template};
 use super::{METHODS, asked, clearest};
 use crate::report::color_of_method;
-use crate::report::diagram::Pixels;
 use crate::report::film::{Film, Still};
+use crate::report::pixels::Pixels;
 use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use smr_core::Rect;

@@ -3,10 +3,11 @@
 use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
 use super::{METHODS, asked, clearest};
 use crate::report::axes::Axes;
-use crate::report::diagram::{Pixels, Stroke};
+use crate::report::diagram::Stroke;
 use crate::report::difference::{BAR, BARS, Difference};
 use crate::report::film::{Film, Still};
 use crate::report::look::Search;
+use crate::report::pixels::Pixels;
 use crate::report::{Color, color_of_method};
 use crate::sequence::BoundingBox;
 use anyhow::{Context, Result, ensure};

@@ -2,9 +2,10 @@
 
 use crate::report::axes::Axes;
 use crate::report::canvas::width_of;
-use crate::report::diagram::{Form, Mark, Pixels, Stroke};
+use crate::report::diagram::{Form, Mark, Stroke};
 use crate::report::difference::Difference;
 use crate::report::film::{Film, Still};
+use crate::report::pixels::Pixels;
 use crate::report::{Color, SAD, SMR, TRUTH, color_of_method};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
