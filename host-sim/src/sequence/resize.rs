@@ -79,7 +79,7 @@ impl Sequence {
 /// The frame in another size, neither side of which may be 0.
 ///
 /// # Panics
-/// The frame has less pixels than its size says.
+/// The frame has fewer pixels than its size says.
 pub(crate) fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
     if (frame.width, frame.height) == (width, height) {
         return frame;
