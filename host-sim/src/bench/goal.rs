@@ -25,7 +25,7 @@ impl Goal {
         Self { work, at_most, unit, measured, within }
     }
 
-    /// In words, as far as is known.
+    /// The comparison in words.
     pub fn compared(&self) -> String {
         let share = self.measured.unwrap_or(0.0) / self.at_most;
         match self.within {

@@ -201,7 +201,7 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Man(man::Man),
 }
 
-/// Does the same with the options of every command.
+/// Runs the same code with the options of whichever command was given.
 macro_rules! each {
     ($of:expr, $command:ident => $do:expr) => {
         match $of {
@@ -315,7 +315,7 @@ impl HostSim {
     }
 }
 
-/// What a command reads and writes where its own `places` does not say it: it writes to standard output alone.
+/// The `places` of the commands that have none of their own: they only write to standard output.
 trait WritesNoFile {
     fn places(&self) -> Places<'_> {
         Places::default()

@@ -26,7 +26,7 @@ impl<const FEATURE: usize> NotBuilt<FEATURE> {
     /// Always fails. The error says what to type instead.
     pub fn run(self) -> Result<Outcome> {
         let feature = FEATURES[FEATURE];
-        // Figures of speed are those of the profile that takes longer to build.
+        // The figures of speed are for this profile, which takes longer to build.
         let profile = if feature == "bench" { "--profile bench" } else { "--release" };
         bail!(
             "this command is not built into this program, so that the program builds quickly: \

@@ -7,7 +7,7 @@ pub fn bar(name: &str, frames: Option<usize>) -> ProgressBar {
     of(name, frames, "frames")
 }
 
-/// The same of other things.
+/// A progress bar that counts something else than frames.
 pub fn of(name: &str, count: Option<usize>, what: &str) -> ProgressBar {
     let (bar, template) = match count {
         Some(count) => {

@@ -17,7 +17,7 @@ pub enum Layout {
     Csv,
 }
 
-/// What stands in a table where nothing is known.
+/// The cell of a figure that is not known.
 pub(crate) const NOTHING: &str = "-";
 
 /// The cells of a header: titles with `|` between them.
@@ -25,7 +25,7 @@ pub(crate) fn header(titles: &str) -> Vec<String> {
     titles.split('|').map(str::to_owned).collect()
 }
 
-/// A number with so many digits, if there is one.
+/// The number with this many digits; empty without a number.
 pub(crate) fn cell(value: Option<f64>, digits: usize) -> String {
     value.map_or(NOTHING.to_owned(), |value| format!("{value:.digits$}"))
 }

@@ -17,7 +17,7 @@ pub struct ResultFile {
 
 impl ResultFile {
     /// The answers for `frames` frames, those of `part` if only a part of the recording is shown. A file that ends early has no
-    /// answer from there on; lines beyond the last frame are ignored. Published files are of both kinds.
+    /// answer from there on; lines beyond the last frame are ignored. Published files have both faults.
     /// Errors: The file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
         let mut answers = boxes::read_tld(path)?;

@@ -88,7 +88,7 @@ fn csv_columns() -> String {
     format!("tracker,source,sequence,recordings,{figures},method,version,options")
 }
 
-/// A row of JSON as lines of CSV: means are two, `mean` and `standard error`.
+/// A row of JSON as lines of CSV. Means take two lines: `mean` and `standard error`.
 fn csv_lines(row: Value) -> Vec<Value> {
     if row.get("mean").is_none() {
         return vec![row];

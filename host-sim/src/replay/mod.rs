@@ -79,7 +79,7 @@ pub struct Difference {
 }
 
 /// Replays the record in `source`, to its end or to the first difference. `progress` is called after each entry.
-/// Errors: It is no record, or cannot be read. What is wrong further on is [`Report::damage`].
+/// Errors: The file is no record, or cannot be read. What is wrong further on is [`Report::damage`].
 pub fn replay(source: impl Read + 'static, progress: impl Fn()) -> Result<Report> {
     let mut entries = Entries::new(entries::bytes_of(source)?);
     let mut report = Report::default();
@@ -149,7 +149,7 @@ fn of_entry(running: &mut Option<Box<dyn Runs>>, entry: &Entry, report: &mut Rep
 }
 
 impl Difference {
-    /// Whoever knows the flight, the frame and the entry puts them in.
+    /// The caller fills in the flight, the frame and the entry.
     fn new(field: &'static str, recorded: impl ToString, replayed: impl ToString) -> Self {
         let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
         Self { field, recorded, replayed, ..Self::default() }

@@ -18,7 +18,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Those of a diagram of the usual size, with room for names at the right end.
+    /// The axes of a diagram of the usual size, with room for names at the right end.
     pub const DIAGRAM: Self =
         Self { left: 70.0, right: 640.0, top: 44.0, bottom: 400.0, across: (0.0, 1.0), up: (0.0, 1.0) };
 
@@ -52,7 +52,7 @@ impl Axes {
         up.chain(across).collect()
     }
 
-    /// Lines through neighbours that there are; one without neighbours is a short line of its own.
+    /// Lines through neighbouring values. A value without neighbours is a short line of its own.
     pub fn curve(
         &self,
         values: impl IntoIterator<Item = Option<(f64, f64)>>,

@@ -144,7 +144,7 @@ impl DrawTarget for Canvas {
         Ok(())
     }
 
-    /// Only what is in the picture is gone through: boxes may be far larger.
+    /// Visits only the pixels of the picture: boxes may be far larger.
     fn fill_solid(&mut self, area: &Rectangle, color: Rgb888) -> Result<(), Infallible> {
         let seen = area.intersection(&self.bounding_box());
         self.draw_iter(seen.points().map(|point| Pixel(point, color)))

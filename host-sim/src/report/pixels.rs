@@ -11,9 +11,9 @@ use serde::{Serialize, Serializer};
 pub enum Pixels {
     /// A frame, which may be made smaller or larger.
     Frame(GrayFrame),
-    /// Gray levels, of which each stays to be seen.
+    /// Gray levels, shown pixel by pixel.
     Patch { size: (u16, u16), levels: Vec<u8> },
-    /// Differences, those that count being green; brighter than they are, as most are small.
+    /// Differences, brighter than they are, because most are small. Those that count are green.
     Differences { size: (u16, u16), levels: Vec<u8>, alpha: u16 },
 }
 
@@ -58,7 +58,7 @@ impl Pixels {
         }
     }
 
-    /// At another size: smooth where it is a frame that does not become a whole number of times as large.
+    /// In another size. A frame is smoothed, unless its new size is a multiple of its own.
     pub(super) fn sized(&self, width: u16, height: u16) -> Canvas {
         let whole = |side: u16, own: u16| side.is_multiple_of(own.max(1));
         let sharp = whole(width, self.size().0) && whole(height, self.size().1);
@@ -69,10 +69,10 @@ impl Pixels {
     }
 }
 
-/// Larger differences are as bright.
+/// The difference with the brightest shade. Larger ones look the same.
 pub(super) const BRIGHTEST: u8 = 127;
 
-/// Steep where differences are small, as most are.
+/// The shade of a difference. It rises steeply at first, because most differences are small.
 pub(super) fn gray(level: u8) -> u8 {
     let shade = (255 * 255 * u32::from(level) / u32::from(BRIGHTEST)).isqrt();
     u8::try_from(shade).unwrap_or(u8::MAX)

@@ -1,4 +1,4 @@
-//! How well everyone did: the tables and plots of the page, as its template fills them in.
+//! The scores of all methods: the tables and plots of the page, for its template.
 
 use super::entrants::{Entrant, entrants};
 use super::film::Film;
@@ -114,7 +114,7 @@ impl<'a> Scores<'a> {
     }
 }
 
-/// All that are in one recording or another, each once.
+/// Every entrant of any recording, once.
 fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
     let mut rows: Vec<Row<'_>> = Vec::new();
     for Scored { entrant, .. } in measured.iter().flat_map(|one| &one.scored) {

@@ -1,4 +1,4 @@
-//! One frame with all its boxes, as the page's template fills it in.
+//! One frame with all its boxes, for the page's template.
 
 use super::film::{Film, Still};
 use super::turns::turns;
@@ -20,7 +20,7 @@ pub(super) struct Tile {
     /// As much of the padding as boxes reach into.
     margin: u16,
     window: Option<BoundingBox>,
-    /// Those drawn last lie on top.
+    /// In the order of drawing: later ones lie on top.
     boxes: Vec<Outline>,
     /// By title of the method.
     evidence: Vec<(String, Evidence)>,

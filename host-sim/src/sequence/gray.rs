@@ -16,7 +16,7 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-/// Of a picture of which nothing can be decoded.
+/// The error for a picture of which nothing can be decoded.
 pub(super) fn damaged(why: String) -> Error {
     Damaged { why, instead: Instead::Former }.into()
 }

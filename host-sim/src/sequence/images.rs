@@ -59,7 +59,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
 }
 
 fn png(bytes: &[u8]) -> Result<GrayFrame> {
-    // Of what is in the file beside the pixels, whose number is checked below.
+    // For what the file holds besides pixels. The number of pixels is checked below.
     let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     // To gray or RGB, with or without alpha, of 8 bits each.
@@ -73,7 +73,7 @@ fn png(bytes: &[u8]) -> Result<GrayFrame> {
     gray(width, height, decoded.color_type.samples(), samples)
 }
 
-/// A decoder conceals what is missing unless it is told to be strict.
+/// The decoder fills in missing data without a word unless it is told to be strict.
 fn jpeg(bytes: &[u8]) -> Result<GrayFrame> {
     let broken = match jpeg_as(bytes, true) {
         Ok(frame) if has_end(bytes) => return Ok(frame),

@@ -66,7 +66,7 @@ impl Reader<'_> {
                 "HEIGHT" => &mut header.height,
                 "DEPTH" => &mut header.channels,
                 "MAXVAL" => &mut header.largest,
-                // TUPLTYPE and comments: how many values there are tells enough.
+                // TUPLTYPE and comments are not needed: DEPTH says how many values a pixel has.
                 _ => {
                     let end = self.0.iter().position(|&byte| byte == b'\n').unwrap_or(self.0.len());
                     self.0 = &self.0[end..];
@@ -87,7 +87,7 @@ impl Reader<'_> {
         self.word()?.parse().ok()
     }
 
-    /// The next word, without the comments before it. One white space after it is read as well.
+    /// The next word. Skips comments before it and one white space after it.
     fn word(&mut self) -> Option<String> {
         loop {
             self.0 = self.0.trim_ascii_start();

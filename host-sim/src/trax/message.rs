@@ -38,7 +38,7 @@ impl Message {
     }
 
     /// The message of a line without its end; `None` if the line is not of the protocol.
-    /// Errors: It is not a message, although it begins like one.
+    /// Errors: The line begins like a message, but is none.
     pub fn parse(line: &str) -> Result<Option<Self>> {
         let Some(rest) = line.strip_prefix(PREFIX) else { return Ok(None) };
         let rest = rest.trim_end_matches(['\r', '\n']);

@@ -59,7 +59,7 @@ impl<'a> Correlation<'a> {
     }
 }
 
-/// The sum of the products of all pairs; of rows of two lengths the common part.
+/// The sum of the products of all pairs. If one row is longer, the rest of it is ignored.
 fn dot(f: &[u8], g: &[u8]) -> u32 {
     f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum()
 }
