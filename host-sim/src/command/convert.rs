@@ -50,7 +50,7 @@ impl Convert {
 
     pub fn run(self) -> Result<Outcome> {
         let format = self.format()?;
-        let Sequence { name, frames, length, init, truth, damage } = self.recording.open(&self.sequence)?;
+        let Sequence { name, frames, length, init, truth, damage, .. } = self.recording.open(&self.sequence)?;
         let stem = self.out.file_stem().filter(|_| Format::of_file(&self.out).is_some());
         let title = stem.map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
         let mut writer = Writer::create(&self.out, format, &title, init)?;

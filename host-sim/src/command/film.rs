@@ -1,58 +1,83 @@
-//! A tracker's answers as a film: what of an answer is drawn over its frame.
+//! The answers of trackers as a film: what of each is drawn over its frame.
 
 use crate::evaluate::{Report, name_of};
-use crate::export::{self, AMBER, GREEN, Overlay, RED, WHITE};
-use crate::sequence::{BoundingBox, GrayFrame};
+use crate::export::{self, AMBER, GREEN, Overlay, Plan, RED, TARGETS, WHITE};
+use crate::report::Color;
+use crate::sequence::{BoundingBox, ColorFrames, GrayFrame};
 use anyhow::Result;
 use smr_core::State;
-use std::num::NonZeroU16;
 use std::path::Path;
-use std::time::Duration;
 
 /// A film under way.
 pub struct Film {
     film: export::Film,
-    truth: Option<Vec<Option<BoundingBox>>>,
+    colors: ColorFrames,
+    truth: Vec<Option<BoundingBox>>,
     frames: usize,
-    /// Where the target was seen last.
-    last: Option<BoundingBox>,
+    /// Where each target was seen last.
+    lasts: Vec<Option<BoundingBox>>,
+}
+
+/// What is drawn of a target.
+pub struct Shown<'a> {
+    pub name: Option<&'a str>,
+    /// `None` before its first box.
+    pub report: Option<Report>,
 }
 
 impl Film {
+    /// Frames are drawn in `colors`, one for each that is followed; `truth` has the boxes of ground truth, if there are any.
+    ///
     /// # Errors
     /// As [`export::Film::create`].
-    pub fn create(
-        out: &Path,
-        rate: NonZeroU16,
-        patience: Duration,
-        truth: Option<Vec<Option<BoundingBox>>>,
-    ) -> Result<Self> {
-        Ok(Self { film: export::Film::create(out, rate, patience)?, truth, frames: 0, last: None })
+    pub fn create(out: &Path, plan: Plan, colors: ColorFrames, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
+        Ok(Self { film: export::Film::create(out, plan)?, colors, truth, frames: 0, lasts: Vec::new() })
     }
 
-    /// Draws what was answered in the next frame. Ground truth is white; the box is green while the target is tracked, amber where that is not
-    /// sure, and red, where it was seen last, when it is lost.
+    /// Draws what is known of each target in the frame with this number. Ground truth is white. The box of an only target is green while it
+    /// is tracked, amber where that is not sure, and red, where it was seen last, when it is lost. Of several targets each has its color,
+    /// and its name at the box; it is in dashes while the target is not tracked.
     ///
     /// # Errors
     /// As [`export::Film::frame`].
-    pub fn frame(&mut self, frame: &GrayFrame, report: &Report) -> Result<()> {
-        let mut overlay = Overlay::new(frame);
-        let truth = self.truth.as_ref().and_then(|truth| truth.get(self.frames).copied().flatten());
-        self.frames += 1;
-        if let Some(truth) = truth {
+    pub fn frame(&mut self, frame: &GrayFrame, number: usize, targets: &[Shown<'_>]) -> Result<()> {
+        let (picture, moment) = self.colors.next(frame);
+        let mut overlay = Overlay::new(picture);
+        if let Some(truth) = self.truth.get(self.frames).copied().flatten() {
             overlay.outline(&truth, WHITE);
         }
-        self.last = report.target.or(self.last);
+        self.frames += 1;
+        self.lasts.resize(targets.len(), None);
+        for (last, shown) in self.lasts.iter_mut().zip(targets) {
+            *last = shown.report.and_then(|report| report.target).or(*last);
+        }
+        match targets {
+            [Shown { report: Some(report), name }] => self.draw_only(&mut overlay, number, report, *name),
+            _ => self.draw_all(&mut overlay, number, targets),
+        }
+        self.film.frame(&overlay, moment)
+    }
+
+    fn draw_only(&self, overlay: &mut Overlay, number: usize, report: &Report, name: Option<&str>) {
         let color = match report.state {
             State::Tracking => GREEN,
             State::Leaving | State::Uncertain => AMBER,
             State::Lost => RED,
         };
-        if let Some(last) = self.last {
+        if let Some(last) = self.lasts[0] {
             overlay.outline(&last, color);
         }
-        overlay.label(&label(self.frames, report), color);
-        self.film.frame(&overlay)
+        let name = name.map_or(String::new(), |name| format!("{name} "));
+        overlay.label(&format!("{number} {name}{}", said(report)), color);
+    }
+
+    fn draw_all(&self, overlay: &mut Overlay, number: usize, targets: &[Shown<'_>]) {
+        for ((shown, last), color) in targets.iter().zip(&self.lasts).zip(TARGETS.iter().cycle()) {
+            if let (Some(report), Some(last)) = (&shown.report, last) {
+                draw_one(overlay, shown.name.unwrap_or(""), report, last, *color);
+            }
+        }
+        overlay.label(&number.to_string(), WHITE);
     }
 
     /// # Errors
@@ -62,8 +87,19 @@ impl Film {
     }
 }
 
-/// Frame, state, and the confidence in hundredths.
-fn label(frame: usize, report: &Report) -> String {
+/// One of several targets.
+fn draw_one(overlay: &mut Overlay, name: &str, report: &Report, last: &BoundingBox, color: Color) {
+    if report.state == State::Tracking {
+        overlay.outline(last, color);
+        overlay.label_box(last, name, color);
+    } else {
+        overlay.dashed_outline(last, color);
+        overlay.label_box(last, &format!("{name} {}", name_of(report.state)), color);
+    }
+}
+
+/// The state, and the confidence in hundredths.
+fn said(report: &Report) -> String {
     let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
-    format!("{frame} {}{}", name_of(report.state), confidence.unwrap_or_default())
+    format!("{}{}", name_of(report.state), confidence.unwrap_or_default())
 }

@@ -1,6 +1,7 @@
 //! The command line, one file a command. Each file holds the command's arguments and what it does with them.
 
 mod ablate;
+mod answer_line;
 #[cfg(feature = "bench")]
 mod bench;
 mod check;

@@ -4,7 +4,7 @@ use super::number::whole;
 use super::recordings::recordings;
 use super::tracker_options::Pair;
 use crate::sequence::{
-    self, BoundingBox, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence,
+    self, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence, Start, Target,
 };
 use anyhow::{Result, bail, ensure};
 use clap::Args;
@@ -16,9 +16,12 @@ use std::time::Duration;
 #[command(next_help_heading = "Recording")]
 pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
-    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true)]
-    init: Option<BoundingBox>,
-    /// Count the right and lower edges as part of the box to start from: it is one pixel wider and higher
+    ///
+    /// `X,Y,W,H@FRAME` lies in a later frame. `track` takes several targets, each with its name (--init car=150,100,40,48 --init
+    /// man=20,80,15,40@120), and further boxes of a target, at which it is locked on anew (--init car=170,90,40,48@300).
+    #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
+    init: Vec<Start>,
+    /// Count the right and lower edges as part of each box to start from: it is one pixel wider and higher
     #[arg(long)]
     inclusive: bool,
     /// The size of the frames of raw dumps
@@ -45,7 +48,7 @@ pub struct RecordingOptions {
 impl RecordingOptions {
     /// Whether the box to start from is given, not found beside the recording.
     pub fn gives_init(&self) -> bool {
-        self.init.is_some()
+        !self.init.is_empty()
     }
 
     /// How long ffmpeg may do nothing.
@@ -53,11 +56,31 @@ impl RecordingOptions {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
     }
 
-    /// Opens the recording at `path`.
+    /// Opens the recording at `path`, for a command that follows one target from the first frame on.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
+        let first = self.frames.map_or(1, |part| part.first());
+        let one = self.init.len() <= 1 && self.init.iter().all(|start| start.frame.is_none_or(|frame| frame == first));
+        ensure!(one, "--init: several targets and boxes in later frames are for `track`: expected one box X,Y,W,H");
+        self.open_all(path).map(|(sequence, _)| sequence)
+    }
+
+    /// Opens the recording at `path`, for a command that follows all targets that are given, or else the one beside the recording.
+    pub fn open_with_targets(&self, path: &Path) -> Result<(Sequence, Vec<Target>)> {
+        let (sequence, targets) = self.open_all(path)?;
+        if !targets.is_empty() {
+            return Ok((sequence, targets));
+        }
+        // Without one, this says what to do.
+        sequence.start()?;
+        let starts = sequence.init.map(|init| (sequence.first, init)).into_iter().collect();
+        Ok((sequence, vec![Target { name: None, starts }]))
+    }
+
+    /// The recording, and the targets that are given.
+    fn open_all(&self, path: &Path) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
-            init: self.init,
+            init: None,
             lenient: self.lenient,
             ffmpeg_patience: Some(self.ffmpeg_patience()),
         };
@@ -71,22 +94,32 @@ impl RecordingOptions {
                 );
             }
             sequence = sequence.part(part);
-            sequence.init = self.init.or(sequence.init);
         }
-        if let Some(init) = sequence.init.as_mut().filter(|_| self.inclusive) {
-            (init.width, init.height) = (init.width + 1.0, init.height + 1.0);
+        let mut targets = Target::all(&self.init, sequence.first)?;
+        if let Some(target) = targets.first() {
+            sequence.init = Some(target.starts[0].1);
+        }
+        if self.inclusive {
+            let given = targets.iter_mut().flat_map(|target| &mut target.starts).map(|(_, bbox)| bbox);
+            for bbox in given.chain(&mut sequence.init) {
+                (bbox.width, bbox.height) = (bbox.width + 1.0, bbox.height + 1.0);
+            }
         }
         if let Some(resize) = self.resize {
-            sequence = sequence.resized(resize)?;
+            let (resized, scale) = sequence.resized_by(resize)?;
+            sequence = resized;
+            for (_, bbox) in targets.iter_mut().flat_map(|target| &mut target.starts) {
+                *bbox = bbox.scaled(scale);
+            }
         }
         let Sequence { name, frames, damage, .. } = sequence;
         let frames: Frames = Box::new(Announced { name: name.clone(), frames, damage: damage.clone() });
-        Ok(Sequence { name, frames, damage, ..sequence })
+        Ok((Sequence { name, frames, damage, ..sequence }, targets))
     }
 
     /// True if no option changes the box to start from, or the frames.
     pub fn says_nothing_of_start(&self) -> bool {
-        self.init.is_none() && !self.inclusive && self.frames.is_none() && self.resize.is_none()
+        self.init.is_empty() && !self.inclusive && self.frames.is_none() && self.resize.is_none()
     }
 
     /// The recordings at `paths`, and in folders there.
@@ -100,7 +133,7 @@ impl RecordingOptions {
     /// Errors: One box is given for several recordings.
     pub fn check_for(&self, recordings: usize) -> Result<()> {
         ensure!(
-            self.init.is_none() || recordings <= 1,
+            self.init.is_empty() || recordings <= 1,
             "--init is the box of one recording, and there are {recordings}: expected one recording with it"
         );
         Ok(())

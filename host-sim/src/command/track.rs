@@ -1,22 +1,21 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
-use super::film::Film;
-use super::number::whole;
+use super::answer_line::{Answer, Format, Printer};
+use super::film::{Film, Shown};
 use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, is_closed_pipe, progress};
-use crate::evaluate::{Evidence, MethodKind, Origin, Report, Run, name_of};
+use crate::evaluate::{Followed, MethodKind};
+use crate::export::{Plan, Rate};
 use crate::output::{Output, print};
-use crate::sequence::BoundingBox;
-use crate::sequence::boxes::Form;
-use anyhow::{Context, Result};
+use crate::sequence::{GrayFrame, Sequence};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
-use serde::Serialize;
-use smr_core::{Quality, Rect};
+use smr_core::Quality;
 use std::io::{IsTerminal, Write, stdout};
-use std::num::NonZeroU16;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -25,14 +24,14 @@ pub struct Track {
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
     /// How the target is followed
-    #[arg(long, value_enum, default_value = "smr")]
+    #[arg(long, value_enum, default_value = "robust")]
     method: MethodKind,
-    /// The format of a line
-    #[arg(long, value_enum, default_value = "tld")]
-    format: Format,
+    /// The format of a line [default: tld; of several targets csv]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     /// Print one JSON object for each frame instead
     ///
-    /// Each has version, method, options (those that were given), frame, state, box (whole pixels), fine (with fractions), confidence, ratio,
+    /// Each has version, method, options (those that were given), target (if it has a name), frame (as the recording counts it), state, box (whole pixels), fine (with fractions), confidence, ratio,
     /// runner_up_ratio, alpha, scale, found_again, work and quality. What the method does not know is null; so are both boxes while the target
     /// is lost.
     #[arg(long, conflicts_with = "format")]
@@ -42,76 +41,24 @@ pub struct Track {
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4 (needs ffmpeg), .gif, or a new folder for PNG pictures
     ///
-    /// The box is green while the target is tracking, amber when it is uncertain or leaving, and red, at its last place, when it is lost. Ground
-    /// truth is white. The text has the number of the frame, the state, and the confidence in hundredths. If the reader of the printed boxes goes
-    /// away (`| head`), the video is still finished. A GIF of 640x480 takes 0.2 MB for each frame: --resize 1/2 helps.
+    /// In the colors of the recording, and of a video at its times and with its sound. The box is green while the target is tracking,
+    /// amber when it is uncertain or leaving, and red, at its last place, when it is lost. Of several targets each has its color and its
+    /// name, and dashes while it is not tracking. Ground truth is white. The text has the number of the frame, the state, and the
+    /// confidence in hundredths. If the reader of the printed boxes goes away (`| head`), the video is still finished. A GIF of 640x480
+    /// takes 0.2 MB for each frame: --resize 1/2 helps.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
-    /// Frames per second of the video
-    #[arg(long, value_name = "RATE", default_value = "25", requires = "video", value_parser = whole::<NonZeroU16>(1..=65535))]
-    rate: NonZeroU16,
+    /// Frames per second of the video, without sound [default: as in the recording, else 25]
+    #[arg(long, value_name = "25|29.97|30000/1001", requires = "video")]
+    rate: Option<Rate>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
     tracker: TrackerOptions,
 }
 
-/// What a line holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// x1,y1,x2,y2; NaN,NaN,NaN,NaN if the target is lost
-    Tld,
-    /// x,y,width,height, the first pixel being 1; NaN,NaN,NaN,NaN if it is lost
-    Otb,
-    /// x,y,width,height; 0 if it is lost
-    Vot,
-    /// Names in the first line, then frame, box, state and the figures behind it; empty where there are none
-    Csv,
-}
-
-const CSV_NAMES: &str = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
-
-/// One frame as JSON. The boxes are null when the target is lost; what the method does not know is null, too.
-#[derive(Serialize)]
-struct JsonLine<'a> {
-    #[serde(flatten)]
-    origin: &'a Origin,
-    /// The first is 1.
-    frame: usize,
-    state: &'static str,
-    /// In whole pixels.
-    #[serde(rename = "box")]
-    bbox: Option<Whole>,
-    /// In pixels and fractions of them.
-    fine: Option<BoundingBox>,
-    confidence: Option<f64>,
-    ratio: Option<f64>,
-    runner_up_ratio: Option<f64>,
-    alpha: Option<u16>,
-    scale: Option<f64>,
-    found_again: Option<bool>,
-    work: Option<u32>,
-    /// Of the frame that was locked on: how well the target can be told from what lies beside it, 0 to 1.
-    quality: Option<f64>,
-}
-
 /// What is said of a target of poor quality.
 const POOR: &str = "the target can hardly be told from what lies beside it: expected a box with more texture";
-
-/// A box in whole pixels.
-#[derive(Serialize)]
-struct Whole {
-    x: i32,
-    y: i32,
-    width: u16,
-    height: u16,
-}
-
-impl From<Rect> for Whole {
-    fn from(Rect { x, y, width, height }: Rect) -> Self {
-        Self { x, y, width, height }
-    }
-}
 
 impl Track {
     /// What is read and written.
@@ -121,64 +68,105 @@ impl Track {
 
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
-        let (method, origin) = (variant.build()?, variant.origin());
-        let mut sequence = self.recording.open(&self.sequence)?;
-        let mut run = Run::new(method, sequence.start()?);
+        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence)?;
+        let targets = Followed::all(targets, &variant).with_context(|| sequence.name.clone())?;
+        let printer = Printer {
+            format: self.format(targets.len())?,
+            origin: variant.origin(),
+            is_named: targets.iter().any(|target| target.name.is_some()),
+        };
         let mut lines = Lines::create(self.out.as_deref(), self.video.is_some())?;
-        let truth = sequence.truth.take();
-        let patience = self.recording.ffmpeg_patience();
-        let film = self.video.as_deref().map(|video| Film::create(video, self.rate, patience, truth));
-        let mut film = film.transpose()?;
+        let film = self.film(&mut sequence)?;
+        lines.write(&printer.head())?;
         // Lines on the same terminal show how far it is.
         let shown = self.out.is_some() || !stdout().is_terminal();
         let bar = if shown { progress::bar(&sequence.name, sequence.length) } else { ProgressBar::hidden() };
-        if self.format == Format::Csv {
-            lines.write(CSV_NAMES)?;
+        let mut pass = Pass { name: sequence.name, targets, printer, lines, film, bar };
+        let numbered = (sequence.first..).zip(sequence.frames);
+        let mut last = 0;
+        for (number, frame) in numbered {
+            pass.frame(number, &frame?)?;
+            last = number;
         }
-        for (number, frame) in (1..).zip(sequence.frames) {
-            let frame = frame?;
-            let report = run.step(&frame).with_context(|| sequence.name.clone())?;
-            let quality = run.quality().filter(|_| number == 1);
-            if quality.is_some_and(Quality::is_poor) {
-                bar.suspend(|| eprintln!("warning: {}: {}", sequence.name, POOR));
-            }
-            lines.write(&(self.line(number, &report, quality, &origin)? + "\n"))?;
-            film.as_mut().map_or(Ok(()), |film| film.frame(&frame, &report))?;
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        film.map_or(Ok(()), Film::finish)?;
-        lines.finish()?;
+        pass.finish(sequence.first..=last)?;
         Ok(Outcome::Holds)
     }
 
-    fn line(&self, frame: usize, report: &Report, quality: Option<Quality>, origin: &Origin) -> Result<String> {
-        if !self.json {
-            let form = match self.format {
-                Format::Tld => Form::Tld,
-                Format::Otb => Form::Otb,
-                Format::Vot => Form::Vot,
-                Format::Csv => return Ok(csv_line(frame, report)),
-            };
-            return Ok(form.line(report.target.as_ref()));
-        }
-        let evidence = report.evidence.as_ref();
-        Ok(serde_json::to_string(&JsonLine {
-            origin,
-            frame,
-            state: name_of(report.state),
-            bbox: report.bbox.map(Whole::from),
-            fine: report.target,
-            confidence: evidence.map(|evidence| rounded(evidence.confidence)),
-            ratio: evidence.map(|evidence| rounded(evidence.ratio)),
-            runner_up_ratio: evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
-            alpha: evidence.and_then(|evidence| evidence.alpha),
-            scale: evidence.map(|evidence| rounded(evidence.scale)),
-            found_again: evidence.map(|evidence| evidence.found_again),
-            work: report.work,
-            quality: quality.map(|quality| rounded(f64::from(quality.value()) / f64::from(u16::MAX))),
-        })?)
+    /// `None`: JSON.
+    /// Errors: The format has no place for the names of several targets.
+    fn format(&self, targets: usize) -> Result<Option<Format>> {
+        let several = targets > 1;
+        let format = match self.format {
+            _ if self.json => return Ok(None),
+            None if several => Format::Csv,
+            format => format.unwrap_or(Format::Tld),
+        };
+        ensure!(
+            !several || format == Format::Csv,
+            "--format {}: its lines have no names, and there are {targets} targets: expected --format csv or --json",
+            format.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        );
+        Ok(Some(format))
     }
+
+    fn film(&self, sequence: &mut Sequence) -> Result<Option<Film>> {
+        let Some(out) = &self.video else { return Ok(None) };
+        let (patience, first) = (self.recording.ffmpeg_patience(), sequence.first);
+        let colors = std::mem::take(&mut sequence.colors);
+        let plan = Plan { rate: self.rate, sound: colors.video().map(Path::to_owned), first, patience };
+        let truth = sequence.truth.take().unwrap_or_default();
+        Film::create(out, plan, colors.open(first, patience), truth).map(Some)
+    }
+}
+
+/// All targets on their way through a recording, and what is written of them.
+struct Pass {
+    /// Of the recording.
+    name: String,
+    targets: Vec<Followed>,
+    printer: Printer,
+    lines: Lines,
+    film: Option<Film>,
+    bar: ProgressBar,
+}
+
+impl Pass {
+    fn frame(&mut self, number: usize, frame: &GrayFrame) -> Result<()> {
+        let mut shown = Vec::new();
+        for target in &mut self.targets {
+            let locks = target.next_start() == Some(number);
+            let report = target.step(number, frame).with_context(|| self.name.clone())?;
+            let quality = target.quality().filter(|_| locks);
+            if quality.is_some_and(Quality::is_poor) {
+                self.bar.suspend(|| eprintln!("warning: {}{}: {POOR}", self.name, named(target)));
+            }
+            let name = target.name.as_deref();
+            let answer = Answer { target: name, frame: number, report: report.as_ref(), quality };
+            self.lines.write(&self.printer.line(&answer)?)?;
+            shown.push(Shown { name, report });
+        }
+        self.film.as_mut().map_or(Ok(()), |film| film.frame(frame, number, &shown))?;
+        self.bar.inc(1);
+        Ok(())
+    }
+
+    /// Errors: A box lies in none of the frames that were read.
+    fn finish(mut self, frames: RangeInclusive<usize>) -> Result<()> {
+        self.bar.finish_and_clear();
+        for target in &mut self.targets {
+            if let Some(frame) = target.next_start() {
+                let (first, last) = frames.into_inner();
+                bail!("{}{}: there is no frame {frame} (--init): expected {first} to {last}", self.name, named(target));
+            }
+        }
+        self.film.map_or(Ok(()), Film::finish)?;
+        self.lines.finish()
+    }
+}
+
+/// What follows after the recording's name.
+fn named(target: &Followed) -> String {
+    target.name.as_ref().map_or(String::new(), |name| format!(", {name}"))
 }
 
 /// Where lines go: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
@@ -215,95 +203,5 @@ impl Lines {
             Self::Printed { .. } | Self::Unread => Ok(()),
             Self::File(file) => file.finish(),
         }
-    }
-}
-
-fn csv_line(frame: usize, report: &Report) -> String {
-    let field = |value: Option<String>| value.unwrap_or_default();
-    let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
-    let evidence = report.evidence.as_ref();
-    let figure =
-        |figure: fn(&Evidence) -> Option<f64>| field(evidence.and_then(figure).map(|value| rounded(value).to_string()));
-    [
-        frame.to_string(),
-        target.unwrap_or_else(|| ",,,".to_owned()),
-        name_of(report.state).to_owned(),
-        figure(|evidence| Some(evidence.confidence)),
-        figure(|evidence| Some(evidence.ratio)),
-        figure(|evidence| evidence.runner_up_ratio),
-        figure(|evidence| evidence.alpha.map(f64::from)),
-        figure(|evidence| Some(evidence.scale)),
-        field(report.work.map(|work| work.to_string())),
-    ]
-    .join(",")
-}
-
-/// To six digits: more than the 1/65535 that a ratio is made of needs.
-fn rounded(ratio: f64) -> f64 {
-    (ratio * 1e6).round() / 1e6
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::Parser;
-    use smr_core::State;
-
-    #[derive(Parser)]
-    struct Line {
-        #[command(flatten)]
-        track: Track,
-    }
-
-    fn line(arguments: &[&str], report: &Report) -> String {
-        let line = Line::parse_from([&["track", "SEQ"], arguments].concat());
-        let origin = line.track.tracker.variant(line.track.method).unwrap().origin();
-        line.track.line(7, report, None, &origin).unwrap()
-    }
-
-    /// What stands first in every line.
-    fn head(method: &str, options: &str) -> String {
-        format!(r#"{{"version":"{}","method":"{method}","options":{options},"frame":7,"#, env!("CARGO_PKG_VERSION"))
-    }
-
-    #[test]
-    fn a_found_target() {
-        let bbox = Rect::new(-2, 5, 10, 20);
-        let report = Report { state: State::Leaving, ..Report::locked(bbox) };
-        assert_eq!(line(&[], &report), "-2,5,8,25");
-        assert_eq!(line(&["--format", "otb"], &report), "-1,6,10,20");
-        assert_eq!(line(&["--format", "vot"], &report), "-2,5,10,20");
-        let csv = line(&["--format", "csv"], &report);
-        assert_eq!(
-            (csv.as_str(), csv.matches(',').count()),
-            ("7,-2,5,10,20,leaving,,,,,,", CSV_NAMES.matches(',').count())
-        );
-        let expected = r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"#;
-        let fine = r#""fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
-        let nothing = r#""confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"#;
-        let end = r#""found_again":null,"work":null,"quality":null}"#;
-        let head = head("sad", r#"{"window":"9x8"}"#);
-        let arguments = ["--json", "--method", "sad", "--window", "9x8"];
-        assert_eq!(line(&arguments, &report), [&head, expected, fine, nothing, end].concat());
-    }
-
-    #[test]
-    fn a_lost_target() {
-        let evidence = Evidence {
-            confidence: 0.0,
-            ratio: 2.0 / 3.0,
-            runner_up_ratio: Some(0.5),
-            alpha: Some(13),
-            scale: 1.0,
-            found_again: false,
-        };
-        let (state, evidence) = (State::Lost, Some(evidence));
-        let report = Report { target: None, bbox: None, state, evidence, work: Some(9) };
-        assert_eq!(line(&[], &report), "NaN,NaN,NaN,NaN");
-        assert_eq!(line(&["--format", "vot"], &report), "0");
-        assert_eq!(line(&["--format", "csv"], &report), "7,,,,,lost,0,0.666667,0.5,13,1,9");
-        let expected = r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"#;
-        let rest = r#""runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null}"#;
-        assert_eq!(line(&["--json"], &report), [&head("smr", "{}"), expected, rest].concat());
     }
 }

@@ -5,20 +5,31 @@ use super::configs::{Configs, Variant};
 use super::method::{Method, MethodKind, Report};
 use crate::Paper;
 use anyhow::Result;
-use smr_core::{Frame, Quality, Rect, Robust, Target, Tracker};
+use smr_core::{Frame, Quality, Rect, Robust, Target};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 impl MethodKind {
     /// A tracker without a target.
     pub fn build(self, configs: &Configs) -> Result<Box<dyn Method>> {
         let baseline = |measure| Box::new(Baseline::new(measure, &configs.paper));
         Ok(match self {
-            Self::Smr => Box::new(Stepped::<Paper>::new(self, configs.paper, configs.step)?),
-            Self::Robust => Box::new(Stepped::<Robust>::new(self, configs.robust, configs.step)?),
+            Self::Smr => Box::new(Stepped::<Paper>::new(self, configs.paper, configs.step, &Rc::default())?),
+            Self::Robust => Box::new(Stepped::<Robust>::new(self, configs.robust, configs.step, &Rc::default())?),
             Self::Sad => baseline(Measure::Absolute),
             Self::Ssd => baseline(Measure::Squared),
             Self::Ncc => baseline(Measure::Correlation),
             Self::Lk => Box::new(Flow::new(&configs.paper)),
         })
+    }
+
+    /// So many trackers for the targets of one recording. Those of smr-core share one workspace, as in firmware.
+    fn build_all(self, count: usize, configs: &Configs) -> Result<Vec<Box<dyn Method>>> {
+        match self {
+            Self::Smr => stepped::<Paper>(self, count, configs.paper, configs.step),
+            Self::Robust => stepped::<Robust>(self, count, configs.robust, configs.step),
+            _ => (0..count).map(|_| self.build(configs)).collect(),
+        }
     }
 }
 
@@ -26,18 +37,34 @@ impl Variant {
     pub fn build(&self) -> Result<Box<dyn Method>> {
         self.kind.build(&self.configs)
     }
+
+    /// As many, for the targets of one recording.
+    pub fn build_all(&self, count: usize) -> Result<Vec<Box<dyn Method>>> {
+        self.kind.build_all(count, &self.configs)
+    }
 }
 
-/// A tracker of smr-core, updated in steps of so much work.
+fn stepped<T: Target + 'static>(
+    kind: MethodKind,
+    count: usize,
+    config: T::Config,
+    step: u32,
+) -> Result<Vec<Box<dyn Method>>> {
+    let workspace = Rc::default();
+    (0..count).map(|_| Ok(Box::new(Stepped::<T>::new(kind, config, step, &workspace)?) as Box<dyn Method>)).collect()
+}
+
+/// A target of smr-core, updated in steps of so much work.
 struct Stepped<T: Target> {
     kind: MethodKind,
-    tracker: Tracker<T>,
+    target: T,
+    workspace: Rc<RefCell<T::Workspace>>,
     step: u32,
 }
 
 impl<T: Target> Stepped<T> {
-    fn new(kind: MethodKind, config: T::Config, step: u32) -> Result<Self> {
-        Ok(Self { kind, tracker: Tracker::new(config)?, step })
+    fn new(kind: MethodKind, config: T::Config, step: u32, workspace: &Rc<RefCell<T::Workspace>>) -> Result<Self> {
+        Ok(Self { kind, target: T::new(config)?, workspace: Rc::clone(workspace), step })
     }
 }
 
@@ -47,18 +74,19 @@ impl<T: Target> Method for Stepped<T> {
     }
 
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        self.tracker.lock(frame, target)?;
+        self.target.lock(&mut self.workspace.borrow_mut(), frame, target)?;
         Ok(())
     }
 
     fn quality(&self) -> Option<Quality> {
-        self.tracker.quality()
+        self.target.quality()
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        let mut update = self.tracker.begin(frame)?;
+        let workspace = &mut self.workspace.borrow_mut();
+        let mut update = self.target.begin(workspace, frame)?;
         while !update.step(self.step) {}
         let answer = update.finish();
-        Ok(Report { work: Some(self.tracker.work()), ..answer.into() })
+        Ok(Report { work: Some(T::work(workspace)), ..answer.into() })
     }
 }

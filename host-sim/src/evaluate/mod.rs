@@ -5,6 +5,7 @@ mod build;
 mod configs;
 pub mod covered;
 pub mod faults;
+mod followed;
 mod layout;
 mod means;
 mod method;
@@ -20,6 +21,7 @@ mod table;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
+pub use followed::Followed;
 pub use layout::Layout;
 pub(crate) use layout::{NOTHING, aligned, cell, header};
 pub use method::{CoreKind, Evidence, Method, MethodKind, Report, name_of};
@@ -175,8 +177,10 @@ pub(crate) mod tests {
             name: "moving".to_owned(),
             frames: Box::new(frames.into_iter()),
             length: Some(4),
+            first: 1,
             init: Some(at(4.0)),
             truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
+            colors: crate::sequence::Colors::None,
             damage: Damage::default(),
         }
     }

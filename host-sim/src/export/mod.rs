@@ -4,13 +4,18 @@
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array.
 //! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
 
+mod animation;
 mod c_array;
 mod draw;
 mod film;
+mod matroska;
+mod mp4;
 mod picture;
+mod timeline;
 mod writer;
 
-pub use draw::{AMBER, GREEN, Overlay, RED, WHITE};
-pub use film::Film;
+pub use draw::{AMBER, GREEN, Overlay, RED, TARGETS, WHITE};
+pub use film::{Film, Plan};
 pub use picture::{pgm, png};
+pub use timeline::Rate;
 pub use writer::{Format, Writer, Written};

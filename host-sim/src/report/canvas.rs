@@ -31,7 +31,7 @@ pub(crate) struct Canvas {
 
 /// Which parts of a line are drawn, in pixels along it.
 #[derive(Clone, Copy)]
-pub(super) struct Dashes {
+pub(crate) struct Dashes {
     pub on: f64,
     pub off: f64,
     /// How long the first gap is.
@@ -161,7 +161,7 @@ pub(super) fn width_of(text: &str) -> u32 {
 }
 
 /// A line through `points`; dashes go on around the corners.
-pub(super) fn line<D>(target: &mut D, points: &[(f64, f64)], width: u32, color: Color, dashes: Dashes)
+pub(crate) fn line<D>(target: &mut D, points: &[(f64, f64)], width: u32, color: Color, dashes: Dashes)
 where
     D: DrawTarget<Color = Rgb888, Error = Infallible>,
 {

@@ -100,8 +100,8 @@ mod tests {
     use super::*;
     use crate::evaluate::{MethodKind, Variant};
     use crate::report::{Choice, SAD, SMR, watch};
-    use crate::sequence::Damage;
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
+    use crate::sequence::{Colors, Damage};
     use smr_core::paper::Config;
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -119,8 +119,10 @@ mod tests {
             name: "plain".to_owned(),
             frames: Box::new([Ok(frame)].into_iter()),
             length: Some(1),
+            first: 1,
             init: Some("0,0,1,1".parse().unwrap()),
             truth: None,
+            colors: Colors::None,
             damage: Damage::default(),
         }
     }

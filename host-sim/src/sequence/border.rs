@@ -89,6 +89,8 @@ pub(super) fn sequence() -> Sequence {
         name: NAME.to_owned(),
         frames: source.frames,
         length: source.length,
+        first: 1,
+        colors: super::Colors::None,
         damage: source.damage,
         init,
         truth: Some(truth),

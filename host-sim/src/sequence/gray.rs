@@ -1,7 +1,7 @@
-//! Decoded samples as a gray frame, and what may be wrong with a picture.
+//! Decoded samples as a frame in gray or in color, and what may be wrong with a picture.
 
-use super::GrayFrame;
 use super::damage::{Damaged, Instead};
+use super::{ColorFrame, GrayFrame};
 use anyhow::{Error, Result, anyhow, ensure};
 
 pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
@@ -21,19 +21,45 @@ pub(super) fn damaged(why: String) -> Error {
     Damaged { why, instead: Instead::Former }.into()
 }
 
-/// A frame of samples of 8 bits: gray or RGB, each with or without alpha.
-pub(super) fn gray(width: u32, height: u32, channels: usize, samples: Vec<u8>) -> Result<GrayFrame> {
-    let side = |side: u32| {
-        u16::try_from(side).map_err(|_| anyhow!("it is {width}x{height}: expected at most 65535 pixels on each side"))
-    };
-    let (width, height) = (side(width)?, side(height)?);
-    let pixels = match channels {
-        1 => samples,
-        2 => samples.iter().step_by(2).copied().collect(),
-        3 => samples.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
-        _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| luma([r, g, b])).collect(),
-    };
-    Ok(GrayFrame { width, height, pixels })
+/// A decoded picture: samples of 8 bits, gray or RGB, each with or without alpha.
+pub(super) struct Samples {
+    width: u16,
+    height: u16,
+    /// Samples a pixel, 1 to 4.
+    channels: usize,
+    samples: Vec<u8>,
+}
+
+impl Samples {
+    pub fn new(width: u32, height: u32, channels: usize, samples: Vec<u8>) -> Result<Self> {
+        let side = |side: u32| {
+            u16::try_from(side)
+                .map_err(|_| anyhow!("it is {width}x{height}: expected at most 65535 pixels on each side"))
+        };
+        Ok(Self { width: side(width)?, height: side(height)?, channels, samples })
+    }
+
+    pub fn gray(self) -> GrayFrame {
+        let Self { width, height, channels, samples } = self;
+        let pixels = match channels {
+            1 => samples,
+            2 => samples.iter().step_by(2).copied().collect(),
+            3 => samples.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
+            _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| luma([r, g, b])).collect(),
+        };
+        GrayFrame { width, height, pixels }
+    }
+
+    pub fn colors(self) -> ColorFrame {
+        let Self { width, height, channels, samples } = self;
+        let pixels = match channels {
+            1 => samples.iter().map(|&gray| [gray; 3]).collect(),
+            2 => samples.iter().step_by(2).map(|&gray| [gray; 3]).collect(),
+            3 => samples.as_chunks().0.to_vec(),
+            _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| [r, g, b]).collect(),
+        };
+        ColorFrame { width, height, pixels }
+    }
 }
 
 /// The weights add up to 65536, so the third byte from the right is the quotient and never overflows.

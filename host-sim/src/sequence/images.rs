@@ -4,8 +4,8 @@
 //! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
 
 use super::damage::{Damaged, Instead};
-use super::gray::{EXPECTED, MOST_PIXELS, check_size, damaged, gray, luma};
-use super::{GrayFrame, has_extension, pnm};
+use super::gray::{EXPECTED, MOST_PIXELS, Samples, check_size, damaged};
+use super::{ColorFrame, GrayFrame, has_extension, pnm};
 use crate::input;
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
@@ -49,7 +49,16 @@ fn read(file: &Path) -> Result<GrayFrame> {
     decode(&input::bytes(file, &input::PICTURE)?)
 }
 
+/// One picture in its own colors.
+pub(super) fn read_colors(file: &Path) -> Result<ColorFrame> {
+    samples(&input::bytes(file, &input::PICTURE)?).map(Samples::colors)
+}
+
 pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
+    samples(bytes).map(Samples::gray)
+}
+
+fn samples(bytes: &[u8]) -> Result<Samples> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => png(bytes),
         [0xFF, 0xD8, ..] => jpeg(bytes),
@@ -58,7 +67,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
     }
 }
 
-fn png(bytes: &[u8]) -> Result<GrayFrame> {
+fn png(bytes: &[u8]) -> Result<Samples> {
     // For what the file holds besides pixels. The number of pixels is checked below.
     let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
@@ -70,25 +79,25 @@ fn png(bytes: &[u8]) -> Result<GrayFrame> {
     let mut samples = vec![0; reader.output_buffer_size().context("it is too large")?];
     let decoded = reader.next_frame(&mut samples).map_err(undecodable)?;
     samples.truncate(decoded.buffer_size());
-    gray(width, height, decoded.color_type.samples(), samples)
+    Samples::new(width, height, decoded.color_type.samples(), samples)
 }
 
 /// The decoder fills in missing data without a word unless it is told to be strict.
-fn jpeg(bytes: &[u8]) -> Result<GrayFrame> {
+fn jpeg(bytes: &[u8]) -> Result<Samples> {
     let broken = match jpeg_as(bytes, true) {
-        Ok(frame) if has_end(bytes) => return Ok(frame),
+        Ok(samples) if has_end(bytes) => return Ok(samples),
         Ok(_) => "its end is missing".to_owned(),
         Err(error) => error.to_string(),
     };
     let why = format!("{EXPECTED}: {broken}");
     match jpeg_as(bytes, false) {
-        Ok(frame) => Err(Damaged { why, instead: Instead::Decoded(frame) }.into()),
+        Ok(samples) => Err(Damaged { why, instead: Instead::Decoded(samples.gray()) }.into()),
         Err(_) => Err(damaged(why)),
     }
 }
 
 /// `strict`: what is damaged is an error; else it is gray or some other guess.
-fn jpeg_as(bytes: &[u8], strict: bool) -> Result<GrayFrame> {
+fn jpeg_as(bytes: &[u8], strict: bool) -> Result<Samples> {
     let side = usize::from(u16::MAX);
     let options = DecoderOptions::default().set_strict_mode(strict).set_max_width(side).set_max_height(side);
     let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
@@ -96,21 +105,17 @@ fn jpeg_as(bytes: &[u8], strict: bool) -> Result<GrayFrame> {
     decoder.decode_headers().map_err(broken)?;
     let too_long = |_| anyhow!("expected at most 65535 pixels on each side");
     let (width, height) = decoder.dimensions().context("its size is missing")?;
-    let (width, height) = (u16::try_from(width).map_err(too_long)?, u16::try_from(height).map_err(too_long)?);
-    check_size(width.into(), height.into())?;
-    let colors = match decoder.input_colorspace() {
-        Some(ColorSpace::Luma) => ColorSpace::Luma,
-        _ => ColorSpace::RGB,
+    let (width, height) = (u32::try_from(width).map_err(too_long)?, u32::try_from(height).map_err(too_long)?);
+    check_size(width, height)?;
+    let (colors, channels) = match decoder.input_colorspace() {
+        Some(ColorSpace::Luma) => (ColorSpace::Luma, 1),
+        _ => (ColorSpace::RGB, 3),
     };
     decoder.set_options(decoder.options().jpeg_set_out_colorspace(colors));
-    let decoded = decoder.decode().map_err(broken)?;
-    let pixels = match colors {
-        ColorSpace::Luma => decoded,
-        _ => decoded.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
-    };
-    let expected = usize::from(width) * usize::from(height);
-    ensure!(pixels.len() == expected, "{} pixels were decoded: expected {expected}", pixels.len());
-    Ok(GrayFrame { width, height, pixels })
+    let samples = decoder.decode().map_err(broken)?;
+    let (found, expected) = (samples.len() / channels, width as usize * height as usize);
+    ensure!(found == expected, "{found} pixels were decoded: expected {expected}");
+    Samples::new(width, height, channels, samples)
 }
 
 /// True if the marker of the end follows the last beginning of pixels, in which it cannot occur.

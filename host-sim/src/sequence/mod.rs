@@ -5,6 +5,7 @@
 
 mod border;
 pub mod boxes;
+mod color;
 pub mod cover;
 mod damage;
 pub mod fault;
@@ -18,18 +19,22 @@ mod pnm;
 mod raw;
 mod resize;
 pub mod slow;
+mod start;
 pub mod synthetic;
 mod video;
+mod video_color;
 mod y4m;
 
 pub use boxes::BoundingBox;
+pub use color::{ColorFrame, ColorFrames, Colors, Moment};
 pub use damage::Damage;
 pub(crate) use gray::luma;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
 pub use resize::Resize;
 pub(crate) use resize::resized;
-pub(crate) use video::{PATIENCE as FFMPEG_PATIENCE, silent};
+pub use start::{Start, Target};
+pub(crate) use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use damage::Reading;
@@ -67,10 +72,14 @@ pub struct Sequence {
     pub frames: Frames,
     /// How many frames there are, if that is known before they are read.
     pub length: Option<usize>,
+    /// The number of the first frame in the recording: 1, or more of a [part](Sequence::part).
+    pub first: usize,
     /// The box to start from, in the first frame.
     pub init: Option<BoundingBox>,
     /// Ground truth, one entry a frame; `None` where the target is not visible.
     pub truth: Option<Vec<Option<BoundingBox>>>,
+    /// The same frames in color, for videos with boxes.
+    pub colors: Colors,
     /// How many of the frames that were read are damaged; it stays 0 unless [`OpenOptions::lenient`] is set.
     pub damage: Damage,
 }
@@ -130,7 +139,16 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
             Path::new(&name),
             options.reading(),
         );
-        Sequence { name, frames: source.frames, length: None, init: None, truth: None, damage: source.damage }
+        Sequence {
+            name,
+            frames: source.frames,
+            length: None,
+            first: 1,
+            init: None,
+            truth: None,
+            colors: Colors::None,
+            damage: source.damage,
+        }
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
@@ -197,7 +215,8 @@ fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);
-    Ok(Sequence { name, frames: source.frames, length: source.length, init, truth, damage: source.damage })
+    let Source { frames, length, colors, damage } = source;
+    Ok(Sequence { name, frames, length, first: 1, init, truth, colors, damage })
 }
 
 /// `.` and `..` have names too.
@@ -211,6 +230,7 @@ fn folder_name(folder: &Path) -> String {
 struct Source {
     frames: Frames,
     length: Option<usize>,
+    colors: Colors,
     damage: Damage,
 }
 
@@ -222,7 +242,8 @@ impl Source {
         reading: Reading,
     ) -> Self {
         let damage = reading.damage.clone();
-        Self { frames: damage::frames(frames, at.display().to_string(), reading), length, damage }
+        let frames = damage::frames(frames, at.display().to_string(), reading);
+        Self { frames, length, colors: Colors::None, damage }
     }
 
     /// Frames that are made, not read.
@@ -232,7 +253,8 @@ impl Source {
 
     fn pictures(files: Vec<PathBuf>, at: &Path, options: &OpenOptions) -> Self {
         let length = files.len();
-        Self::new(images::frames(files), Some(length), at, options.reading())
+        let colors = Colors::Pictures(files.clone());
+        Self { colors, ..Self::new(images::frames(files), Some(length), at, options.reading()) }
     }
 }
 
@@ -294,13 +316,15 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
         let (frames, length) = raw::open(file, size)?;
         return Ok(Source::new(frames, length, file, options.reading()));
     }
+    // A pipe is read once.
+    let colors = if data.is_file() { Colors::Video(file.to_owned()) } else { Colors::None };
     if y4m::is_y4m(file) {
-        return Ok(Source::new(y4m::open(file)?, None, file, options.reading()));
+        return Ok(Source { colors, ..Source::new(y4m::open(file)?, None, file, options.reading()) });
     }
     // ffmpeg would: it draws text as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
     let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
-    Ok(Source::new(video::open(file, patience)?, None, file, options.reading()))
+    Ok(Source { colors, ..Source::new(video::open(file, patience)?, None, file, options.reading()) })
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.

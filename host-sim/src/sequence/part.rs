@@ -76,7 +76,7 @@ impl Sequence {
             if range.begins_with_the_first() { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
         let length = self.length.map(|length| length.min(range.last.unwrap_or(length)).saturating_sub(range.first - 1));
         let part = Part { name: self.name.clone(), frames: self.frames, range, number: 0 };
-        Self { frames: Box::new(part), length, truth, init, ..self }
+        Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
     }
 }
 

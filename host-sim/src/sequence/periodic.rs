@@ -78,8 +78,10 @@ pub(super) fn sequence() -> Sequence {
         name: NAME.to_owned(),
         frames: source.frames,
         length: source.length,
+        first: 1,
         init: Some(init),
         truth: None,
+        colors: super::Colors::None,
         damage: source.damage,
     }
 }

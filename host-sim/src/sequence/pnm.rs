@@ -1,11 +1,10 @@
 //! PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits a value.
 
-use super::GrayFrame;
-use super::gray::{EXPECTED, check_size, damaged, gray};
+use super::gray::{EXPECTED, Samples, check_size, damaged};
 use anyhow::{Error, Result, ensure};
 
 /// One picture as the bytes of its file.
-pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     let mut reader = Reader(bytes);
     let Header { is_text, width, height, channels, largest } = reader.header()?;
     // With another largest value the pixels would have to be scaled. Unscaled they would be almost black.
@@ -23,7 +22,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
         // The high byte is first.
         reader.0.get(..2 * count).ok_or_else(cut)?.iter().step_by(2).copied().collect()
     };
-    gray(width, height, channels as usize, samples)
+    Samples::new(width, height, channels as usize, samples)
 }
 
 struct Header {

@@ -1,6 +1,6 @@
 //! A recording in another size, with its boxes.
 
-use super::{GrayFrame, Sequence};
+use super::{ColorFrame, GrayFrame, Sequence};
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
 use std::str::FromStr;
@@ -57,6 +57,14 @@ impl Sequence {
     /// # Errors
     /// The new size is too large, or the first frame cannot be read.
     pub fn resized(self, resize: Resize) -> Result<Self> {
+        self.resized_by(resize).map(|(resized, _)| resized)
+    }
+
+    /// The same, and how many times as wide and high the frames are now.
+    ///
+    /// # Errors
+    /// As [`Sequence::resized`].
+    pub fn resized_by(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
         let (width, height) = resize.size(first.width, first.height)?;
@@ -72,7 +80,7 @@ impl Sequence {
             truth.iter().map(|entry| entry.map(|entry| entry.scaled(scale))).collect()
         };
         let truth = self.truth.map(scaled);
-        Ok(Self { frames: Box::new(frames), init, truth, ..self })
+        Ok((Self { frames: Box::new(frames), init, truth, ..self }, scale))
     }
 }
 
@@ -85,17 +93,36 @@ pub(crate) fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
         return frame;
     }
     let mut pixels = vec![0; usize::from(width) * usize::from(height)];
-    resize::new(
-        frame.width.into(),
-        frame.height.into(),
-        width.into(),
-        height.into(),
-        resize::Pixel::Gray8,
-        resize::Type::Triangle,
-    )
-    .and_then(|mut resizer| resizer.resize(frame.pixels.as_gray(), pixels.as_gray_mut()))
-    .expect("a GrayFrame is made with as many pixels as its size says");
+    let (from, to) = ((frame.width, frame.height), (width, height));
+    scale(resize::Pixel::Gray8, from, frame.pixels.as_gray(), to, pixels.as_gray_mut());
     GrayFrame { width, height, pixels }
+}
+
+/// The same of a frame in color.
+///
+/// # Panics
+/// The frame has fewer pixels than its size says.
+pub(super) fn resized_colors(frame: ColorFrame, width: u16, height: u16) -> ColorFrame {
+    if (frame.width, frame.height) == (width, height) {
+        return frame;
+    }
+    let mut pixels = vec![[0; 3]; usize::from(width) * usize::from(height)];
+    let (from, to) = ((frame.width, frame.height), (width, height));
+    let (source, target) = (frame.pixels.as_flattened().as_rgb(), pixels.as_flattened_mut().as_rgb_mut());
+    scale(resize::Pixel::RGB8, from, source, to, target);
+    ColorFrame { width, height, pixels }
+}
+
+fn scale<F: resize::PixelFormat>(
+    format: F,
+    from: (u16, u16),
+    source: &[F::InputPixel],
+    to: (u16, u16),
+    target: &mut [F::OutputPixel],
+) {
+    resize::new(from.0.into(), from.1.into(), to.0.into(), to.1.into(), format, resize::Type::Triangle)
+        .and_then(|mut resizer| resizer.resize(source, target))
+        .expect("a frame is made with as many pixels as its size says");
 }
 
 #[cfg(test)]

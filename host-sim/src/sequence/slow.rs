@@ -58,8 +58,10 @@ impl Kind {
             name: self.name.to_owned(),
             frames: source.frames,
             length: source.length,
+            first: 1,
             init: truth.first().copied().flatten(),
             truth: Some(truth),
+            colors: super::Colors::None,
             damage: source.damage,
         }
     }

@@ -85,8 +85,10 @@ pub(super) fn sequence() -> Sequence {
         name: NAME.to_owned(),
         frames: source.frames,
         length: source.length,
+        first: 1,
         init,
         truth: Some(truth),
+        colors: super::Colors::None,
         damage: source.damage,
     }
 }

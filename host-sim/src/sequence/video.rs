@@ -72,7 +72,7 @@ impl Iterator for Frames {
 }
 
 /// What ffmpeg writes, as long as it writes.
-struct Patient {
+pub(super) struct Patient {
     chunks: Receiver<io::Result<Vec<u8>>>,
     chunk: Vec<u8>,
     read: usize,
@@ -80,7 +80,7 @@ struct Patient {
 }
 
 impl Patient {
-    fn new(mut stream: ChildStdout, patience: Duration) -> Self {
+    pub fn new(mut stream: ChildStdout, patience: Duration) -> Self {
         let (sender, chunks) = sync_channel(4);
         thread::spawn(move || {
             loop {
@@ -192,13 +192,17 @@ impl Ffmpeg {
     }
 }
 
-fn command(program: &str, file: &Path) -> Command {
-    // Without the protocol, a colon in the name is taken for the end of one.
+/// The file as ffmpeg takes it: without the protocol, a colon in its name is taken for the end of one.
+pub(crate) fn input(file: &Path) -> OsString {
     let mut input = OsString::from("file:");
     input.push(file);
+    input
+}
+
+fn command(program: &str, file: &Path) -> Command {
     let mut command = Command::new(program);
     // Frames of another size would be scaled without a word: without a new filter there is at least a warning.
-    command.args(["-nostdin", "-v", "level+warning", "-reinit_filter", "0", "-i"]).arg(input);
+    command.args(["-nostdin", "-v", "level+warning", "-reinit_filter", "0", "-i"]).arg(input(file));
     command.args(["-pix_fmt", "gray", "-fps_mode", "passthrough", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command

@@ -101,8 +101,10 @@ mod tests {
             name: "mine".to_owned(),
             frames: Box::new(vec![frame; 3].into_iter().map(Ok)),
             length: Some(3),
+            first: 1,
             init: Some(at),
             truth: Some(vec![Some(at), None, Some(at)]),
+            colors: crate::sequence::Colors::None,
             damage: Damage::default(),
         }
     }

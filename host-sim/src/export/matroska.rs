@@ -1,0 +1,57 @@
+//! Raw frames with their times as Matroska, the one stream that ffmpeg reads from a pipe with a time for each frame.
+//!
+//! Elements are an identifier, a size and data: see <https://www.matroska.org/technical/elements.html>.
+
+/// A size that is not known: the element goes on to the next of its kind.
+const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
+/// Times are in units of so many nanoseconds.
+const MICROSECOND: u64 = 1000;
+
+/// What stands before the first frame.
+pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
+    let video =
+        [number(&[0xB0], width.into()), number(&[0xBA], height.into()), element(&[0x2E, 0xB5, 0x24], b"RGB\x18")];
+    let track = [
+        number(&[0xD7], 1),
+        number(&[0x73, 0xC5], 1),
+        number(&[0x83], 1),
+        element(&[0x86], b"V_UNCOMPRESSED"),
+        element(&[0xE0], &video.concat()),
+    ];
+    [
+        element(&[0x1A, 0x45, 0xDF, 0xA3], &element(&[0x42, 0x82], b"matroska")),
+        [&[0x18, 0x53, 0x80, 0x67], &UNKNOWN[..]].concat(),
+        element(&[0x15, 0x49, 0xA9, 0x66], &number(&[0x2A, 0xD7, 0xB1], MICROSECOND)),
+        element(&[0x16, 0x54, 0xAE, 0x6B], &element(&[0xAE], &track.concat())),
+    ]
+    .concat()
+}
+
+/// A frame of red, green and blue that is shown at this time.
+pub(super) fn frame(microseconds: u64, rgb: &[u8]) -> Vec<u8> {
+    // Of track 1, at the time of its cluster, a key frame.
+    let block = [&[0x81, 0, 0, 0x80], rgb].concat();
+    element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], microseconds), element(&[0xA3], &block)].concat())
+}
+
+fn number(identifier: &[u8], value: u64) -> Vec<u8> {
+    element(identifier, &value.to_be_bytes())
+}
+
+fn element(identifier: &[u8], data: &[u8]) -> Vec<u8> {
+    // With the mark of a size of eight bytes.
+    let size = (data.len() as u64 | 1 << 56).to_be_bytes();
+    [identifier, &size, data].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_element_is_its_identifier_its_size_and_its_data() {
+        assert_eq!(element(&[0x42, 0x82], b"abc"), *b"\x42\x82\x01\0\0\0\0\0\0\x03abc");
+        assert_eq!(number(&[0xE7], 258), *b"\xE7\x01\0\0\0\0\0\0\x08\0\0\0\0\0\0\x01\x02");
+        assert!(frame(7, &[1, 2, 3]).ends_with(b"\x81\0\0\x80\x01\x02\x03"));
+    }
+}

@@ -1,0 +1,157 @@
+//! The boxes that targets are locked on, as they are typed: `150,100,40,48`, `car=150,100,40,48`, `car@300=150,100,40,48`.
+
+use super::BoundingBox;
+use anyhow::{Context, Error, Result, ensure};
+use std::fmt;
+use std::str::FromStr;
+
+/// A box, the name of the target in it, and the frame that it lies in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// `None` if there is only one target.
+    pub name: Option<String>,
+    /// The number of the frame in the recording, from 1; `None`: the first one that is read.
+    pub frame: Option<usize>,
+    pub bbox: BoundingBox,
+}
+
+/// One target: its name, and the boxes that it is locked on, each with the number of its frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// `None` if it is the only one, and was given none.
+    pub name: Option<String>,
+    /// At least one, in the order of their frames.
+    pub starts: Vec<(usize, BoundingBox)>,
+}
+
+impl Target {
+    /// The targets of a recording whose first frame has the number `first`, in the order in which they were given.
+    ///
+    /// # Errors
+    /// Two boxes of one target in one frame, a target without a name beside others, or a frame before the first.
+    pub fn all(starts: &[Start], first: usize) -> Result<Vec<Self>> {
+        let mut targets: Vec<Self> = Vec::new();
+        for Start { name, frame, bbox } in starts {
+            let frame = frame.unwrap_or(first);
+            ensure!(frame >= first, "--init: frame {frame} is not read: expected {first} or later (--frames)");
+            let known = targets.iter().position(|target| target.name == *name);
+            let at = known.unwrap_or_else(|| {
+                targets.push(Self { name: name.clone(), starts: Vec::new() });
+                targets.len() - 1
+            });
+            let target = &mut targets[at];
+            ensure!(
+                target.starts.iter().all(|(other, _)| *other != frame),
+                "--init: two boxes of {} in frame {frame}: expected a name for each target, like --init car=150,100,40,48, or another frame, like --init 150,100,40,48@300",
+                name.as_deref().unwrap_or("one target")
+            );
+            target.starts.push((frame, *bbox));
+        }
+        let unnamed = targets.len() > 1 && targets.iter().any(|target| target.name.is_none());
+        ensure!(!unnamed, "--init: of several targets each needs a name: expected NAME=X,Y,W,H");
+        for target in &mut targets {
+            target.starts.sort_by_key(|(frame, _)| *frame);
+        }
+        Ok(targets)
+    }
+}
+
+const EXPECTED: &str = "expected X,Y,W,H, NAME=X,Y,W,H or X,Y,W,H@FRAME";
+
+/// `[NAME=]X,Y,W,H[@FRAME]`; the frame may also follow the name: `NAME@FRAME=X,Y,W,H`.
+impl FromStr for Start {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (head, tail) = text.split_once('=').map_or((None, text), |(head, tail)| (Some(head), tail));
+        let (name, of_name) =
+            head.map_or(Ok((None, None)), |head| split_frame(head).map(|(name, of)| (Some(name), of)))?;
+        let (bbox, of_box) = split_frame(tail)?;
+        ensure!(of_name.is_none() || of_box.is_none(), "{EXPECTED}: it has two frames");
+        let name = name.map(checked_name).transpose()?;
+        Ok(Self { name, frame: of_name.or(of_box), bbox: bbox.parse()? })
+    }
+}
+
+/// What stands before `@FRAME`, and the frame.
+fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
+    let Some((before, frame)) = text.split_once('@') else { return Ok((text, None)) };
+    let number = frame.parse().ok().filter(|&number: &usize| number > 0);
+    Ok((before, Some(number.with_context(|| format!("@{frame}: expected the number of a frame; the first is 1"))?)))
+}
+
+/// A name stands in tables, file names and pictures.
+fn checked_name(name: &str) -> Result<String> {
+    let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
+    let plain = !name.trim().is_empty() && name.trim() == name && name.chars().all(fits);
+    ensure!(plain, "the name {name:?}: expected letters, digits, spaces and - _ . only");
+    Ok(name.to_owned())
+}
+
+/// As it is typed.
+impl fmt::Display for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(name) = &self.name {
+            write!(f, "{name}=")?;
+        }
+        write!(f, "{}", self.bbox)?;
+        self.frame.map_or(Ok(()), |frame| write!(f, "@{frame}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn start(text: &str) -> Start {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn starts_as_they_are_typed() {
+        for (text, printed) in [
+            ("1,2,3,4", "1,2,3,4"),
+            ("1,2,3,4@20", "1,2,3,4@20"),
+            ("car=-1,2,3,4", "car=-1,2,3,4"),
+            ("car@20=1,2,3,4", "car=1,2,3,4@20"),
+            ("Größe 2=1.5,2,3,4@20", "Größe 2=1.5,2,3,4@20"),
+        ] {
+            assert_eq!(start(text).to_string(), printed);
+        }
+        for (refused, why) in [
+            ("1,2,3", "expected x,y,width,height"),
+            ("1,2,3,4@0", "@0: expected the number of a frame"),
+            ("1,2,3,4@", "@: expected the number of a frame"),
+            ("car@1=1,2,3,4@2", "it has two frames"),
+            ("=1,2,3,4", "the name \"\": expected letters"),
+            ("a,b=1,2,3,4", "the name \"a,b\": expected letters"),
+            ("a/b=1,2,3,4", "the name \"a/b\": expected letters"),
+            (" a=1,2,3,4", "the name \" a\": expected letters"),
+        ] {
+            let error = refused.parse::<Start>().unwrap_err().to_string();
+            assert!(error.contains(why), "{refused}: {error}");
+        }
+    }
+
+    #[test]
+    fn boxes_of_one_name_are_one_target() {
+        let starts = ["car@300=5,5,9,9", "man=1,2,3,4@120", "car=1,1,9,9"].map(start);
+        let targets = Target::all(&starts, 100).unwrap();
+        let frames = |at: usize| targets[at].starts.iter().map(|(frame, _)| *frame).collect::<Vec<_>>();
+        assert_eq!((targets.len(), frames(0), frames(1)), (2, vec![100, 300], vec![120]));
+        assert_eq!(targets[0].starts[0].1, start("1,1,9,9").bbox);
+    }
+
+    #[test]
+    fn what_cannot_be_told_apart_is_refused() {
+        for (starts, why) in [
+            (["1,2,3,4", "5,6,7,8"], "--init: two boxes of one target in frame 10"),
+            (["a=1,2,3,4", "a@10=5,6,7,8"], "--init: two boxes of a in frame 10"),
+            (["a=1,2,3,4", "5,6,7,8"], "--init: of several targets each needs a name"),
+            (["a=1,2,3,4", "a=5,6,7,8@9"], "--init: frame 9 is not read: expected 10 or later"),
+        ] {
+            let error = Target::all(&starts.map(start), 10).unwrap_err().to_string();
+            assert!(error.starts_with(why), "{starts:?}: {error}");
+        }
+    }
+}
