@@ -15,8 +15,10 @@ fn bad_usage_is_exit_code_2() {
         assert_eq!(host_sim(arguments).code, Some(2), "{arguments:?}");
     }
     assert_eq!(host_sim(&["--help"]).code, Some(0));
-    host_sim(&["track", "synthetic", "--k", "1/0"]).refuses(&["denominator"]);
-    host_sim(&["track", "synthetic", "--scale", "0"]).refuses(&["--scale 0", "1 to 4096"]);
+    host_sim(&["track", "synthetic", "--method", "smr", "--k", "1/0"]).refuses(&["denominator"]);
+    host_sim(&["track", "synthetic", "--k", "1/4"])
+        .refuses(&["--k is an option of smr, not of robust", "--method smr"]);
+    host_sim(&["track", "synthetic", "--method", "smr", "--scale", "0"]).refuses(&["--scale 0", "1 to 4096"]);
     host_sim(&["check", "synthetic", "--config", "camera", "--window", "90x50"]).refuses(&["limit"]);
 }
 
@@ -492,7 +494,7 @@ fn frame_says_what_it_cannot_show() {
 
 #[test]
 fn track_writes_a_json_object_a_frame() {
-    let lines = host_sim(&["track", "periodic", "--json"]).json_lines();
+    let lines = host_sim(&["track", "periodic", "--method", "smr", "--json"]).json_lines();
     assert_eq!(lines.len(), 19);
     assert_eq!(lines[6]["frame"], 7);
     assert_eq!((&lines[6]["state"], &lines[6]["box"]), (&Value::from("lost"), &Value::Null));

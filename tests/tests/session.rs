@@ -258,7 +258,7 @@ fn settings_are_echoed_and_give_the_same_again() {
     fs::write(&file, "method = \"smr\"\nconfig = \"camera\"\nwindow = \"20x16\"\nexhaustive = true\n").unwrap();
     let part = ["track", "synthetic", "--frames", "1..8", "--json"];
     let by_file = host_sim(&[&part[..], &["--settings", utf8(&file)]].concat());
-    let options = ["--config", "camera", "--window", "20x16", "--exhaustive"];
+    let options = ["--method", "smr", "--config", "camera", "--window", "20x16", "--exhaustive"];
     assert_eq!(by_file.out, host_sim(&[&part[..], &options].concat()).out);
     let first = &by_file.json_lines()[0];
     assert_eq!(first["options"], serde_json::json!({ "config": "camera", "window": "20x16", "exhaustive": true }));

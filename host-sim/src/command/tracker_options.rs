@@ -225,7 +225,13 @@ impl TrackerOptions {
         let taken = |option: &str| methods.iter().any(|method| taken_by(option).contains(method));
         if let Some(option) = self.given().keys().find(|option| !taken(option)) {
             let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
-            bail!("--{option} is an option of {}, not of {}", names(taken_by(option)), names(methods));
+            let taking = taken_by(option);
+            bail!(
+                "--{option} is an option of {}, not of {}: use --method {}",
+                names(taking),
+                names(methods),
+                taking[0].name()
+            );
         }
         Ok(())
     }

@@ -44,7 +44,7 @@ impl Gif {
         self.write_waiting(until)?;
         // What is written last is the end of the file.
         match self.encoder {
-            Some(encoder) => encoder.into_inner().map(Some).map_err(|error| of_gif(error.into())),
+            Some(encoder) => encoder.into_inner().map(Some).map_err(of_gif),
             None => Ok(self.output),
         }
     }
