@@ -14,6 +14,7 @@ pub mod figures;
 mod film;
 mod look;
 mod page;
+mod pick;
 mod picture;
 mod pictures;
 mod pixels;
@@ -27,6 +28,7 @@ mod turns;
 pub use coordinates::coordinates;
 pub use film::{Film, watch};
 pub use page::{About, page};
+pub use pick::{Choosing, Picked, pick};
 pub use picture::picture;
 pub use reel::Choice;
 

@@ -13,8 +13,9 @@ use minijinja::value::Serde;
 use serde::Serialize;
 use smr_core::State;
 
-const TEMPLATES: [(&str, &str); 6] = [
+const TEMPLATES: [(&str, &str); 7] = [
     ("page.html", include_str!("page.html")),
+    ("base.css", include_str!("base.css")),
     ("page.css", include_str!("page.css")),
     ("page.js", include_str!("page.js")),
     ("uplot.js", include_str!("uplot/uPlot.iife.min.js")),
