@@ -79,9 +79,9 @@ enum Command {
     /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
     #[command(after_help = "Example:\n  host-sim demo -o page.html")]
     Demo(demo::Demo),
-    /// Write one frame with a grid of coordinates as a picture, to choose or check a box
+    /// Choose the box to start from: a page to drag it on, or a picture with a grid of coordinates
     #[command(after_help = "Examples:
-  host-sim frame clip.mp4 1 -o first.png
+  host-sim frame clip.mp4 -o pick.html
   host-sim frame clip.mp4 1 --init 142,125,90,39 -o first.png")]
     Frame(frame::Frame),
     /// Print the target's box in every frame
