@@ -222,6 +222,35 @@ mod tests {
     }
 
     #[test]
+    fn frames_have_the_numbers_of_the_recording() {
+        let film = Film { first: 601, ..film(|sequence| sequence) };
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        for number in ["601", "705", "781"] {
+            assert!(page.contains(&format!("data-frame=\"{number}\"")), "{number}");
+        }
+        assert!(page.contains("aria-label=\"frame 601, smr: tracking\"") && page.contains("\"first\":601,"));
+        assert_eq!(page.matches("locked on here").count(), 1);
+    }
+
+    #[test]
+    fn a_tracker_has_one_look_in_all_recordings() {
+        let mut films = [film(|sequence| sequence), film(|sequence| Sequence { name: "two".into(), ..sequence })];
+        let file = |name: &str| crate::evaluate::ResultFile { name: name.into(), answers: vec![None; 240], note: None };
+        films[0].files = vec![file("a"), file("b")];
+        films[1].files = vec![file("b"), file("c")];
+        page(&mut films, &about(), BUDGET).unwrap();
+        let looks = films.each_ref().map(|film| entrants(film)[2..].iter().map(|one| one.look).collect::<Vec<_>>());
+        assert_eq!(looks, [[6, 7], [7, 8]]);
+    }
+
+    #[test]
+    fn what_was_left_out_is_said() {
+        let film = Film { notes: vec!["smr is left out: too large".into()], ..film(|sequence| sequence) };
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
+    }
+
+    #[test]
     fn a_page_keeps_its_budget_or_says_what_it_needs() {
         let mut films = [film(|sequence| sequence)];
         let whole = page(&mut films, &about(), BUDGET).unwrap().len();

@@ -13,20 +13,20 @@ const METHODS: [MethodKind; 6] =
 
 /// The colors of result files, in turn. They were chosen one after the other, each as far as possible from all before.
 const FILES: [Color; 14] = [
-    [180, 30, 255],
+    [165, 0, 240],
+    [150, 90, 30],
+    [195, 0, 120],
+    [120, 90, 165],
+    [255, 0, 255],
     [255, 150, 60],
-    [240, 0, 195],
+    [75, 120, 15],
+    [90, 75, 255],
     [180, 120, 255],
-    [180, 105, 120],
+    [0, 120, 135],
+    [255, 60, 165],
+    [195, 90, 105],
     [150, 165, 240],
-    [240, 0, 120],
-    [240, 90, 255],
-    [135, 90, 255],
-    [150, 105, 195],
-    [255, 120, 120],
-    [75, 165, 120],
-    [180, 135, 180],
-    [0, 180, 255],
+    [15, 105, 195],
 ];
 
 /// Dashes and gaps in pixels of the screen. Shorter ones mean something else: a lost target, a runner-up.

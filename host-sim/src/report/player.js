@@ -60,7 +60,7 @@ function drawSwitches() {
     input.addEventListener("change", () => {
       if (input.checked) off.delete(name);
       else off.add(name);
-      const { min, max } = panels.length ? part() : whole();
+      const { min, max } = part();
       drawCurves();
       setPart(min, max);
       show();

@@ -1,8 +1,12 @@
 // The part of the frames that all curves show: zoomed by a drag (by uPlot), pinched and moved here. Part of the page's script, see page.html.
 
 const whole = () => ({ min: recording.first, max: lastNumber() });
-const part = () => panels[0].plot.scales.x;
-const isWhole = () => panels.length === 0 || part().min <= recording.first && part().max >= lastNumber();
+/** What is shown; a curve that has just been made does not know yet. */
+const part = () => {
+  const { min, max } = panels.length ? panels[0].plot.scales.x : {};
+  return min === undefined || min === null ? whole() : { min, max };
+};
+const isWhole = () => part().min <= recording.first && part().max >= lastNumber();
 
 /** All curves show the same frames, at least a few of them, and none that there is not. */
 function setPart(min, max) {
