@@ -24,7 +24,7 @@ impl Demo {
 
     /// Runs `report`, as a user would type it.
     pub fn run(self) -> Result<Outcome> {
-        let words = ["host-sim", "report", synthetic::NAME, "--method", "smr,robust", "--out"].map(OsStr::new);
+        let words = ["host-sim", "report", synthetic::NAME, "--out"].map(OsStr::new);
         let line = HostSim::try_parse_from(words.into_iter().chain([self.out.as_os_str()]))?;
         let Command::Report(report) = line.command else { return Ok(Outcome::CheckFailed) };
         let outcome = report.run()?;
@@ -38,7 +38,7 @@ impl Demo {
                 "Both trackers have followed the target of the built-in recording `{}`, which is half hidden, leaves the\n\
                  picture and comes back. Open {} in a browser to see it.\n\n\
                  Your own video, with a box to start from (left, top, width, height):\n  \
-                 {program} frame video.mp4 -o frame.png    # a grid helps to find the box\n  \
+                 {program} frame video.mp4 -o pick.html    # open it, and drag the box\n  \
                  {program} report video.mp4 --init 150,100,40,48 --out report.html\n\n\
                  All commands: {program} --help",
                 synthetic::NAME,

@@ -121,7 +121,7 @@ enum Command {
     Convert(convert::Convert),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
     #[command(after_help = "Example:
-  host-sim report sequences/car --method smr,robust --out report.html")]
+  host-sim report sequences/car --out report.html")]
     Report(report::Report),
     /// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
     ///

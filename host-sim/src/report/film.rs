@@ -322,9 +322,8 @@ mod tests {
             let init = Some(BoundingBox { x: 10.0, y: 10.0, width: 380.0, height: 280.0 });
             Sequence { frames: Box::new(frames), init, truth: None, ..open() }
         };
-        let watch = |methods: &[MethodKind], refusal| {
-            watch(large(), &variants(methods), refusal, Choice::Spread, None, || ())
-        };
+        let watch =
+            |methods: &[MethodKind], refusal| watch(large(), &variants(methods), refusal, Choice::Spread, None, || ());
         let methods = [MethodKind::Robust, MethodKind::Smr];
         let film = watch(&methods, Refusal::LeftOut).unwrap();
         assert_eq!(film.methods.iter().map(|method| method.kind).collect::<Vec<_>>(), [MethodKind::Robust]);

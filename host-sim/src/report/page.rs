@@ -3,8 +3,8 @@
 use super::data::data;
 use super::entrants::{Entrant, entrants, place_files};
 use super::film::Film;
-use super::scores::{Measured, Scores};
 use super::palette::{Look, TRUTH_LOOK, looks};
+use super::scores::{Measured, Scores};
 use super::tile::Tile;
 use super::{Color, TRUTH, color_of, pictures, pixels};
 use crate::evaluate::name_of;

@@ -32,7 +32,13 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
         tile(&mut canvas, (left, top), film, still);
         let state = film.moments[still.index].first().state;
         let (left, top) = (i32::try_from(left)?, i32::try_from(top + height + GAP / 2)?);
-        let end = canvas.text(left, top, &format!("frame {}  ", still.index + film.first), WHITE, FONT);
+        let end = canvas.text(
+            left,
+            top,
+            &format!("frame {}  {}: ", still.index + film.first, film.methods[0].name),
+            WHITE,
+            FONT,
+        );
         canvas.text(end, top, name_of(state), color_of(state), FONT);
     }
     let (mut left, top) = (i32::try_from(GAP)?, i32::try_from(GAP + rows * cell.1)?);

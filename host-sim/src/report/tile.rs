@@ -1,9 +1,9 @@
 //! One frame with all its boxes, for the page's template.
 
-use super::film::{Film, Still};
-use super::turns::turns;
 use super::encode;
+use super::film::{Film, Still};
 use super::palette::{TRUTH_LOOK, look_of_method};
+use super::turns::turns;
 use crate::evaluate::{Evidence, name_of};
 use crate::sequence::BoundingBox;
 use anyhow::Result;

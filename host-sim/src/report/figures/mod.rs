@@ -172,7 +172,8 @@ mod tests {
     fn watched(sequence: Sequence, frames: &[usize]) -> Film {
         let configs = Configs::from(Config::paper());
         let methods = METHODS.map(|kind| Variant::new(kind, &configs));
-        watch(sequence, &methods, Refusal::Fails, Choice::Listed(frames.iter().copied().collect()), None, || ()).unwrap()
+        watch(sequence, &methods, Refusal::Fails, Choice::Listed(frames.iter().copied().collect()), None, || ())
+            .unwrap()
     }
 
     /// Both files, read back.
