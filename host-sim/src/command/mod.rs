@@ -80,9 +80,9 @@ enum Command {
     /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
     #[command(after_help = "Example:\n  host-sim demo -o page.html")]
     Demo(demo::Demo),
-    /// Write one frame with a grid of coordinates as a picture, to choose or check a box
+    /// Choose the box to start from: a page to drag it on, or a picture with a grid of coordinates
     #[command(after_help = "Examples:
-  host-sim frame clip.mp4 1 -o first.png
+  host-sim frame clip.mp4 -o pick.html
   host-sim frame clip.mp4 1 --init 142,125,90,39 -o first.png")]
     Frame(frame::Frame),
     /// Print the target's box in every frame
@@ -122,7 +122,7 @@ enum Command {
     Convert(convert::Convert),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
     #[command(after_help = "Example:
-  host-sim report sequences/car --method smr,robust --out report.html")]
+  host-sim report sequences/car --out report.html")]
     Report(report::Report),
     /// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
     ///

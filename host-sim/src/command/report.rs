@@ -7,7 +7,7 @@ use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress};
 use crate::evaluate::{Evaluation, MethodKind, Results, Variant, result_files};
 use crate::output::{Output, print};
-use crate::report::{self, About, Choice, Film};
+use crate::report::{self, About, Choice, Film, Refusal};
 use crate::sequence::{BUILT_IN, Sequence};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
@@ -16,6 +16,8 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+/// The methods if none is asked for.
+const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
 /// Pictures of a page beyond this are made smaller, then fewer.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
@@ -24,8 +26,9 @@ pub struct Report {
     /// Recordings, or folders of recordings
     #[arg(value_name = "SEQ|DIR", required = true)]
     paths: Vec<PathBuf>,
-    /// The methods to show; several are separated by commas. The states are those of the first
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,sad")]
+    /// The methods to show; several are separated by commas. The states are those of the first [default: robust,smr; without smr if the
+    /// box is too large for it]
+    #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     ///
@@ -65,7 +68,7 @@ impl Report {
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let methods = self.tracker.variants(&self.method)?;
+        let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
         let found = self.recording.find(&self.paths)?;
         ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
         let mut sequences = found.iter().map(|path| self.recording.open(path)).collect::<Result<Vec<_>>>()?;
@@ -77,6 +80,9 @@ impl Report {
         let page = page.map(File::create).transpose()?;
         let png = self.png.clone().map(File::create).transpose()?;
         let mut films = self.watch(&found, sequences, &methods)?;
+        for film in &films {
+            film.notes.iter().for_each(|note| eprintln!("note: {}: {note}", film.name));
+        }
         let mut files = Vec::new();
         if let Some(file) = page {
             let page = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
@@ -96,8 +102,10 @@ impl Report {
             if let [one] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
+        // What nobody asked for fails nobody.
+        let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, sequence): (&PathBuf, Sequence)| {
-            let mut film = report::watch(sequence, methods, self.choice(), budget, || progress.inc(1))?;
+            let mut film = report::watch(sequence, methods, refusal, self.choice(), budget, || progress.inc(1))?;
             if !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames)?;
             }
@@ -195,6 +203,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
             "frames": film.moments.len(),
             "shown": film.shown(),
             "changes_left_out": film.changes_left_out,
+            "notes": film.notes,
             "pictures": film.pictures(),
         })
     };

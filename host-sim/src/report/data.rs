@@ -4,6 +4,7 @@ use super::difference::{BAR, BARS};
 use super::encode::base64;
 use super::entrants::{Entrant, entrants};
 use super::film::Film;
+use super::palette::TRUTH_LOOK;
 use super::pictures::{Comparison, Picture, Pictures};
 use crate::evaluate::{Evidence, centre_errors, name_of, overlaps};
 use crate::sequence::BoundingBox;
@@ -16,7 +17,7 @@ use serde_json::{Value, json};
 /// The ground truth is not that of so many frames.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
-    let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
+    let data = json!({ "bar": BAR, "bars": BARS, "truth": TRUTH_LOOK, "recordings": recordings });
     Ok(data.to_string().replace('<', "\\u003c"))
 }
 
@@ -30,6 +31,7 @@ fn recording(film: &Film) -> Result<Value> {
         "width": film.size.0,
         "height": film.size.1,
         "margin": margin,
+        "first": film.first,
         "frames": film.moments.len(),
         "start": of_box(Some(&start)),
         "truth": truth,
@@ -62,7 +64,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     Ok(json!({
         "name": entrant.name,
         "title": entrant.title,
-        "color": entrant.color,
+        "look": entrant.look,
         "method": entrant.method,
         "boxes": answers.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>(),
         "lasts": lasts,

@@ -26,6 +26,21 @@ pub struct Film {
     /// All frames, if they were asked for.
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
+    /// The place of each file among all on the page.
+    pub(super) places: Vec<usize>,
+    /// The number of the first frame.
+    pub(super) first: usize,
+    /// What a reader must know: methods that were left out, and why.
+    pub notes: Vec<String>,
+}
+
+/// What is to be done with a method, other than the first, that does not start on the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// An error.
+    Fails,
+    /// The film is made without it, with a note.
+    LeftOut,
 }
 
 /// Which pictures were kept.
@@ -67,7 +82,7 @@ impl Still {
     }
 }
 
-/// Runs all `methods` over the sequence. Frames stream: only those of `choice` are kept, and with `budget` small pictures of all
+/// Runs all `methods` over the sequence; one that does not start on the box meets `refusal`. Frames stream: only those of `choice` are kept, and with `budget` small pictures of all
 /// in so many bytes. `progress` is called after each.
 ///
 /// # Errors
@@ -75,6 +90,7 @@ impl Still {
 pub fn watch(
     sequence: Sequence,
     methods: &[Variant],
+    refusal: Refusal,
     choice: Choice,
     budget: Option<usize>,
     progress: impl Fn(),
@@ -83,12 +99,17 @@ pub fn watch(
     let start = sequence.start()?;
     let Sequence { name, frames, truth, .. } = sequence;
     let last = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
-    let mut trackers: Vec<Box<dyn Shown>> = methods.iter().map(look::shown).collect::<Result<_>>()?;
+    let shown = |method: &Variant| Ok((look::shown(method)?, method.clone()));
+    let mut trackers: Vec<(Box<dyn Shown>, Variant)> = methods.iter().map(shown).collect::<Result<_>>()?;
+    let mut notes = Vec::new();
     let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
     let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
-        let look = |(tracker, variant): (&mut Box<dyn Shown>, &Variant)| {
+        if index == 0 && refusal == Refusal::LeftOut {
+            notes = leave_out(&mut trackers, &frame, start);
+        }
+        let look = |(tracker, variant): &mut (Box<dyn Shown>, Variant)| {
             let refused = |error| Refused::or(error, variant.kind, start, frame.frame().bounds());
             let look = match index {
                 0 => tracker.lock(&frame, start).map_err(refused),
@@ -96,7 +117,7 @@ pub fn watch(
             };
             look.with_context(|| format!("{name}: {}: frame {}", variant.name, index + 1))
         };
-        let looks: Result<Vec<(Report, Sight)>> = trackers.iter_mut().zip(methods).map(look).collect();
+        let looks: Result<Vec<(Report, Sight)>> = trackers.iter_mut().map(look).collect();
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
         let moment = Moment { reports, lasts: Vec::new() };
         let changed = moments.last().is_some_and(|last| last.first().state != moment.first().state);
@@ -117,7 +138,7 @@ pub fn watch(
     let padding = methods[0].configs.paper.padding;
     Ok(Film {
         name,
-        methods: methods.to_vec(),
+        methods: trackers.into_iter().map(|(_, method)| method).collect(),
         size,
         start,
         padding,
@@ -127,14 +148,34 @@ pub fn watch(
         truth,
         pictures,
         files: Vec::new(),
+        places: Vec::new(),
+        first: 1,
+        notes,
     })
 }
 
+/// Leaves out the methods, but not the first, that do not start on the box, and tells why.
+fn leave_out(trackers: &mut Vec<(Box<dyn Shown>, Variant)>, frame: &GrayFrame, start: Rect) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut is_first = true;
+    trackers.retain_mut(|(tracker, variant)| {
+        if std::mem::take(&mut is_first) {
+            return true;
+        }
+        let Err(error) = tracker.lock(frame, start) else { return true };
+        let error = Refused::or(error, variant.kind, start, frame.frame().bounds());
+        let refused = error.downcast_ref::<Refused>();
+        notes.extend(refused.map(|refused| format!("{} is left out: {refused}", variant.name)));
+        refused.is_none()
+    });
+    notes
+}
+
 impl Film {
-    /// Numbers of the frames that are shown; the first is 1.
+    /// Numbers of the frames that are shown.
     #[must_use]
     pub fn shown(&self) -> Vec<usize> {
-        self.stills.iter().map(|still| still.index + 1).collect()
+        self.stills.iter().map(|still| still.index + self.first).collect()
     }
 
     /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
@@ -211,7 +252,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> Film {
-        watch(open(), &variants(methods), Choice::Spread, None, || ()).unwrap()
+        watch(open(), &variants(methods), Refusal::Fails, Choice::Spread, None, || ()).unwrap()
     }
 
     #[test]
@@ -235,7 +276,7 @@ mod tests {
             assert!(film.moments.iter().all(|moment| kind.states().contains(&moment.first().state)), "{}", kind.name());
             assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
         }
-        assert!(watch(open(), &[], Choice::Spread, None, || ()).is_err());
+        assert!(watch(open(), &[], Refusal::Fails, Choice::Spread, None, || ()).is_err());
     }
 
     #[test]
@@ -261,16 +302,34 @@ mod tests {
     #[test]
     fn a_frame_that_there_is_not_is_named() {
         let choice = Choice::Listed([0, 240].into());
-        let error = watch(open(), &variants(&[MethodKind::Smr]), choice, None, || ()).err().unwrap();
+        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, choice, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
     #[test]
     fn ground_truth_of_another_length_is_an_error() {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
-        let film =
-            watch(Sequence { truth, ..open() }, &variants(&[MethodKind::Smr]), Choice::Spread, None, || ()).unwrap();
+        let sequence = Sequence { truth, ..open() };
+        let film = watch(sequence, &variants(&[MethodKind::Smr]), Refusal::Fails, Choice::Spread, None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
+    }
+
+    #[test]
+    fn a_method_that_refuses_the_box_is_left_out_if_it_may_be_and_is_not_the_first() {
+        let large = || {
+            let frames = (0..3).map(|_| Ok(GrayFrame { width: 400, height: 300, pixels: vec![90; 120_000] }));
+            let init = Some(BoundingBox { x: 10.0, y: 10.0, width: 380.0, height: 280.0 });
+            Sequence { frames: Box::new(frames), init, truth: None, ..open() }
+        };
+        let watch =
+            |methods: &[MethodKind], refusal| watch(large(), &variants(methods), refusal, Choice::Spread, None, || ());
+        let methods = [MethodKind::Robust, MethodKind::Smr];
+        let film = watch(&methods, Refusal::LeftOut).unwrap();
+        assert_eq!(film.methods.iter().map(|method| method.kind).collect::<Vec<_>>(), [MethodKind::Robust]);
+        assert_eq!((film.notes.len(), film.moments[0].reports.len()), (1, 1));
+        assert!(film.notes[0].starts_with("smr is left out: the box 10,10,380,280 "), "{}", film.notes[0]);
+        assert!(watch(&methods, Refusal::Fails).is_err());
+        assert!(watch(&[MethodKind::Smr, MethodKind::Robust], Refusal::LeftOut).is_err());
     }
 }

@@ -32,7 +32,13 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
         tile(&mut canvas, (left, top), film, still);
         let state = film.moments[still.index].first().state;
         let (left, top) = (i32::try_from(left)?, i32::try_from(top + height + GAP / 2)?);
-        let end = canvas.text(left, top, &format!("frame {}  ", still.index + 1), WHITE, FONT);
+        let end = canvas.text(
+            left,
+            top,
+            &format!("frame {}  {}: ", still.index + film.first, film.methods[0].name),
+            WHITE,
+            FONT,
+        );
         canvas.text(end, top, name_of(state), color_of(state), FONT);
     }
     let (mut left, top) = (i32::try_from(GAP)?, i32::try_from(GAP + rows * cell.1)?);
@@ -99,7 +105,7 @@ fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still
 mod tests {
     use super::*;
     use crate::evaluate::{MethodKind, Variant};
-    use crate::report::{Choice, SAD, SMR, watch};
+    use crate::report::{Choice, Refusal, SAD, SMR, watch};
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
     use crate::sequence::{Colors, Damage};
     use smr_core::paper::Config;
@@ -109,7 +115,7 @@ mod tests {
     fn drawn(sequence: Sequence, choice: Choice) -> Canvas {
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
-        let film = watch(sequence, &methods, choice, None, || ()).unwrap();
+        let film = watch(sequence, &methods, Refusal::Fails, choice, None, || ()).unwrap();
         Canvas::decoded(&picture(&film).unwrap())
     }
 
