@@ -31,6 +31,7 @@ mod run;
 pub mod settings;
 mod soak;
 mod synth;
+mod table_options;
 #[cfg(feature = "emulator")]
 mod target;
 mod track;
