@@ -43,6 +43,9 @@ struct FormerRow {
     mean_correct: f64,
     mean_correct_50: f64,
     f: f64,
+    /// How many of the starts are its own.
+    #[serde(rename = "starts")]
+    count: usize,
     #[serde(skip)]
     starts: Vec<FormerStart>,
 }
@@ -56,16 +59,8 @@ struct FormerStart {
 /// The tables of the file that are read. The starts come in the order of the rows that they belong to.
 #[derive(Deserialize)]
 struct FormerTables {
-    measured: Vec<Measured>,
+    measured: Vec<FormerRow>,
     starts: Vec<FormerStart>,
-}
-
-#[derive(Deserialize)]
-struct Measured {
-    #[serde(flatten)]
-    row: FormerRow,
-    /// How many of the starts are its own.
-    starts: usize,
 }
 
 /// What files of earlier versions had in place of the tables.
@@ -89,7 +84,7 @@ impl Former {
             anyhow!("{name}: line {}: expected {} in this version", error.line(), input::FORMER.expected)
         })?;
         let mut starts = starts.into_iter();
-        let with_starts = |of: Measured| FormerRow { starts: starts.by_ref().take(of.starts).collect(), ..of.row };
+        let with_starts = |row: FormerRow| FormerRow { starts: starts.by_ref().take(row.count).collect(), ..row };
         let recordings: Vec<FormerRow> = measured.into_iter().map(with_starts).collect();
         ensure!(!recordings.is_empty(), "{name}: there is no recording in it");
         Ok(Self { name, recordings })
@@ -112,6 +107,7 @@ impl From<&Row> for FormerRow {
             mean_correct: row.figures.mean_correct,
             mean_correct_50: row.figures.mean_correct_50,
             f: row.figures.f,
+            count: row.starts.len(),
             starts: row.starts.iter().map(start).collect(),
         }
     }
