@@ -28,7 +28,7 @@ fn what_is_not_there_is_named() {
         host_sim(&[command, "no/such/recording"]).refuses(&["no/such/recording"]);
         host_sim(&[command, empty]).refuses(&[empty, "no recording"]);
     }
-    host_sim(&["synth", "/dev/null/folder"]).refuses(&["/dev/null/folder"]);
+    host_sim(&["convert", "synthetic", "-o", "/dev/null/folder"]).refuses(&["/dev/null/folder"]);
 }
 
 #[test]
@@ -127,8 +127,8 @@ fn a_reader_that_goes_away_does_not_change_the_verdict() {
 fn eval_of_the_written_recording_is_that_of_the_built_in_one() {
     let folder = tempfile::tempdir().unwrap();
     let written = folder.path().join("synthetic");
-    assert_eq!(host_sim(&["synth", utf8(&written)]).code, Some(0));
-    host_sim(&["synth", utf8(&written)]).refuses(&[utf8(&written), "empty"]);
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&written)]).code, Some(0));
+    host_sim(&["convert", "synthetic", "-o", utf8(&written)]).refuses(&[utf8(&written), "empty"]);
 
     let built_in = host_sim(&["eval", "synthetic", "--method", "smr,sad", "--json"]);
     let rows = built_in.json();
@@ -398,7 +398,7 @@ fn ablate_has_a_row_for_every_part() {
 fn a_truncated_recording_loses_nothing_before_the_damage() {
     let folder = tempfile::tempdir().unwrap();
     let written = folder.path().join("recording");
-    assert_eq!(host_sim(&["synth", utf8(&written), "--format", "y4m"]).code, Some(0));
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&written), "--format", "y4m"]).code, Some(0));
     let file = written.join("synthetic.y4m");
     let bytes = fs::read(&file).unwrap();
     fs::write(&file, &bytes[..bytes.len() / 240 * 10]).unwrap();

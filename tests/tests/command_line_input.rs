@@ -12,7 +12,7 @@ use std::process::Command;
 /// Ten frames as JPEGs with ground truth, the fourth of them cut.
 fn cut_recording(folder: &Path) -> PathBuf {
     let written = folder.join("cut");
-    assert_eq!(host_sim(&["synth", utf8(&written), "--format", "y4m"]).code, Some(0));
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&written), "--format", "y4m"]).code, Some(0));
     let file = written.join("synthetic.y4m");
     let bytes = fs::read(&file).unwrap();
     fs::write(&file, &bytes[..bytes.len() - 100]).unwrap();

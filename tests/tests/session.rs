@@ -61,10 +61,10 @@ fn without_arguments_a_target_is_followed_and_shown() {
 }
 
 #[test]
-fn synth_reports_what_it_wrote() {
+fn convert_reports_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("frames");
-    let said = host_sim(&["synth", utf8(&out), "--format", "y4m", "--json"]).json();
+    let said = host_sim(&["convert", "synthetic", "-o", utf8(&out), "--format", "y4m", "--json"]).json();
     assert_eq!((&said["frames"], &said["format"], &said["width"]), (&240.into(), &"y4m".into(), &160.into()));
     assert!(out.join("synthetic.y4m").exists());
 }

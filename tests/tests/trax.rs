@@ -33,7 +33,7 @@ fn the_real_client_gets_the_boxes_of_track_twice() {
     let pictures = folder.path().join("frames");
     for format in ["png", "pgm"] {
         let out = folder.path().join(format);
-        assert_eq!(host_sim(&["synth", utf8(&out), "--format", format]).code, Some(0));
+        assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&out), "--format", format]).code, Some(0));
         std::fs::create_dir_all(&pictures).unwrap();
         for number in 1..=FRAMES {
             let name = format!("{number:05}.{format}");

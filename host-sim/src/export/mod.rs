@@ -1,16 +1,18 @@
 //! Recordings as files: for other programs, for firmware, and to be looked at.
 //!
 //! - [`png()`], [`pgm`]: a frame as a picture.
-//! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array.
+//! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
 
 mod c_array;
 mod draw;
 mod film;
 mod picture;
+mod toolkit;
 mod writer;
 
 pub use draw::{AMBER, GREEN, Overlay, RED, WHITE};
 pub use film::Film;
+use picture::jpeg;
 pub use picture::{pgm, png};
-pub use writer::{Format, Writer, Written};
+pub use writer::{Format, Writer, Written, is_whole};
