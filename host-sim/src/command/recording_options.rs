@@ -17,7 +17,7 @@ use std::time::Duration;
 pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
     ///
-    /// `X,Y,W,H@FRAME` lies in a later frame. `track` takes several targets, each with its name (--init car=150,100,40,48 --init
+    /// `X,Y,W,H@FRAME` lies in a later frame. `track` and `report` take several targets, each with its name (--init car=150,100,40,48 --init
     /// man=20,80,15,40@120), and further boxes of a target, at which it is locked on anew (--init car=170,90,40,48@300).
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
@@ -93,7 +93,10 @@ impl RecordingOptions {
     pub fn open(&self, path: &Path) -> Result<Sequence> {
         let first = self.frames.map_or(1, |part| part.first());
         let one = self.init.len() <= 1 && self.init.iter().all(|start| start.frame.is_none_or(|frame| frame == first));
-        ensure!(one, "--init: several targets and boxes in later frames are for `track`: expected one box X,Y,W,H");
+        ensure!(
+            one,
+            "--init: several targets and boxes in later frames are for `track` and `report`: expected one box X,Y,W,H"
+        );
         self.open_all(path).map(|(sequence, _)| sequence)
     }
 

@@ -112,14 +112,14 @@ function drawCurves() {
     const count = withStates.length;
     const states = withStates.map((entrant) => runs((index) => entrant.states[index]));
     const color = (state) => styleOf("--" + (state === "uncertain" ? "leaving" : state));
-    const said = ({ value, from, to }) => `${value} in ${numberOf(from)} to ${numberOf(to)}`;
+    const said = (run) => run ? `${run.value} in ${numberOf(run.from)} to ${numberOf(run.to)}` : "not begun";
     wanted.push({
       title: "States", height: count * BAND + 12, most: count,
       ticks: { splits: () => withStates.map((_, row) => count - row - 0.5), values: () => withStates.map((entrant) => entrant.title.slice(0, 6)), grid: { show: false } },
       draw: (plot) => states.forEach((found, row) => fillRuns(plot, found, row * BAND + 1, BAND - 2, color)),
       lines: withStates.map((entrant, row) => ({
         label: entrant.title, look: entrant.look, values: entrant.states.map(() => null),
-        read: (index) => said(states[row].find((run) => index <= run.to)),
+        read: (index) => said(states[row].find((run) => run.from <= index && index <= run.to)),
       })),
     });
   }

@@ -27,7 +27,7 @@ mod tile;
 mod turns;
 
 pub use coordinates::coordinates;
-pub use film::{Film, Refusal, watch};
+pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
 pub use pick::{Choosing, Picked, pick};
 pub use picture::picture;

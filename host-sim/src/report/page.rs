@@ -2,7 +2,7 @@
 
 use super::data::data;
 use super::entrants::{Entrant, entrants, place_files};
-use super::film::Film;
+use super::film::{Film, Locked};
 use super::palette::{Look, TRUTH_LOOK, looks};
 use super::scores::{Measured, Scores};
 use super::tile::Tile;
@@ -12,7 +12,7 @@ use anyhow::{Result, ensure};
 use minijinja::Environment;
 use minijinja::value::Serde;
 use serde::Serialize;
-use smr_core::State;
+use smr_core::{Rect, State};
 
 const TEMPLATES: [(&str, &str); 13] = [
     ("page.html", include_str!("page.html")),
@@ -65,8 +65,8 @@ struct Recording<'a> {
     frames: usize,
     width: u16,
     height: u16,
-    /// The box to start from.
-    start: String,
+    /// What each target is locked on.
+    starts: Vec<String>,
     /// How many frames the first method has in each state.
     states: Vec<(&'static str, usize)>,
     entrants: Vec<Entrant>,
@@ -121,9 +121,9 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
 
 impl<'a> Recording<'a> {
     fn new(film: &'a Film) -> Result<Self> {
-        let count = |state: State| film.moments.iter().filter(|moment| moment.first().state == state).count();
+        let begun = || film.moments.iter().skip(film.begins(0));
+        let count = |state: State| begun().filter(|moment| moment.first().state == state).count();
         let states = film.methods[0].kind.states();
-        let start = film.start;
         Ok(Self {
             name: &film.name,
             notes: &film.notes,
@@ -131,7 +131,7 @@ impl<'a> Recording<'a> {
             frames: film.moments.len(),
             width: film.size.0,
             height: film.size.1,
-            start: format!("{}x{} at ({}, {})", start.width, start.height, start.x, start.y),
+            starts: film.targets.iter().map(|target| starts(film, target)).collect(),
             states: states.iter().map(|&state| (name_of(state), count(state))).collect(),
             entrants: entrants(film),
             has_truth: film.truth.is_some(),
@@ -139,6 +139,16 @@ impl<'a> Recording<'a> {
             stills: film.stills.iter().map(|still| Tile::new(film, still)).collect::<Result<_>>()?,
         })
     }
+}
+
+/// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`
+fn starts(film: &Film, target: &Locked) -> String {
+    let start = |&(index, Rect { x, y, width, height }): &(usize, Rect)| {
+        let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
+        format!("{width}x{height} at ({x}, {y}){frame}")
+    };
+    let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    name + &target.starts.iter().map(start).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

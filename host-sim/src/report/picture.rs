@@ -2,6 +2,7 @@
 
 use super::canvas::{BLACK, Canvas, Dashes, FONT, PAPER, WHITE, coarse_frame, line, pixel};
 use super::film::{Film, Still};
+use super::palette::color_of_file;
 use super::turns::turns;
 use super::{Color, TRUTH, color_of, color_of_method};
 use crate::evaluate::name_of;
@@ -48,8 +49,13 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
     canvas.png()
 }
 
+/// The color of a method. Of several targets each has its own.
+fn ink_of(film: &Film, method: usize) -> Color {
+    if film.targets.len() == 1 { color_of_method(film.methods[method].kind) } else { color_of_file(method) }
+}
+
 fn legend(film: &Film) -> impl Iterator<Item = (String, Color)> {
-    let methods = film.methods.iter().map(|method| (method.name.to_uppercase(), color_of_method(method.kind)));
+    let methods = (0..film.methods.len()).map(|method| (film.title(method), ink_of(film, method)));
     let truth = film.truth.as_ref().map(|_| ("ground truth".to_owned(), TRUTH));
     methods.chain(truth).chain([("search window".to_owned(), WHITE)])
 }
@@ -86,9 +92,10 @@ fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still
     }
     let moment = &film.moments[still.index];
     let mut found = Vec::new();
-    for (method, (report, sight)) in film.methods.iter().zip(moment.reports.iter().zip(&still.sights)) {
-        let color = color_of_method(method.kind);
-        match report.target {
+    let begun = |method: &usize| still.index >= film.begins(*method);
+    for method in (0..film.methods.len()).filter(begun) {
+        let (color, sight) = (ink_of(film, method), &still.sights[method]);
+        match moment.reports[method].target {
             Some(_) => found.push((color, sight.bbox)),
             None => outline(&sight.bbox, 3, color, Dashes::new(5.0, 5.0)),
         }

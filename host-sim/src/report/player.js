@@ -23,12 +23,13 @@ function drawStage() {
   const letters = whole[2] / 22;
   const first = recording.entrants.find((entrant) => entrant.states);
   const words = svgNode("text", { x: whole[0] + letters / 2, y: whole[1] + letters * 1.2, "font-size": letters });
-  words.append(`${numberOf(frame)} ${first.name}: `, svgNode("tspan", { class: first.states[frame] }, first.states[frame]));
+  const state = first.states[frame] ?? "not begun";
+  words.append(`${numberOf(frame)} ${first.name}: `, svgNode("tspan", { class: state }, state));
   if (!isVisible(frame)) words.append(", target hidden");
   nodes.push(words);
   stage.replaceChildren(...nodes);
   const said = `frame ${numberOf(frame)} of ${lastNumber()}`;
-  stage.setAttribute("aria-label", `${said}, ${first.name}: ${first.states[frame]}`);
+  stage.setAttribute("aria-label", `${said}, ${first.name}: ${state}`);
   byId("place").value = said;
   byId("scrub").value = numberOf(frame);
   byId("scrub").setAttribute("aria-valuetext", said);

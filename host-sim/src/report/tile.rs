@@ -1,13 +1,17 @@
 //! One frame with all its boxes, for the page's template.
 
 use super::encode;
+use super::entrants::look_of;
 use super::film::{Film, Still};
-use super::palette::{TRUTH_LOOK, look_of_method};
+use super::palette::TRUTH_LOOK;
 use super::turns::turns;
 use crate::evaluate::{Evidence, name_of};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
 use serde::Serialize;
+
+/// In place of the state, before a target's first box.
+const NOT_BEGUN: &str = "not begun";
 
 #[derive(Serialize)]
 pub(super) struct Tile {
@@ -42,9 +46,10 @@ impl Tile {
     pub fn new(film: &Film, still: &Still) -> Result<Self> {
         let moment = &film.moments[still.index];
         let (mut lasts, mut found) = (Vec::new(), Vec::new());
-        for (method, (report, sight)) in film.methods.iter().zip(moment.reports.iter().zip(&still.sights)) {
-            let look = look_of_method(method.kind);
-            match report.target {
+        let begun = |method: &usize| still.index >= film.begins(*method);
+        for method in (0..film.methods.len()).filter(begun) {
+            let (look, sight) = (look_of(film, method), &still.sights[method]);
+            match moment.reports[method].target {
                 Some(_) => found.push(("method", look, sight.bbox)),
                 None => lasts.push(Outline { class: "method last", bbox: sight.bbox, look, place: 0, sharing: 1 }),
             }
@@ -52,11 +57,11 @@ impl Tile {
         found.extend(film.truth_at(still.index).map(|truth| ("truth", TRUTH_LOOK, truth)));
         let turns = turns(&found.iter().map(|(_, _, bbox)| *bbox).collect::<Vec<_>>());
         let outline = |((class, look, bbox), (place, sharing))| Outline { class, bbox, look, place, sharing };
-        let evidence = film.methods.iter().zip(&moment.reports);
-        let evidence = evidence.filter_map(|(method, report)| Some((method.name.to_uppercase(), report.evidence?)));
+        let evidence = moment.reports.iter().enumerate();
+        let evidence = evidence.filter_map(|(method, report)| Some((film.title(method), report.evidence?)));
         Ok(Self {
             number: still.index + film.first,
-            state: name_of(moment.first().state),
+            state: if begun(&0) { name_of(moment.first().state) } else { NOT_BEGUN },
             method: film.methods[0].name.clone(),
             picture: encode::data_uri("image/jpeg", &encode::jpeg(&still.frame)?),
             width: still.frame.width,
