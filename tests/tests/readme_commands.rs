@@ -18,7 +18,10 @@ const NOT_RUN: [(&str, &str); 8] = [
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
     ("cargo run --profile bench", "bench takes minutes; tests of its own run it"),
-    ("cargo run --release -p host-sim --features", "they need an emulator or the bench profile; tests of their own run them"),
+    (
+        "cargo run --release -p host-sim --features",
+        "they need an emulator or the bench profile; tests of their own run them",
+    ),
     ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
     ("host-sim bench", "it takes minutes"),
     ("host-sim soak", "a million frames: .ci/soak"),
@@ -83,7 +86,8 @@ fn clip(folder: &Path) -> bool {
         Some(0)
     );
     let clip = folder.join("clip.mp4");
-    let made = Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&frames), utf8(&clip)]).stdin(Stdio::null()).status();
+    let made =
+        Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&frames), utf8(&clip)]).stdin(Stdio::null()).status();
     fs::remove_file(&frames).unwrap();
     made.is_ok_and(|status| status.success()) && fs::copy(&clip, folder.join("video.mp4")).is_ok()
 }
@@ -103,7 +107,9 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
         ("core/examples/README.md", include_str!("../../core/examples/README.md")),
     ];
     let mut run = 0;
-    for (readme, line) in readmes.iter().flat_map(|(name, text)| commands(text).into_iter().map(move |line| (name, line))) {
+    for (readme, line) in
+        readmes.iter().flat_map(|(name, text)| commands(text).into_iter().map(move |line| (name, line)))
+    {
         let Some(arguments) = arguments(line) else { continue };
         if !has_clip && arguments.iter().any(|argument| argument.ends_with(".mp4")) {
             // Not `println!`, which is not shown for a test that passes.
