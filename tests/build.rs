@@ -22,7 +22,11 @@ fn main() {
 
 /// The text of all blocks that begin with ```rust, also of those that are no doc tests.
 fn examples(text: &str) -> Vec<String> {
-    let blocks = text.split("\n```rust").skip(1);
-    let inside = |block: &str| block.split_once('\n').and_then(|(_, block)| block.split_once("```"));
-    blocks.filter_map(|block| Some(inside(block)?.0.to_owned())).collect()
+    text.split("\n```rust").skip(1).filter_map(inside).collect()
+}
+
+/// From the second line to the end of the block.
+fn inside(block: &str) -> Option<String> {
+    let (_, block) = block.split_once('\n')?;
+    Some(block.split_once("```")?.0.to_owned())
 }

@@ -3,6 +3,8 @@
 //!
 //! Their C examples are compiled and run by `.ci/c`, their commands by `readme_commands.rs`.
 
+#![allow(elided_lifetimes_in_paths, reason = "the examples are written as most people write Rust")]
+
 #[test]
 fn the_readme_has_at_most_900_words() {
     // The same count as `wc -w`.
@@ -88,6 +90,7 @@ mod recorder {
 /// The third: several targets with one workspace.
 mod several {
     use super::pictures;
+    use smr_core::Image;
 
     include!(concat!(env!("OUT_DIR"), "/core-3.rs"));
 
@@ -167,7 +170,7 @@ mod head {
             if frames <= 3 { whole() } else { Frame::whole(Image::new(&picture, 120, 160).unwrap()) }
         };
         let seconds_since_last_frame = || 1.0 / 30.0;
-        let mut endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-4.rs")) };
+        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-4.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
         // 1500 of 20,000 microseconds are straight on.

@@ -70,6 +70,31 @@ fn convert_reports_what_it_wrote() {
 }
 
 #[test]
+fn a_sequence_for_the_vot_toolkit_keeps_the_pixels_and_says_what_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let sequences = folder.path().join("sequences");
+    let written = |name: &str, out: &str| {
+        host_sim(&["convert", name, "--format", "vot", "--frames", "..15", "-o", utf8(&sequences.join(out))])
+    };
+    let whole = written("synthetic", "whole");
+    assert_eq!((whole.code, whole.err.as_str()), (Some(0), ""));
+    let tracked = |name: &str| host_sim(&["track", name, "--frames", "..15"]).out;
+    assert_eq!(tracked(utf8(&sequences.join("whole"))), tracked("synthetic"));
+
+    let bare = written("periodic", "bare");
+    assert!(bare.code == Some(0) && bare.err.contains("periodic: no ground truth for each frame"), "{}", bare.err);
+    assert!(bare.out.contains("groundtruth.txt, sequence; added to"), "{}", bare.out);
+    assert_eq!(fs::read_to_string(sequences.join("bare/groundtruth.txt")).unwrap().lines().count(), 1);
+    assert_eq!(fs::read_to_string(sequences.join("list.txt")).unwrap(), "whole\nbare\n");
+
+    let picture = folder.path().join("picture.pgm");
+    fs::write(&picture, b"P5 2 2 255\n\x01\x02\x03\x04").unwrap();
+    let otb = folder.path().join("otb");
+    host_sim(&["convert", utf8(&picture), "--format", "otb", "-o", utf8(&otb)]).refuses(&["--format otb", "--init"]);
+    assert!(!otb.exists());
+}
+
+#[test]
 fn parts_are_shown_and_checked_as_they_are_followed() {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("part.html");

@@ -7,7 +7,7 @@ mod program;
 
 use program::{PROGRAM, host_sim, utf8};
 use serde_json::Value;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -24,6 +24,13 @@ fn python(test: &str, modules: &str) -> Option<OsString> {
         return None;
     }
     Some(python)
+}
+
+/// The VOT toolkit, at work in `folder`. It must not ask the network for a newer version of itself: nobody listens there.
+fn vot(python: &OsStr, folder: &Path) -> Command {
+    let mut command = Command::new(python);
+    command.args(["-m", "vot"]).current_dir(folder).env("https_proxy", "http://127.0.0.1:9");
+    command
 }
 
 const FRAMES: usize = 12;
@@ -87,7 +94,7 @@ fn the_vot_toolkit_runs_the_trackers_of_the_shipped_file() {
     let names: Vec<&str> = shipped.lines().filter_map(|line| line.strip_prefix('[')?.strip_suffix(']')).collect();
     assert_eq!(names.len(), 3);
     for name in names {
-        let run = Command::new(&python).args(["-m", "vot", "test", name]).current_dir(folder.path()).output().unwrap();
+        let run = vot(&python, folder.path()).args(["test", name]).output().unwrap();
         let said = String::from_utf8_lossy(&run.stdout) + String::from_utf8_lossy(&run.stderr);
         // The words of the toolkit.
         assert!(said.contains("Test concluded successfuly"), "{name}: {said}");
@@ -126,14 +133,12 @@ fn the_vot_toolkit_evaluates_analyses_and_reports() {
     {
         fs::write(folder.path().join(name), text).unwrap();
     }
+    // The shipped file calls host-sim by its name alone.
+    let paths = std::env::var_os("PATH").unwrap_or_default();
+    let own = Path::new(PROGRAM).parent().unwrap().to_owned();
+    let paths = std::env::join_paths([own].into_iter().chain(std::env::split_paths(&paths))).unwrap();
     let vot = |arguments: &[&str], expected: &str| {
-        let mut command = Command::new(&python);
-        command.args(["-m", "vot"]).args(arguments).current_dir(folder.path());
-        // The shipped file calls host-sim by its name alone. The toolkit must not ask the network for a newer version of itself.
-        let paths = std::env::var_os("PATH").unwrap_or_default();
-        let own = Path::new(PROGRAM).parent().unwrap().to_owned();
-        command.env("PATH", std::env::join_paths([own].into_iter().chain(std::env::split_paths(&paths))).unwrap());
-        let run = command.env("HTTPS_PROXY", "http://127.0.0.1:9").output().unwrap();
+        let run = vot(&python, folder.path()).args(arguments).env("PATH", &paths).output().unwrap();
         let said = String::from_utf8_lossy(&run.stdout) + String::from_utf8_lossy(&run.stderr);
         assert!(said.contains(expected), "{arguments:?}: {said}");
     };
