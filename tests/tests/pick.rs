@@ -113,6 +113,11 @@ const SCRIPT: &str = r##"
   key("Enter");
   is("two targets", line(), "--init target1=55,32,105,1@120 --init red_car_s=60,45,40,30 --video out.mp4");
   is("the same for report", byId("report").textContent, "host-sim report synthetic --init target1=55,32,105,1@120 --init red_car_s=60,45,40,30 -o report.html");
+  names()[0].value = "red_car_s";
+  names()[0].dispatchEvent(new Event("input"));
+  is("no name twice", line(), "--init red_car_s=55,32,105,1@120 --init red_car_s_2=60,45,40,30 --video out.mp4");
+  names()[0].value = "";
+  names()[0].dispatchEvent(new Event("input"));
   is("each in its color", new Set([...document.querySelectorAll("#targets li")].map((item) => item.style.getPropertyValue("--c"))).size, 2);
   const zoom = byId("zoom");
   zoom.value = 2; zoom.dispatchEvent(new Event("change"));

@@ -204,7 +204,7 @@ mod tests {
         let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
         let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
-        assert!(!page.contains("<h2>Scores") && !page.contains("</span>ground truth"));
+        assert!(!page.contains("<h2>Scores") && !page.contains("</svg>ground truth</span>"));
         assert!(!page.contains("<script>alert"));
     }
 
@@ -217,7 +217,7 @@ mod tests {
         nests(&page);
         assert!(page.contains("<p>2 recordings with 480 frames in all.</p>"));
         assert!(page.contains("<td><b>426</b></td>"), "the sum is best");
-        assert!(page.contains("other</th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
+        assert!(page.contains("other</span></th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
         assert!(page.contains("Scores on two") && page.contains("Film strip of one"));
     }
 

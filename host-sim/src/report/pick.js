@@ -100,16 +100,20 @@
     byId("said").textContent = box ? `${box.w} x ${box.h} pixels at (${box.x}, ${box.y}).${where}` : "Drag a box over the target.";
   }
 
-  /** As it stands in the command line: what a shell and host-sim take without quotes, and no name twice. */
-  function nameOf(target) {
-    const place = targets.indexOf(target);
-    const plain = target.name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
-    const wanted = plain || (targets.length > 1 ? `target${place + 1}` : "");
-    const taken = targets.slice(0, place).map(nameOf);
-    let name = wanted;
-    for (let count = 2; name && taken.includes(name); count += 1) name = `${wanted}_${count}`;
-    return name;
+  /** The names as they stand in the command line: what a shell and host-sim take without quotes, and none twice. */
+  function names() {
+    const taken = [];
+    for (const [place, { name }] of targets.entries()) {
+      const plain = name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
+      const wanted = plain || (targets.length > 1 ? `target${place + 1}` : "");
+      let free = wanted;
+      for (let count = 2; free && taken.includes(free); count += 1) free = `${wanted}_${count}`;
+      taken.push(free);
+    }
+    return taken;
   }
+
+  const nameOf = (target) => names()[targets.indexOf(target)];
 
   function drawCommands() {
     const init = (target) => {
