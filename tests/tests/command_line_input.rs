@@ -338,7 +338,7 @@ fn a_box_that_is_refused_has_the_same_words_everywhere() {
         (&["track", &large][..], true),
         (&["check", &large], true),
         (&["eval", &large], true),
-        (&["report", &large, "-o", &page], true),
+        (&["report", &large, "-o", &page, "--method", "smr"], true),
         (&["figures", &large, "-o", &figures], false),
     ] {
         let answer = host_sim(&[command, &size].concat());

@@ -124,6 +124,8 @@ const SCRIPT: &str = r##"
   is("twice as large", stage.getAttribute("viewBox"), "40 30 80 60");
   point("pointerdown", 80, 60); point("pointermove", 90, 60); point("pointerup", 90, 60);
   is("half as far", line().includes("red_car_s=65,45,40,30"), true);
+  for (let count = 0; count < 5; count += 1) key("ArrowLeft", { shiftKey: true });
+  is("the view follows keys", stage.getAttribute("viewBox"), "0 30 80 60");
   await pause(600);
   is("the address follows", location.hash, "#frame=1");
   location.hash = "frame=33";

@@ -189,6 +189,7 @@ mod tests {
         assert!(page.contains("<td><b>213</b></td>") && page.contains("<h1>&lt;b&gt;&amp;</h1>"));
         assert!(page.contains("<pre>host-sim report &#x27;&lt;i&gt;&#x27;</pre>"));
         assert!(!page.contains("url(") && !page.contains("import ") && !page.contains("fetch("));
+        assert!(page.contains("</svg>ground truth</span>"));
         assert!(page.contains("stroke-dasharray:8 16;stroke-dashoffset:-8"), "boxes that coincide take turns");
         let known = ["http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot (v"]
             .map(|known| page.matches(known).count());
