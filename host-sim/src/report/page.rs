@@ -6,7 +6,7 @@ use super::film::Film;
 use super::palette::{Look, TRUTH_LOOK, looks};
 use super::scores::{Measured, Scores};
 use super::tile::Tile;
-use super::{Color, TRUTH, color_of, pictures, pixels};
+use super::{Color, color_of, pictures};
 use crate::evaluate::name_of;
 use anyhow::{Result, ensure};
 use minijinja::Environment;
@@ -47,8 +47,8 @@ struct Page<'a> {
     #[serde(flatten)]
     about: &'a About,
     version: &'static str,
-    /// Variables of the style.
-    colors: [(&'static str, Color); 5],
+    /// The colors of states, as variables of the style.
+    colors: [(&'static str, Color); 3],
     looks: Vec<Look>,
     truth: usize,
     recordings: Vec<Recording<'a>>,
@@ -100,11 +100,10 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
     let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
-    let [tracking, leaving, lost] = states;
     let page = Page {
         about,
         version: env!("CARGO_PKG_VERSION"),
-        colors: [tracking, leaving, lost, ("truth", TRUTH), ("counts", pixels::counting_color(20))],
+        colors: states,
         looks: looks(),
         truth: TRUTH_LOOK,
         recordings: films.iter().map(Recording::new).collect::<Result<_>>()?,
@@ -112,7 +111,6 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         data: data(films)?,
     };
     let mut templates = Environment::new();
-
     for (name, text) in TEMPLATES {
         templates.add_template(name, text)?;
     }
