@@ -301,7 +301,7 @@ fn the_robust_tracker_is_a_method_like_the_others() {
         assert_eq!(report["scores"]["measured"][place]["tracker"], *method);
         assert_eq!(report["methods"][place]["method"], *method);
         let page = fs::read_to_string(&page).unwrap();
-        assert!(page.contains(&format!("</span>{}</th>", method.to_uppercase())), "{method}");
+        assert!(page.contains(&format!("</svg>{}</span></th>", method.to_uppercase())), "{method}");
     }
 }
 

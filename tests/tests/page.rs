@@ -142,6 +142,8 @@ const STAYS: &str = r##"
     is("the curve is in view: " + panel.getBoundingClientRect().bottom, panel.getBoundingClientRect().bottom > 0 && panel.getBoundingClientRect().bottom <= innerHeight + 1, true);
     const apart = innerWidth > 1000 ? stage().right <= panel.getBoundingClientRect().left : stage().bottom <= panel.querySelector("canvas").getBoundingClientRect().top;
     is("neither hides the other", apart, true);
+    const play = document.getElementById("play").getBoundingClientRect();
+    is("the player is on top", document.elementFromPoint(play.left + play.width / 2, play.top + play.height / 2).id, "play");
   }
   const root = document.documentElement;
   is("nothing is wider than the window", root.scrollWidth, root.clientWidth);

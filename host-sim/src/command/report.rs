@@ -32,7 +32,7 @@ pub struct Report {
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     ///
-    /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom), and what was compared; scores where
+    /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, with shift to move), and what was compared; scores where
     /// there is ground truth, with other trackers' results (trackers/*.txt beside a recording). It needs no other file and no network.
     #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "png")]
     out: Option<PathBuf>,

@@ -38,7 +38,7 @@ function drawScale() {
 
 function drawHistogram(list) {
   const svg = byId("histogram");
-  const width = Math.max(280, byId("player").clientWidth), height = 170, top = 10, bottom = height - 34;
+  const width = Math.max(280, svg.parentNode.clientWidth), height = 170, top = 10, bottom = height - 34;
   const inner = width - LEFT - 22;
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   svg.toggleAttribute("hidden", !list.length);

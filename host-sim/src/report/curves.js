@@ -14,13 +14,14 @@ const WHOLE = [1, 10, 100, 1000, 1e4, 1e5].flatMap((unit) => [unit, 2 * unit, 5 
 const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
 const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** The color and the dashes of lines of this look; runners-up are dotted. */
+/** The color and the dashes, in pixels of a canvas, of lines of this look; runners-up are dotted. */
 function strokeOf(look, isSecond) {
   const probe = sample(look, isSecond);
   document.body.append(probe);
   const { stroke, strokeDasharray } = getComputedStyle(probe.firstChild);
   probe.remove();
-  return { color: stroke, dash: strokeDasharray === "none" ? undefined : strokeDasharray.split(/[\s,]+/).map(parseFloat) };
+  const dashes = strokeDasharray.split(/[\s,]+/).map((length) => parseFloat(length) * devicePixelRatio);
+  return { color: stroke, dash: strokeDasharray === "none" ? undefined : dashes };
 }
 
 /** First and last index of every run of the same value that is not null. */
@@ -45,6 +46,20 @@ function fillRuns(plot, found, top, height, colorOf) {
   }
 }
 
+/** A line as uPlot has it. */
+function series({ label, look, isSecond, read }) {
+  const { color, dash } = strokeOf(look, isSecond);
+  // A value between two that are missing has no line: it is a point.
+  const alone = (plot, at) => {
+    const values = plot.data[at];
+    return [...values.keys()].filter((i) => values[i] !== null && (values[i - 1] ?? null) === null && (values[i + 1] ?? null) === null);
+  };
+  return {
+    label, width: isSecond ? 1.2 : 1.6, stroke: color, dash, value: (_, value, at, index) => index === null ? "–" : read(index),
+    points: { show: true, size: 3, stroke: color, fill: color, filter: alone },
+  };
+}
+
 /** A panel with these lines over the frames, the first on top: a `label`, `values`, a `look`, whether it `isSecond` of it, and how a
  *  value is `read`. */
 function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
@@ -59,18 +74,6 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
     marker.hidden = left < 0 || left > plot.over.clientWidth;
   };
   const follow = (plot) => { if (plot.cursor.left < 0) plot.setLegend({ idx: frame }); };
-  // A value between two that are missing has no line: it is a point.
-  const alone = (plot, at) => {
-    const values = plot.data[at];
-    return [...values.keys()].filter((i) => values[i] !== null && (values[i - 1] ?? null) === null && (values[i + 1] ?? null) === null);
-  };
-  const line = ({ label, values, look, isSecond, read }) => {
-    const { color, dash } = strokeOf(look, isSecond);
-    return {
-    label, width: isSecond ? 1.2 : 1.6, stroke: color, dash, value: (_, value, at, index) => index === null ? "–" : read(index),
-    points: { show: true, size: 3, stroke: color, fill: color, filter: alone },
-    };
-  };
   const drawn = [...lines].reverse();
   const axis = { stroke: () => styleOf("--faint"), font: "11px system-ui, sans-serif", ticks: { show: false } };
   const plot = new uPlot({
@@ -82,7 +85,7 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
       { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false }, incrs: WHOLE },
       { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => styleOf("--rule"), width: 1 }, ...ticks },
     ],
-    series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (isVisible(number - recording.first) ? "" : ", hidden") }, ...drawn.map(line)],
+    series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (isVisible(number - recording.first) ? "" : ", hidden") }, ...drawn.map(series)],
     hooks: {
       drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.bbox.height / devicePixelRatio, () => styleOf("--gone"))],
       draw: [(plot) => draw && draw(plot), place],
@@ -95,7 +98,12 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
   legend.append(...rows);
   plot.over.append(marker);
   addZoom(plot);
-  plot.over.addEventListener("click", (event) => { if (event.shiftKey) return; play(false); goTo(plot.posToIdx(event.clientX - plot.over.getBoundingClientRect().left)); });
+  plot.over.addEventListener("click", (event) => {
+    // With shift it was a move.
+    if (event.shiftKey) return;
+    play(false);
+    goTo(plot.posToIdx(event.clientX - plot.over.getBoundingClientRect().left));
+  });
   panels.push({ plot, read: () => { place(plot); follow(plot); } });
 }
 

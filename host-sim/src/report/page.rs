@@ -6,7 +6,7 @@ use super::film::{Film, Locked};
 use super::palette::{Look, TRUTH_LOOK, looks};
 use super::scores::{Measured, Scores};
 use super::tile::Tile;
-use super::{Color, TRUTH, color_of, pictures, pixels};
+use super::{Color, color_of, pictures};
 use crate::evaluate::name_of;
 use anyhow::{Result, ensure};
 use minijinja::Environment;
@@ -47,8 +47,8 @@ struct Page<'a> {
     #[serde(flatten)]
     about: &'a About,
     version: &'static str,
-    /// Variables of the style.
-    colors: [(&'static str, Color); 5],
+    /// The colors of states, as variables of the style.
+    colors: [(&'static str, Color); 3],
     looks: Vec<Look>,
     truth: usize,
     recordings: Vec<Recording<'a>>,
@@ -100,11 +100,10 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
     let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
-    let [tracking, leaving, lost] = states;
     let page = Page {
         about,
         version: env!("CARGO_PKG_VERSION"),
-        colors: [tracking, leaving, lost, ("truth", TRUTH), ("counts", pixels::counting_color(20))],
+        colors: states,
         looks: looks(),
         truth: TRUTH_LOOK,
         recordings: films.iter().map(Recording::new).collect::<Result<_>>()?,
@@ -112,7 +111,6 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         data: data(films)?,
     };
     let mut templates = Environment::new();
-
     for (name, text) in TEMPLATES {
         templates.add_template(name, text)?;
     }
@@ -199,6 +197,7 @@ mod tests {
         assert!(page.contains("<td><b>213</b></td>") && page.contains("<h1>&lt;b&gt;&amp;</h1>"));
         assert!(page.contains("<pre>host-sim report &#x27;&lt;i&gt;&#x27;</pre>"));
         assert!(!page.contains("url(") && !page.contains("import ") && !page.contains("fetch("));
+        assert!(page.contains("</svg>ground truth</span>"));
         assert!(page.contains("stroke-dasharray:8 16;stroke-dashoffset:-8"), "boxes that coincide take turns");
         let known = ["http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot (v"]
             .map(|known| page.matches(known).count());
@@ -214,7 +213,7 @@ mod tests {
         let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
         let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
-        assert!(!page.contains("<h2>Scores") && !page.contains("</span>ground truth"));
+        assert!(!page.contains("<h2>Scores") && !page.contains("</svg>ground truth</span>"));
         assert!(!page.contains("<script>alert"));
     }
 
@@ -227,7 +226,7 @@ mod tests {
         nests(&page);
         assert!(page.contains("<p>2 recordings with 480 frames in all.</p>"));
         assert!(page.contains("<td><b>426</b></td>"), "the sum is best");
-        assert!(page.contains("other</th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
+        assert!(page.contains("other</span></th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
         assert!(page.contains("Scores on two") && page.contains("Film strip of one"));
     }
 

@@ -19,7 +19,7 @@
   const targets = [{ name: "", color: COLORS[0], box: data.box && fitted(data.box), frame: data.shown }];
   let active = targets[0];
   let at = 0;
-  let view = { x: 0, y: 0, zoom: 1 };
+  const view = { x: 0, y: 0, zoom: 1 };
 
   const number = () => frames[at][0];
   /** Pixels of the recording for one of the screen. */
@@ -48,6 +48,22 @@
   function setBox(box) {
     active.box = fitted(box);
     active.frame = number();
+    show();
+  }
+
+  /** Puts the middle of the active box, if there is one, into the middle of the view. */
+  function centreView() {
+    const { x, y, w, h } = active.box ?? { x: 0, y: 0, w: width, h: height };
+    const start = (middle, whole) => clamp(middle - whole / view.zoom / 2, 0, whole - whole / view.zoom);
+    [view.x, view.y] = [start(x + w / 2, width), start(y + h / 2, height)];
+  }
+
+  /** Of a box that is moved by keys and fields: the view follows when its middle is out of it. */
+  function follow() {
+    const { x, y, w, h } = active.box;
+    const isIn = (middle, from, whole) => middle >= from && middle <= from + whole / view.zoom;
+    if (isIn(x + w / 2, view.x, width) && isIn(y + h / 2, view.y, height)) return;
+    centreView();
     show();
   }
 
@@ -100,16 +116,20 @@
     byId("said").textContent = box ? `${box.w} x ${box.h} pixels at (${box.x}, ${box.y}).${where}` : "Drag a box over the target.";
   }
 
-  /** As it stands in the command line: what a shell and host-sim take without quotes, and no name twice. */
-  function nameOf(target) {
-    const place = targets.indexOf(target);
-    const plain = target.name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
-    const wanted = plain || (targets.length > 1 ? `target${place + 1}` : "");
-    const taken = targets.slice(0, place).map(nameOf);
-    let name = wanted;
-    for (let count = 2; name && taken.includes(name); count += 1) name = `${wanted}_${count}`;
-    return name;
+  /** The names as they stand in the command line: what a shell and host-sim take without quotes, and none twice. */
+  function names() {
+    const taken = [];
+    for (const [place, { name }] of targets.entries()) {
+      const plain = name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
+      const wanted = plain || (targets.length > 1 ? `target${place + 1}` : "");
+      let free = wanted;
+      for (let count = 2; free && taken.includes(free); count += 1) free = `${wanted}_${count}`;
+      taken.push(free);
+    }
+    return taken;
   }
+
+  const nameOf = (target) => names()[targets.indexOf(target)];
 
   function drawCommands() {
     const init = (target) => {
@@ -283,6 +303,7 @@
       if (!active.box) setBox(box);
       else if (resizes) setBox({ ...box, w: clamp(box.w + dx, 0, width - box.x), h: clamp(box.h + dy, 0, height - box.y) });
       else setBox({ ...box, x: box.x + dx, y: box.y + dy });
+      follow();
     } else if (event.key === "Enter" && !active.box) setBox(inTheMiddle());
     else if (event.key === "PageDown") goTo(at + 1);
     else if (event.key === "PageUp") goTo(at - 1);
@@ -293,8 +314,9 @@
     byId(key).min = { w: leastWidth, h: leastHeight }[key] ?? 0;
     byId(key).max = { x: width - leastWidth, y: height - leastHeight, w: width, h: height }[key];
     byId(key).addEventListener("change", (event) => {
-      if (event.target.value !== "") setBox({ ...(active.box ?? fitted(inTheMiddle())), [key]: Number(event.target.value) });
-      else show();
+      if (event.target.value === "") return show();
+      setBox({ ...(active.box ?? fitted(inTheMiddle())), [key]: Number(event.target.value) });
+      follow();
     });
   }
   byId("add").addEventListener("click", () => {
@@ -308,10 +330,8 @@
   byId("on").addEventListener("click", () => goTo(at + 1));
   byId("scrub").addEventListener("input", (event) => goTo(Number(event.target.value)));
   byId("zoom").addEventListener("change", (event) => {
-    const zoom = Number(event.target.value);
-    const { x, y, w, h } = active.box ?? { x: 0, y: 0, w: width, h: height };
-    const start = (middle, whole) => clamp(middle - whole / zoom / 2, 0, whole - whole / zoom);
-    view = { x: start(x + w / 2, width), y: start(y + h / 2, height), zoom };
+    view.zoom = Number(event.target.value);
+    centreView();
     show();
   });
   for (const button of document.querySelectorAll("[data-of]")) button.addEventListener("click", () => copy(button));

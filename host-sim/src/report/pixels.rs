@@ -78,7 +78,7 @@ pub(super) fn gray(level: u8) -> u8 {
     u8::try_from(shade).unwrap_or(u8::MAX)
 }
 
-pub(super) fn counting_color(level: u8) -> Color {
+fn counting_color(level: u8) -> Color {
     let shade = gray(level) / 3;
     [shade, 105 + shade, 65 + shade]
 }
