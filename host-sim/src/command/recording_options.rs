@@ -32,7 +32,7 @@ pub struct RecordingOptions {
     resize: Option<Resize>,
     /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1
     ///
-    /// The first of them is then frame 1, and the box to start from is the one that the ground truth has there.
+    /// They keep their numbers. The box to start from is the one that the ground truth has in the first of them.
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
     /// Continue after damage in a recording, and print on standard error how many frames are damaged
