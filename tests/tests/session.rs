@@ -99,7 +99,8 @@ fn parts_are_shown_and_checked_as_they_are_followed() {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("part.html");
     let said =
-        host_sim(&["report", "synthetic", "--frames", "20..40", "--strip", "20,40", "-o", utf8(&page), "--json"]).json();
+        host_sim(&["report", "synthetic", "--frames", "20..40", "--strip", "20,40", "-o", utf8(&page), "--json"])
+            .json();
     assert_eq!((&said["recordings"][0]["frames"], &said["recordings"][0]["shown"]), (&21.into(), &vec![20, 40].into()));
     let said = host_sim(&["check", "synthetic", "--frames", "20..40", "--json"]).json();
     assert_eq!(said[0]["frames"], Value::from(20), "one is locked on");

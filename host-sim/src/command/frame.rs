@@ -5,8 +5,8 @@ use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, say};
 use crate::output::{self, Output};
-use crate::report::{self, Choosing};
-use crate::sequence::{BoundingBox, GrayFrame, Sequence};
+use crate::report::{self, Choosing, SIDE, Shots};
+use crate::sequence::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::io::Write;
@@ -100,7 +100,11 @@ impl Frame {
 
     fn page(&self) -> Result<Written> {
         let output = Output::create(&self.out)?;
-        let Sequence { name, frames, init, length, .. } = self.recording.in_own_size().open(&self.sequence)?;
+        let Sequence { name, mut frames, init, length, first, colors, .. } =
+            self.recording.in_own_size().open(&self.sequence)?;
+        // The first frame says what is wrong with the recording, and how large it is.
+        let gray = frames.next().with_context(|| format!("{name} holds no frame"))??;
+        let size = (gray.width, gray.height);
         let bbox = self.target(init);
         let choosing = Choosing {
             name,
@@ -112,9 +116,20 @@ impl Frame {
             file: quoted(&self.out)?,
         };
         let bar = progress::bar(&choosing.name, length);
-        let least = |width, height| self.recording.least_box(width, height);
+        let least = self.recording.least_box(size.0, size.1);
         let budget = self.budget.get().saturating_mul(1_000_000);
-        let picked = report::pick(frames.inspect(|_| bar.inc(1)), &choosing, least, budget)?;
+        let patience = self.recording.ffmpeg_patience();
+        let count = self.recording.frames.and_then(|part| part.last()).map_or(usize::MAX, |last| last + 1 - first);
+        let in_color: Box<dyn Iterator<Item = Result<ColorFrame>>> = match colors {
+            Colors::None => Box::new(std::iter::once(Ok(gray)).chain(frames).map(|frame| Ok((&frame?).into()))),
+            ref colors => Box::new(colors.clone().within(first, SIDE, patience).take(count).map(Ok)),
+        };
+        let shots = Shots {
+            frames: in_color.inspect(|_| bar.inc(1)),
+            size,
+            shown: colors.within(self.number(), u16::MAX, patience).next(),
+        };
+        let picked = report::pick(shots, &choosing, least, budget)?;
         bar.finish_and_clear();
         write(output, picked.page.as_bytes())?;
         Ok(self.written(choosing.name, picked.page.len(), picked.size, Some(picked.pictures), bbox))

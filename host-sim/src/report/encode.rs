@@ -1,7 +1,7 @@
 //! Pictures as bytes, and bytes as a part of a page.
 
 use super::Color;
-use crate::sequence::{GrayFrame, resized};
+use crate::sequence::{ColorFrame, GrayFrame, resized, resized_colors};
 use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -29,6 +29,29 @@ pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
 pub(super) fn jpeg_within(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
     let (width, height) = within((frame.width, frame.height), side);
     jpeg_of(&resized(frame.clone(), width, height), 75)
+}
+
+/// A frame in its colors as a JPEG, to be looked at for itself.
+pub(super) fn color_jpeg(frame: &ColorFrame) -> Result<Vec<u8>> {
+    color_jpeg_of(frame, 88)
+}
+
+/// The same with no side longer than `side`, and with fewer bytes.
+pub(super) fn color_jpeg_within(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
+    let (width, height) = within((frame.width, frame.height), side);
+    color_jpeg_of(&resized_colors(frame.clone(), width, height), 75)
+}
+
+fn color_jpeg_of(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
+    let ColorFrame { width, height, ref pixels } = *frame;
+    // Without colors it takes fewer bytes.
+    if pixels.iter().all(|&[red, green, blue]| red == green && green == blue) {
+        let pixels = pixels.iter().map(|&[gray, ..]| gray).collect();
+        return jpeg_of(&GrayFrame { width, height, pixels }, quality);
+    }
+    let mut bytes = Vec::new();
+    Encoder::new(&mut bytes, quality).encode(pixels.as_flattened(), width, height, ColorType::Rgb)?;
+    Ok(bytes)
 }
 
 fn jpeg_of(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {

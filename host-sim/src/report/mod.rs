@@ -29,7 +29,7 @@ mod turns;
 pub use coordinates::coordinates;
 pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
-pub use pick::{Choosing, Picked, pick};
+pub use pick::{Choosing, Picked, SIDE, Shots, pick};
 pub use picture::picture;
 pub use reel::Choice;
 

@@ -1,7 +1,7 @@
 //! The page on which boxes are dragged over a recording: `pick.html` filled in, with frames and the command lines to copy.
 
 use super::encode::{self, base64};
-use crate::sequence::{BoundingBox, GrayFrame};
+use crate::sequence::{BoundingBox, ColorFrame};
 use anyhow::{Context, Result, bail, ensure};
 use minijinja::Environment;
 use minijinja::value::Serde;
@@ -16,7 +16,10 @@ const TEMPLATES: [(&str, &str); 4] = [
 ];
 
 /// The longest side of a frame in the page, but for the one that is shown first.
-const SIDE: u16 = 960;
+pub const SIDE: u16 = 960;
+
+/// The most frames of the page, but for the one that is shown first: enough to find a place by.
+const MOST: usize = 600;
 
 /// What the page is made for. Frames have the numbers that they have in the recording.
 pub struct Choosing {
@@ -68,24 +71,34 @@ struct Frames {
     kept: Vec<(usize, Vec<u8>)>,
 }
 
-/// A page of at most `budget` bytes. `least` tells the smallest box in a frame of a size.
+/// The frames of the page.
+pub struct Shots<F> {
+    /// In the size of the recording or smaller.
+    pub frames: F,
+    /// Of the recording.
+    pub size: (u16, u16),
+    /// The frame that is shown first, if `frames` has a smaller one.
+    pub shown: Option<ColorFrame>,
+}
+
+/// A page of at most `budget` bytes. `least` is the smallest box.
 ///
 /// # Errors
 /// A frame that cannot be read, none with the number to show, or a budget that is too small for it.
 pub fn pick(
-    frames: impl Iterator<Item = Result<GrayFrame>>,
+    Shots { frames, size, shown: large }: Shots<impl Iterator<Item = Result<ColorFrame>>>,
     choosing: &Choosing,
-    least: impl Fn(u16, u16) -> (u16, u16),
+    least: (u16, u16),
     budget: usize,
 ) -> Result<Picked> {
     let first = choosing.first;
     let mut kept = Frames { first, every: 1, kept: Vec::new() };
-    let (mut shown, mut size, mut last) = (None, (0, 0), first - 1);
+    let (mut shown, mut last) = (None, first - 1);
     for (number, frame) in (first..).zip(frames) {
         let frame = frame?;
-        (size, last) = ((frame.width, frame.height), number);
+        last = number;
         if number == choosing.shown {
-            shown = Some((number, encode::jpeg(&frame)?));
+            shown = Some((number, encode::color_jpeg(large.as_ref().unwrap_or(&frame))?));
         }
         kept.offer(number, &frame, budget)?;
     }
@@ -94,7 +107,7 @@ pub fn pick(
     };
     loop {
         let pictures = kept.with(&shown);
-        let page = choosing.page(&pictures, size, last, kept.every, least(size.0, size.1))?;
+        let page = choosing.page(&pictures, size, last, kept.every, least)?;
         if page.len() <= budget {
             return Ok(Picked { page, size, last, pictures: pictures.len() });
         }
@@ -104,11 +117,11 @@ pub fn pick(
 }
 
 impl Frames {
-    fn offer(&mut self, number: usize, frame: &GrayFrame, budget: usize) -> Result<()> {
+    fn offer(&mut self, number: usize, frame: &ColorFrame, budget: usize) -> Result<()> {
         if (number - self.first).is_multiple_of(self.every) {
-            self.kept.push((number, encode::jpeg_within(frame, SIDE)?));
+            self.kept.push((number, encode::color_jpeg_within(frame, SIDE)?));
         }
-        while self.bytes() > budget && self.thin() {}
+        while (self.kept.len() > MOST || self.bytes() > budget) && self.thin() {}
         Ok(())
     }
 
@@ -204,8 +217,8 @@ mod tests {
     }
 
     fn made(choosing: &Choosing, frames: usize, budget: usize) -> Result<(Picked, Value)> {
-        let frames = (choosing.first - 1..).take(frames).map(|index| Ok(synthetic::frame(index)));
-        let picked = pick(frames, choosing, |_, _| (2, 3), budget)?;
+        let frames = (choosing.first - 1..).take(frames).map(|index| Ok((&synthetic::frame(index)).into()));
+        let picked = pick(Shots { frames, size: (160, 120), shown: None }, choosing, (2, 3), budget)?;
         let data = picked.page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
         let data = serde_json::from_str(data).unwrap();
         Ok((picked, data))
@@ -247,15 +260,29 @@ mod tests {
 
     #[test]
     fn the_frame_that_is_shown_first_has_all_its_pixels() {
-        let wide = || GrayFrame { width: 1920, height: 8, pixels: vec![90; 1920 * 8] };
-        let picked = pick((0..3).map(|_| Ok(wide())), &choosing(1, 2), |_, _| (1, 1), BUDGET).unwrap();
-        let widths = picked.page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
-        let data: Value = serde_json::from_str(widths).unwrap();
-        let width = |frame: &Value| {
-            let jpeg = base64::engine::general_purpose::STANDARD.decode(frame[1].as_str().unwrap()).unwrap();
-            Canvas::of(&decode_picture(&jpeg).unwrap()).width
+        let wide = |width: u16| ColorFrame { width, height: 8, pixels: vec![[90, 200, 40]; usize::from(width) * 8] };
+        let shots = |width, shown| Shots { frames: (0..3).map(move |_| Ok(wide(width))), size: (1920, 8), shown };
+        let picked = pick(shots(1920, None), &choosing(1, 2), (1, 1), BUDGET).unwrap();
+        let small = pick(shots(480, Some(wide(1920))), &choosing(1, 2), (1, 1), BUDGET).unwrap();
+        let widths = |picked: &Picked| {
+            let data = picked.page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+            let data: Value = serde_json::from_str(data).unwrap();
+            let width = |frame: &Value| {
+                let jpeg = base64::engine::general_purpose::STANDARD.decode(frame[1].as_str().unwrap()).unwrap();
+                Canvas::of(&decode_picture(&jpeg).unwrap()).width
+            };
+            data["frames"].as_array().unwrap().iter().map(width).collect::<Vec<_>>()
         };
-        assert_eq!(data["frames"].as_array().unwrap().iter().map(width).collect::<Vec<_>>(), [960, 1920, 960]);
+        assert_eq!((widths(&picked), widths(&small)), (vec![960, 1920, 960], vec![480, 1920, 480]));
+    }
+
+    #[test]
+    fn of_a_long_recording_frames_are_left_out() {
+        let frame = || ColorFrame { width: 8, height: 8, pixels: vec![[90, 200, 40]; 64] };
+        let shots = Shots { frames: (0..1300).map(|_| Ok(frame())), size: (8, 8), shown: None };
+        let picked = pick(shots, &choosing(1, 2), (1, 1), BUDGET).unwrap();
+        // Every fourth, and the one that is shown.
+        assert_eq!(picked.pictures, 1300 / 4 + 1);
     }
 
     #[test]

@@ -58,14 +58,24 @@ impl Colors {
     /// The frames from the one with the number `first` on. An ffmpeg that does nothing for as long as `patience` is not waited for.
     #[must_use]
     pub fn open(self, first: usize, patience: Duration) -> ColorFrames {
-        let frames: Source = match self {
+        ColorFrames(self.frames(first, u16::MAX, patience))
+    }
+
+    /// The same, as long as there are any, with no side of a frame of a video longer than `side`: ffmpeg makes them smaller, which is
+    /// quick.
+    pub fn within(self, first: usize, side: u16, patience: Duration) -> impl Iterator<Item = ColorFrame> {
+        self.frames(first, side, patience).map(|(frame, _)| frame)
+    }
+
+    fn frames(self, first: usize, side: u16, patience: Duration) -> Source {
+        match self {
             Self::None => Box::new(std::iter::empty()),
             Self::Pictures(files) => {
-                Box::new(files.into_iter().map_while(|file| Some((images::read_colors(&file).ok()?, None))))
+                let read = |file: PathBuf| Some((images::read_colors(&file).ok()?, None));
+                Box::new(files.into_iter().skip(first - 1).map_while(read))
             }
-            Self::Video(file) => Box::new(video_color::open(&file, patience).into_iter().flatten()),
-        };
-        ColorFrames(Box::new(frames.skip(first - 1)))
+            Self::Video(file) => Box::new(video_color::open(&file, first, side, patience).into_iter().flatten()),
+        }
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) use gray::luma;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
 pub use resize::Resize;
-pub(crate) use resize::resized;
+pub(crate) use resize::{resized, resized_colors};
 pub use start::{Start, Target};
 pub(crate) use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 

@@ -102,7 +102,7 @@ pub(crate) fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
 ///
 /// # Panics
 /// The frame has fewer pixels than its size says.
-pub(super) fn resized_colors(frame: ColorFrame, width: u16, height: u16) -> ColorFrame {
+pub(crate) fn resized_colors(frame: ColorFrame, width: u16, height: u16) -> ColorFrame {
     if (frame.width, frame.height) == (width, height) {
         return frame;
     }

@@ -13,21 +13,14 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::Duration;
 
-/// `None` if there is no ffmpeg.
-pub(super) fn open(file: &Path, patience: Duration) -> Option<Frames> {
+/// The frames from the one with the number `first` on, no side longer than `side`. `None` if there is no ffmpeg.
+pub(super) fn open(file: &Path, first: usize, side: u16, patience: Duration) -> Option<Frames> {
     let mut command = Command::new("ffmpeg");
     command.args(["-nostdin", "-nostats", "-v", "level+info", "-reinit_filter", "0", "-i"]).arg(input(file));
-    command.args([
-        "-vf",
-        "showinfo=checksum=0",
-        "-pix_fmt",
-        "rgb24",
-        "-fps_mode",
-        "passthrough",
-        "-f",
-        "rawvideo",
-        "-",
-    ]);
+    let skip = first - 1;
+    let within = format!("scale='min({side},iw)':'min({side},ih)':force_original_aspect_ratio=decrease");
+    let filter = format!("select='gte(n,{skip})',{within},showinfo=checksum=0");
+    command.args(["-vf", &filter, "-pix_fmt", "rgb24", "-fps_mode", "passthrough", "-f", "rawvideo", "-"]);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let process = Process::start(&mut command).ok()?;
     let (said, pixels) = (process.complaints()?, Patient::new(process.output()?, patience));
