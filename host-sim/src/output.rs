@@ -138,6 +138,11 @@ impl Folder {
         Output::at(&self.path().join(name), &self.name.join(name))
     }
 
+    /// Makes a folder in it.
+    pub fn folder(&self, name: &str) -> Result<()> {
+        fs::create_dir(self.path().join(name)).with_context(|| cannot_make(&self.name.join(name)))
+    }
+
     /// Writes a file in it.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let mut output = self.file(name)?;

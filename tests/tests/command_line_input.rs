@@ -12,7 +12,7 @@ use std::process::Command;
 /// Ten frames as JPEGs with ground truth, the fourth of them cut.
 fn cut_recording(folder: &Path) -> PathBuf {
     let written = folder.join("cut");
-    assert_eq!(host_sim(&["synth", utf8(&written), "--format", "y4m"]).code, Some(0));
+    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&written), "--format", "y4m"]).code, Some(0));
     let file = written.join("synthetic.y4m");
     let bytes = fs::read(&file).unwrap();
     fs::write(&file, &bytes[..bytes.len() - 100]).unwrap();
@@ -220,14 +220,14 @@ fn robustness_is_compared_with_what_was_measured_before() {
     assert_eq!((former.code, former.err.as_str()), (Some(0), ""));
     fs::write(&file, &former.out).unwrap();
     let former: Value = serde_json::from_str(&former.out).unwrap();
-    assert_eq!(former["recordings"][0]["starts"].as_array().unwrap().len(), 1);
+    assert_eq!(former["measured"][0]["starts"], 1);
     assert_eq!((&former["paired"][0]["tracker"], &former["paired"][0]["against"]), (&"lk".into(), &"sad".into()));
-    assert!(former["means"][0]["standard_error"]["mean_correct"].as_f64().is_some());
+    assert!(former["means"][0]["mean_correct_standard_error"].as_f64().is_some());
 
     let said = host_sim(&[&arguments[..], &["--against", utf8(&file), "--json"]].concat());
     let now: Value = serde_json::from_str(&said.out).unwrap();
     for paired in now["paired"].as_array().unwrap() {
-        assert_eq!((&paired["recordings"], &paired["difference"]["f"]), (&2.into(), &Value::from(0.0)));
+        assert_eq!((&paired["recordings"], &paired["f"]), (&2.into(), &Value::from(0.0)));
     }
     let text = host_sim(&[&arguments[..], &["--against", utf8(&file)]].concat()).out;
     assert!(text.contains("paired difference") && text.contains("  standard error"), "{text}");
@@ -427,7 +427,7 @@ fn messages_are_in_peoples_words() {
         // --lenient cannot help: without a first frame there is no target.
         assert!(!said.err.contains("--lenient"), "{}", said.err);
     }
-    let former = file("former.json", b"{\"recordings\":[{\"tracker\":1}]}");
+    let former = file("former.json", b"{\"measured\":[{\"tracker\":1}]}");
     host_sim(&["eval", "synthetic", "--robustness", "--against", &former])
         .refuses(&["former.json: line 1: expected what `host-sim eval --robustness --json` writes"]);
     let firmware = file("firmware.elf", b"hello");
@@ -462,6 +462,7 @@ fn the_papers_table_is_printed_whole() {
     assert!(table[14..].iter().any(|row| row[..2] == ["OpenCV-5.0.0-TLD", "measured"]));
 
     let only = host_sim(&["eval", utf8(&sequence), "--method", "smr", "--json"]);
-    let rows: Vec<Value> = serde_json::from_str(&only.out).unwrap();
-    assert_eq!((rows.len(), &rows[0]["source"], &rows[6]["correct"]), (7, &"measured".into(), &140.into()));
+    let tables = only.json();
+    let rows = |name: &str| tables[name].as_array().unwrap().len();
+    assert_eq!((rows("measured"), rows("printed"), &tables["printed"][5]["correct"]), (1, 6, &140.into()));
 }

@@ -1,32 +1,29 @@
 //! The page of `host-sim report` in a browser: no error, the player steps, the curves follow.
 
+mod browser;
 mod program;
 
 use program::{host_sim, utf8};
 use std::fs;
-use std::io::Write;
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
-/// Headless Chromium under one of its names; `None`, with a note, if there is none.
-fn browser(test: &str) -> Option<&'static str> {
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
-    if found.is_none() {
-        // Not `println!`, which is not shown for a test that passes.
-        let _ = writeln!(std::io::stderr(), "skipped: {test}: no Chromium");
-    }
-    found
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
 }
 
-/// The actions of a user, and what the page must then show. Every failure becomes a line of the list that the test reads.
-const SCRIPT: &str = r##"
-<script>
-const problems = [];
-/** The curves are drawn after the script that changes them. */
-const drawn = () => new Promise((resolve) => setTimeout(resolve));
-const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
-(async () => { try {
+/// A page of its own for each test.
+fn page(test: &str, arguments: &[&str]) -> PathBuf {
+    let page = folder(test).join("report.html");
+    let said = host_sim(&[&["report", "--out", utf8(&page)], arguments].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    page
+}
+
+/// The actions of a user, and what the page must then show.
+const PLAYER: &str = r##"
   const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
   const place = () => document.getElementById("place").value;
   is("start", place(), "frame 1 of 240");
@@ -38,6 +35,7 @@ const is = (what, given, wanted) => { if (String(given) !== String(wanted)) prob
   press("End");
   is("the end", place(), "frame 240 of 240");
   press("Home");
+  is("whose state it is", document.querySelector("#stage text").textContent, "1 smr: tracking");
   const scrub = document.getElementById("scrub");
   scrub.value = 100;
   scrub.dispatchEvent(new Event("input", { bubbles: true }));
@@ -48,7 +46,7 @@ const is = (what, given, wanted) => { if (String(given) !== String(wanted)) prob
   document.querySelector("#switches input").click();
   is("a method switched off", boxes() < before, true);
   document.querySelector("#switches input").click();
-  await drawn();
+  await pause(0);
   const curves = document.querySelectorAll("#curves .u-over");
   const area = curves[1].getBoundingClientRect();
   const mouse = (kind, part) => curves[1].dispatchEvent(
@@ -61,42 +59,246 @@ const is = (what, given, wanted) => { if (String(given) !== String(wanted)) prob
   const values = () => document.querySelectorAll("#curves .u-legend")[1].textContent;
   is("the values of the frame", values().includes("frame" + number), true);
   mouse("mousedown", 0.1); mouse("mousemove", 0.3); mouse("mouseup", 0.3); mouse("click", 0.3);
-  await drawn();
+  await pause(0);
   is("a drag does not go to a frame", place(), `frame ${number} of 240`);
   is("a drag zooms, and all curves together", cursors(), 0);
-  mouse("dblclick", 0.2);
-  await drawn();
+  document.querySelector("#switches input").click();
+  await pause(0);
+  is("who is switched on changes no zoom", cursors(), 0);
+  document.querySelector("#switches input").click();
+  await pause(0);
+  document.querySelectorAll("#curves .u-over")[1].dispatchEvent(new MouseEvent("dblclick", { bubbles: true }));
+  await pause(0);
   is("a double click shows all frames", cursors(), curves.length);
-  is("pictures to compare", document.querySelectorAll("#comparisons img, #comparisons canvas, #comparisons svg").length > 0, true);
-} catch (error) { problems.push(String(error)); }
-document.title = problems.length ? "PROBLEMS " + problems.join("; ") : "FINE"; })();
-</script>
+  is("pictures to compare", document.querySelectorAll("#comparisons img").length > 0, true);
 "##;
 
 #[test]
 fn the_page_plays_in_a_browser() {
-    let Some(browser) = browser("the_page_plays_in_a_browser") else { return };
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
-    fs::create_dir_all(&folder).unwrap();
-    let page = folder.join("report.html");
-    let said = host_sim(&["report", "synthetic", "--method", "smr,robust,sad", "--out", utf8(&page)]);
-    assert_eq!(said.code, Some(0), "{}", said.err);
+    let page = page("page", &["synthetic", "--method", "smr,robust,sad"]);
     let text = fs::read_to_string(&page).unwrap();
     assert!(!text.contains("http://") || text.matches("http://").count() == text.matches("http://www.w3.org/").count());
-    let watch = "<script>window.onerror = (message) => { document.documentElement.dataset.error = message; };</script>";
-    let tried = folder.join("tried.html");
-    fs::write(
-        &tried,
-        text.replacen("<head>", &format!("<head>{watch}"), 1).replacen("</body>", &format!("{SCRIPT}</body>"), 1),
-    )
-    .unwrap();
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,2000", "--virtual-time-budget=5000"])
-        .args(["--dump-dom", &format!("file://{}", utf8(&tried))])
-        .output()
-        .expect("it was there a moment ago");
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let title = dom.split("<title>").nth(1).and_then(|rest| rest.split("</title>").next()).unwrap_or("no title");
-    assert_eq!(title, "FINE", "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(!dom.contains("data-error"), "an error in the page's script");
+    browser::act("the_page_plays_in_a_browser", &page, 1280, "", PLAYER);
+}
+
+/// Zoomed by keys; the mark of frame 120 shows where the curves are.
+const MOVING: &str = r##"
+  const key = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  const mark = () => Math.round(parseFloat(document.querySelectorAll("#curves .cursor")[1].style.left));
+  const over = () => document.querySelectorAll("#curves .u-over")[1];
+  const point = (type, kind, x, more) => over().dispatchEvent(new type(kind,
+    { clientX: over().getBoundingClientRect().left + x, clientY: over().getBoundingClientRect().top + 50, bubbles: true, cancelable: true, ...more }));
+  await pause(0);
+  const middle = mark();
+  point(WheelEvent, "wheel", 100, { deltaX: 40 });
+  await pause(0);
+  is("there is nothing to move yet", mark(), middle);
+  key("+"); key("+");
+  await pause(0);
+  is("zoomed around the frame", mark(), middle);
+  point(MouseEvent, "mousedown", 100, { shiftKey: true });
+  point(MouseEvent, "mousemove", 130, { shiftKey: true });
+  point(MouseEvent, "mouseup", 130, { shiftKey: true });
+  point(MouseEvent, "click", 130, { shiftKey: true });
+  await pause(0);
+  is("moved by shift and a drag", mark(), middle + 30);
+  is("that is not a click", document.getElementById("place").value, "frame 120 of 240");
+  point(WheelEvent, "wheel", 100, { deltaX: 20 });
+  await pause(0);
+  is("moved by the wheel", mark(), middle + 10);
+  point(WheelEvent, "wheel", 100, { deltaY: 20 });
+  await pause(0);
+  is("the wheel up and down is the page's", mark(), middle + 10);
+  const finger = (kind, id, x) => point(PointerEvent, kind, x, { pointerType: "touch", pointerId: id });
+  finger("pointerdown", 1, 50); finger("pointermove", 1, 30); finger("pointerup", 1, 30);
+  await pause(0);
+  is("moved by a finger", mark(), middle - 10);
+  key("0");
+  await pause(0);
+  is("all frames", mark(), middle);
+  finger("pointerdown", 1, middle - 20); finger("pointerdown", 2, middle + 20);
+  finger("pointermove", 1, middle - 40); finger("pointermove", 2, middle + 60);
+  finger("pointerup", 1, 0); finger("pointerup", 2, 0);
+  await pause(0);
+  is("pinched: other frames than before", mark() !== middle, true);
+  key("+");
+  key("0");
+"##;
+
+#[test]
+fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
+    let test = "curves_move_and_zoom_by_mouse_wheel_fingers_and_keys";
+    browser::act(test, &page("page-moving", &["synthetic"]), 1280, "frame=120", MOVING);
+}
+
+const STAYS: &str = r##"
+  const stage = () => document.getElementById("stage").getBoundingClientRect();
+  const curves = document.querySelectorAll("#curves .panel");
+  await pause(200);
+  for (const panel of [curves[0], curves[4], curves[curves.length - 1]]) {
+    panel.scrollIntoView({ block: "center" });
+    await pause(20);
+    is("the player is in view: " + [stage().top, stage().bottom, innerHeight], stage().top >= 0 && stage().bottom <= innerHeight, true);
+    is("the curve is in view: " + panel.getBoundingClientRect().bottom, panel.getBoundingClientRect().bottom > 0 && panel.getBoundingClientRect().bottom <= innerHeight + 1, true);
+    const apart = innerWidth > 1000 ? stage().right <= panel.getBoundingClientRect().left : stage().bottom <= panel.querySelector("canvas").getBoundingClientRect().top;
+    is("neither hides the other", apart, true);
+  }
+  const root = document.documentElement;
+  is("nothing is wider than the window", root.scrollWidth, root.clientWidth);
+  document.querySelectorAll("details").forEach((each) => { each.open = true; });
+  is("not even what was folded", root.scrollWidth, root.clientWidth);
+  const strip = document.querySelector(".strip");
+  is("film strips scroll in themselves where it is narrow", strip.scrollWidth > strip.clientWidth, innerWidth < 500);
+"##;
+
+#[test]
+fn the_player_stays_in_view_and_nothing_is_too_wide() {
+    let page = page("page-stays", &["synthetic", "border"]);
+    for width in [390, 1280] {
+        browser::act(
+            &format!("the_player_stays_in_view_and_nothing_is_too_wide-{width}"),
+            &page,
+            width,
+            "frame=60",
+            STAYS,
+        );
+    }
+}
+
+const ADDRESS: &str = r##"
+  const place = () => document.getElementById("place").value;
+  const select = document.getElementById("recording");
+  is("the frame and the recording of the address", place() + select.selectedOptions[0].text, "frame 20 of 25border");
+  document.getElementById("on").click();
+  await pause(600);
+  is("it follows", location.hash, "#recording=border&frame=21");
+  location.hash = "recording=synthetic&frame=100";
+  await pause(50);
+  is("another one is typed", place() + select.selectedOptions[0].text, "frame 100 of 240synthetic");
+  location.hash = "frame=9999";
+  await pause(50);
+  is("beyond the last frame", place(), "frame 240 of 240");
+  const still = document.querySelectorAll("[data-recording=border] a.still")[1];
+  still.click();
+  is("a still goes to its frame", place().startsWith(`frame ${still.dataset.frame} of`), true);
+  await pause(600);
+  is("and so does the address", location.hash, `#recording=border&frame=${still.dataset.frame}`);
+"##;
+
+#[test]
+fn the_address_names_the_frame() {
+    let page = page("page-address", &["synthetic", "border"]);
+    browser::act("the_address_names_the_frame", &page, 1280, "recording=border&frame=20", ADDRESS);
+}
+
+/// With another first number in the page's data: 240 frames from 601 on.
+const NUMBERS: &str = r##"
+  const place = () => document.getElementById("place").value;
+  is("the number in the address", place(), "frame 700 of 840");
+  is("in the picture", document.querySelector("#stage text").textContent.startsWith("700 "), true);
+  is("of the slider", [document.getElementById("scrub").min, document.getElementById("scrub").max, document.getElementById("scrub").value], "601,840,700");
+  await pause(0);
+  is("in the curves", document.querySelectorAll("#curves .u-legend")[1].textContent.includes("frame700"), true);
+  is("in the states", document.querySelector("#curves .u-legend").textContent.includes("in 601 to 7"), true);
+  is("in what is compared", document.getElementById("compared").textContent.startsWith("Frame 700."), true);
+  const cursor = document.querySelector("#curves .cursor");
+  is("its mark", Math.abs(parseFloat(cursor.style.left) / cursor.parentNode.clientWidth - 99 / 239) < 0.01, true);
+  await pause(600);
+  is("in the address", location.hash, "#frame=700");
+"##;
+
+#[test]
+fn one_number_shifts_all_frame_numbers() {
+    let page = page("page-numbers", &["synthetic"]);
+    let text = fs::read_to_string(&page).unwrap();
+    assert_eq!(text.matches("\"first\":1,").count(), 1);
+    fs::write(&page, text.replace("\"first\":1,", "\"first\":601,")).unwrap();
+    browser::act("one_number_shifts_all_frame_numbers", &page, 1280, "frame=700", NUMBERS);
+}
+
+const LOOKS: &str = r##"
+  document.querySelectorAll("#switches input").forEach((input) => { if (!input.checked) input.click(); });
+  await pause(0);
+  const styleOf = (node) => { const { stroke, strokeDasharray } = getComputedStyle(node); return stroke + " " + strokeDasharray; };
+  const looks = (nodes) => [...nodes].map((node) => styleOf(node));
+  const colors = (nodes) => new Set([...nodes].map((node) => getComputedStyle(node).stroke)).size;
+  const switches = document.querySelectorAll("#switches .sample path");
+  is("each of twenty entrants and the truth has a switch", switches.length, 21);
+  is("each has a color of its own", colors(switches), 21);
+  is("some lines are solid, others dashed", new Set([...switches].map((node) => getComputedStyle(node).strokeDasharray)).size, 5);
+  const legend = document.querySelectorAll("#curves .panel")[1].querySelectorAll(".u-legend .sample path");
+  is("the legend of a curve is like the switches", looks(legend).join(), looks(switches).slice(0, 20).join());
+  is("and so are the tables", looks(document.querySelectorAll(".scroll tbody .sample path")).join(), looks(switches).slice(0, 20).join());
+  is("boxes are dashed as curves are", [...document.querySelectorAll("#stage rect.method:not(.last)")].every((box) => {
+    const look = box.getAttribute("class").match(/look-\d+/)[0];
+    return box.style.strokeDasharray || getComputedStyle(box).strokeDasharray === getComputedStyle(document.querySelector(`#switches .${look} path`)).strokeDasharray;
+  }), true);
+  is("boxes of all of them", new Set([...document.querySelectorAll("#stage rect.method")].map((box) => getComputedStyle(box).stroke)).size, 20);
+"##;
+
+/// A recording with so many result files that twenty are shown, with the methods; each box is a little off.
+fn with_trackers(test: &str) -> PathBuf {
+    let recording = folder(test).join("recording");
+    let made = host_sim(&["convert", "synthetic", "--frames", "1..12", "-o", utf8(&recording)]);
+    assert_eq!(made.code, Some(0), "{}", made.err);
+    fs::create_dir(recording.join("trackers")).unwrap();
+    for tracker in 0..14 {
+        let (left, top) = (5 * tracker, 3 * tracker);
+        let lines = format!("{left},{top},{},{}\n", left + 30, top + 20).repeat(12);
+        fs::write(recording.join(format!("trackers/tracker{tracker}.txt")), lines).unwrap();
+    }
+    recording
+}
+
+#[test]
+fn twenty_entrants_look_different_everywhere() {
+    let recording = with_trackers("page-looks-recording");
+    let page = page("page-looks", &[utf8(&recording), "--method", "robust,smr,sad,ssd,ncc,lk"]);
+    browser::act("twenty_entrants_look_different_everywhere", &page, 1280, "frame=6", LOOKS);
+}
+
+const SORTED: &str = r##"
+  const table = document.querySelector(".scroll table");
+  const column = (at) => [...table.tBodies[0].rows].map((row) => row.cells[at].textContent.trim());
+  const header = (at) => table.tHead.rows[0].cells[at];
+  const sort = (at) => header(at).querySelector("button").click();
+  const figure = [...table.tHead.rows[0].cells].findIndex((cell) => cell.textContent.trim() === "OTB AUC");
+  const before = column(figure).map(Number);
+  is("there is something to sort", new Set(before).size > 2, true);
+  sort(figure);
+  is("the largest first", column(figure).map(Number), [...before].sort((a, b) => b - a));
+  is("said to all", header(figure).getAttribute("aria-sort"), "descending");
+  sort(figure);
+  is("the smallest first", column(figure).map(Number), [...before].sort((a, b) => a - b));
+  const names = column(0);
+  sort(0);
+  is("by name", column(0), [...names].sort((a, b) => a.localeCompare(b)));
+  is("one column is sorted by", document.querySelectorAll("[aria-sort]").length, 1);
+  const late = [...table.tHead.rows[0].cells].findIndex((cell) => cell.textContent.trim() === "first failure");
+  for (const order of ["descending", "ascending"]) {
+    sort(late);
+    is("without a figure comes last, " + order, column(late).join().replace(/(-,?)+$/, "").includes("-"), false);
+  }
+"##;
+
+#[test]
+fn tables_are_sorted_by_their_headers() {
+    let recording = with_trackers("page-sorted-recording");
+    let page = page("page-sorted", &[utf8(&recording)]);
+    browser::act("tables_are_sorted_by_their_headers", &page, 1280, "", SORTED);
+}
+
+#[test]
+fn a_box_that_smr_refuses_is_shown_with_robust_alone_unless_smr_is_asked_for() {
+    let folder = folder("page-refused");
+    let page = folder.join("report.html");
+    let arguments = ["report", "synthetic", "--frames", "1..5", "--resize", "1280x960", "--init", "4,4,150,110"];
+    let report = |more: &[&str]| host_sim(&[&arguments, &["-o", utf8(&page)][..], more].concat());
+    let said = report(&["--json"]);
+    assert_eq!(said.err.lines().count(), 1, "{}", said.err);
+    assert!(said.err.starts_with("note: synthetic: smr is left out: the box "), "{}", said.err);
+    let scores = &said.json()["scores"];
+    assert!(scores.to_string().contains("robust") && !scores.to_string().contains("\"smr\""), "{scores}");
+    assert!(fs::read_to_string(&page).unwrap().contains("<p class=\"note\">smr is left out: the box "));
+    report(&["--method", "robust,smr"]).refuses(&["the tracker smr takes at most"]);
 }

@@ -1,8 +1,179 @@
-//! The project's README can be read in five minutes.
+//! The project's README can be read in five minutes, and the Rust examples of the READMEs do what they say. `build.rs` takes them out of the
+//! READMEs as they stand.
+//!
+//! Their C examples are compiled and run by `.ci/c`, their commands by `readme_commands.rs`.
+
+#![allow(elided_lifetimes_in_paths, reason = "the examples are written as most people write Rust")]
 
 #[test]
 fn the_readme_has_at_most_900_words() {
     // The same count as `wc -w`.
     let words = include_str!("../../README.md").split_whitespace().count();
     assert!(words <= 900, "README.md has {words} words");
+}
+
+/// The target of the examples: 40x48 pixels at 150,100 in the first of these pictures of 320x240, and two pixels further to the right in each one.
+fn pictures(count: usize) -> Vec<Vec<u8>> {
+    let texture = |x: usize, y: usize| (x / 4 * 83 + y / 4 * 47 + (x / 4) * (y / 4) * 29) % 200 + 55;
+    let pixel = |left: usize, x: usize, y: usize| {
+        let inside = (left..left + 40).contains(&x) && (100..148).contains(&y);
+        u8::try_from(if inside { texture(x - left, y) } else { (x * 7 + y * 3) % 32 }).expect("a gray level")
+    };
+    let picture = |left| (0..240).flat_map(|y| (0..320).map(move |x| pixel(left, x, y))).collect();
+    (0..count).map(|step| picture(150 + 2 * step)).collect()
+}
+
+/// README.md.
+mod project {
+    use super::pictures;
+
+    include!(concat!(env!("OUT_DIR"), "/smr-1.rs"));
+
+    #[test]
+    fn the_target_of_the_next_frame_is_found() {
+        let pictures = pictures(2);
+        assert_eq!(follow(&pictures[0], &pictures[1]).unwrap(), Some(Rect::new(152, 100, 40, 48)));
+        let covered = vec![0; 320 * 240];
+        assert_eq!(follow(&pictures[0], &covered).unwrap(), None);
+    }
+}
+
+/// core/README.md, the first example.
+mod library {
+    use super::pictures;
+    use std::cell::RefCell;
+
+    include!(concat!(env!("OUT_DIR"), "/core-1.rs"));
+
+    #[test]
+    fn every_frame_is_followed() {
+        let pictures = pictures(5);
+        let mut left = pictures.iter().map(Vec::as_slice);
+        let seen = RefCell::new(Vec::new());
+        follow(|| left.next(), |place| seen.borrow_mut().push(place.x)).unwrap();
+        assert_eq!(seen.into_inner(), [152, 154, 156, 158]);
+        follow(|| None, |_| panic!("there is no frame")).unwrap();
+    }
+}
+
+/// The second: the flight recorder.
+mod recorder {
+    use super::pictures;
+    use smr_core::{Image, Paper, Rect, paper};
+    use std::convert::Infallible;
+    use std::io::Cursor;
+
+    include!(concat!(env!("OUT_DIR"), "/core-2.rs"));
+
+    #[test]
+    fn the_record_holds_the_answer() {
+        let pictures = pictures(2);
+        let frame = |number: usize| Frame::whole(Image::new(&pictures[number], 320, 240).unwrap());
+        // Room for a window of +-16: the preset is the one for that radius.
+        let mut tracker = Tracker::<Paper<4096, 33>>::new(paper::Config::camera_within(16)).unwrap();
+        let mut bytes = Vec::new();
+        let write = |piece: &[u8]| -> Result<(), Infallible> {
+            bytes.extend_from_slice(piece);
+            Ok(())
+        };
+        let Ok(mut recorder) = Recorder::begin(tracker.target(), write);
+        let target = Rect::new(150, 100, 40, 48);
+        tracker.lock(&frame(0), target).unwrap();
+        let Ok(()) = recorder.lock(tracker.target(), &frame(0), target);
+        let answer = recorded(&mut tracker, &mut recorder, &frame(1)).unwrap();
+        assert_eq!(answer.bbox, Rect::new(152, 100, 40, 48));
+        let report = host_sim::replay::replay(Cursor::new(bytes), || ()).unwrap();
+        assert_eq!(report.flights[0].locks, 1);
+    }
+}
+
+/// The third: several targets with one workspace.
+mod several {
+    use super::pictures;
+    use smr_core::Image;
+
+    include!(concat!(env!("OUT_DIR"), "/core-3.rs"));
+
+    #[test]
+    fn both_are_locked() {
+        let pictures = pictures(1);
+        let frame = Frame::whole(Image::new(&pictures[0], 320, 240).unwrap());
+        let config = robust::Config::robust();
+        let mut targets = [Robust::new(config).unwrap(), Robust::new(config).unwrap()];
+        let mut workspace = Box::new(robust::Workspace::new());
+        lock_both(&frame, &mut targets, &mut workspace).unwrap();
+        for target in &mut targets {
+            target.update(&mut workspace, &frame).unwrap();
+        }
+    }
+}
+
+/// The fourth: a head that follows the target.
+mod head {
+    use super::pictures;
+    use embedded_hal::{digital, pwm};
+    use smr_core::{Frame, Image, Rect, Robust, Tracker, robust};
+    use std::cell::Cell;
+    use std::convert::Infallible;
+    use std::error::Error;
+
+    /// A pin that keeps what was written to it last.
+    struct Pin<'a>(&'a Cell<u16>);
+
+    impl pwm::ErrorType for Pin<'_> {
+        type Error = Infallible;
+    }
+
+    impl pwm::SetDutyCycle for Pin<'_> {
+        fn max_duty_cycle(&self) -> u16 {
+            u16::MAX
+        }
+
+        fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+            self.0.set(duty);
+            Ok(())
+        }
+    }
+
+    impl digital::ErrorType for Pin<'_> {
+        type Error = Infallible;
+    }
+
+    impl digital::OutputPin for Pin<'_> {
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            self.0.set(0);
+            Ok(())
+        }
+
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            self.0.set(1);
+            Ok(())
+        }
+    }
+
+    /// The example has no end: it is left with the error that a frame of another size is.
+    #[test]
+    #[allow(unused_variables, reason = "the example leaves to its reader what is done about a pin")]
+    fn the_head_turns_to_the_target() {
+        let pictures = pictures(1);
+        // The target is at the right edge of the picture that the camera takes.
+        let part = |y: usize| &pictures[0][(y + 80) * 320 + 60..][..160];
+        let picture: Vec<u8> = (0..120).flat_map(part).copied().collect();
+        let (pan, tilt, led) = (Cell::new(0), Cell::new(0), Cell::new(0));
+        let (pan_pin, tilt_pin, led_pin) = (Pin(&pan), Pin(&tilt), Pin(&led));
+        let mut tracker = Tracker::<Robust>::new(robust::Config::robust()).unwrap();
+        let whole = || Frame::whole(Image::new(&picture, 160, 120).unwrap());
+        tracker.lock(&whole(), Rect::new(90, 20, 40, 48)).unwrap();
+        let mut frames = 0;
+        let mut next_frame = || {
+            frames += 1;
+            if frames <= 3 { whole() } else { Frame::whole(Image::new(&picture, 120, 160).unwrap()) }
+        };
+        let seconds_since_last_frame = || 1.0 / 30.0;
+        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-4.rs")) };
+        let ended = endless().unwrap_err().to_string();
+        assert!(ended.contains("size"), "{ended}");
+        // 1500 of 20,000 microseconds are straight on.
+        assert!(led.get() == 1 && pan.get() != tilt.get() && pan.get() > 0, "{pan:?} {tilt:?} {led:?}");
+    }
 }

@@ -61,12 +61,37 @@ fn without_arguments_a_target_is_followed_and_shown() {
 }
 
 #[test]
-fn synth_reports_what_it_wrote() {
+fn convert_reports_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("frames");
-    let said = host_sim(&["synth", utf8(&out), "--format", "y4m", "--json"]).json();
+    let said = host_sim(&["convert", "synthetic", "-o", utf8(&out), "--format", "y4m", "--json"]).json();
     assert_eq!((&said["frames"], &said["format"], &said["width"]), (&240.into(), &"y4m".into(), &160.into()));
     assert!(out.join("synthetic.y4m").exists());
+}
+
+#[test]
+fn a_sequence_for_the_vot_toolkit_keeps_the_pixels_and_says_what_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let sequences = folder.path().join("sequences");
+    let written = |name: &str, out: &str| {
+        host_sim(&["convert", name, "--format", "vot", "--frames", "..15", "-o", utf8(&sequences.join(out))])
+    };
+    let whole = written("synthetic", "whole");
+    assert_eq!((whole.code, whole.err.as_str()), (Some(0), ""));
+    let tracked = |name: &str| host_sim(&["track", name, "--frames", "..15"]).out;
+    assert_eq!(tracked(utf8(&sequences.join("whole"))), tracked("synthetic"));
+
+    let bare = written("periodic", "bare");
+    assert!(bare.code == Some(0) && bare.err.contains("periodic: no ground truth for each frame"), "{}", bare.err);
+    assert!(bare.out.contains("groundtruth.txt, sequence; added to"), "{}", bare.out);
+    assert_eq!(fs::read_to_string(sequences.join("bare/groundtruth.txt")).unwrap().lines().count(), 1);
+    assert_eq!(fs::read_to_string(sequences.join("list.txt")).unwrap(), "whole\nbare\n");
+
+    let picture = folder.path().join("picture.pgm");
+    fs::write(&picture, b"P5 2 2 255\n\x01\x02\x03\x04").unwrap();
+    let otb = folder.path().join("otb");
+    host_sim(&["convert", utf8(&picture), "--format", "otb", "-o", utf8(&otb)]).refuses(&["--format otb", "--init"]);
+    assert!(!otb.exists());
 }
 
 #[test]
@@ -95,7 +120,7 @@ fn results_of_others_are_cut_with_the_recording() {
     fs::copy(recording.join("gt.txt"), recording.join("trackers/perfect.txt")).unwrap();
     let page = folder.path().join("page.html");
     let said = host_sim(&["report", utf8(&recording), "--frames", "11..", "-o", utf8(&page), "--json"]).json();
-    let scores = said["scores"].as_array().unwrap();
+    let scores = said["scores"]["measured"].as_array().unwrap();
     let perfect = scores.iter().find(|score| score["method"] == "perfect" || score["tracker"] == "perfect");
     let perfect = perfect.unwrap_or_else(|| panic!("{scores:?}"));
     assert_eq!(perfect["correct"], 20, "{perfect}");
@@ -108,11 +133,12 @@ fn a_part_is_measured_under_a_name_of_its_own() {
     let car = folder.path().join("deep/er/06_car");
     assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&car), "--format", "y4m"]).code, Some(0));
     let rows = host_sim(&["eval", utf8(folder.path()), "--frames", "5..24", "--json"]).json();
-    let rows = rows.as_array().unwrap();
-    assert_eq!(rows.len(), 1, "nothing printed stands beside a part: {rows:?}");
-    assert_eq!((&rows[0]["sequence"], &rows[0]["frames"]), (&"06_car 5..24".into(), &20.into()));
+    let part = &rows["measured"][0];
+    assert_eq!((&part["sequence"], &part["frames"]), (&"06_car 5..24".into(), &20.into()));
+    let printed = |of: &Value| of["printed"].as_array().unwrap().len();
+    assert_eq!(printed(&rows), 0, "nothing printed stands beside a part: {rows:?}");
     let whole = host_sim(&["eval", utf8(&car), "--method", "smr", "--json"]).json();
-    assert!(whole.as_array().unwrap().len() > 1);
+    assert_eq!(printed(&whole), 5);
 }
 
 #[test]
@@ -130,9 +156,9 @@ fn eval_prints_the_figures_of_otb_and_vot_in_every_format() {
     }
     let eval = ["eval", utf8(folder.path()), "--method", "robust,sad", "--compare"];
     let said = |more: &[&str]| host_sim(&[&eval, more].concat());
-    let rows = said(&["--json"]).json();
-    let rows = rows.as_array().unwrap();
-    assert_eq!(rows.len(), 3 * 2 + 3);
+    let json = said(&["--json"]).json();
+    let rows = json["measured"].as_array().unwrap();
+    assert_eq!((rows.len(), json["means"].as_array().unwrap().len()), (3 * 2, 3));
     let close = |value: &Value, to: f64| (value.as_f64().unwrap() - to).abs() < 1e-9;
     for row in &rows[4..6] {
         assert_eq!(row["tracker"], "half");
@@ -140,16 +166,18 @@ fn eval_prints_the_figures_of_otb_and_vot_in_every_format() {
         assert!(close(&row["vot_f"], 2.0 / 3.0) && row["vot_threshold"].is_null(), "{row}");
     }
     assert!(rows[0]["vot_threshold"].is_f64() && rows[2]["vot_threshold"].is_null());
-    let mean = &rows[8];
-    assert_eq!((&mean["tracker"], &mean["source"], &mean["recordings"]), (&"half".into(), &"mean".into(), &2.into()));
-    assert!(close(&mean["mean"]["otb_precision"], 0.5) && close(&mean["standard_error"]["otb_precision"], 0.0));
+    let mean = &json["means"][2];
+    assert_eq!((&mean["tracker"], &mean["recordings"]), (&"half".into(), &2.into()));
+    assert!(close(&mean["otb_precision"], 0.5) && close(&mean["otb_precision_standard_error"], 0.0));
 
     let text = said(&[]).out;
     assert!(text.lines().next().unwrap().contains("OTB AUC  OTB P20  VOT F  threshold"), "{text}");
     assert!(text.contains("half     mean of 2 ") && text.contains("half       standard error "), "{text}");
     let csv = said(&["--format", "csv"]).out;
-    assert_eq!(csv.lines().count(), 1 + 3 * 2 + 3 * 2);
-    assert!(csv.starts_with("tracker,source,sequence,") && csv.contains("\nhalf,mean,,2,"), "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 3 * 2);
+    assert!(csv.starts_with("tracker,sequence,frames,") && csv.contains("\nhalf,b,16,"), "{csv}");
+    let means = said(&["--format", "csv", "--part", "means"]).out;
+    assert!(means.starts_with("tracker,recordings,") && means.contains("\nhalf,2,"), "{means}");
     let markdown = said(&["--format", "markdown"]).out;
     assert!(markdown.starts_with("| tracker | sequence |") && markdown.contains("| half | mean of 2 |"), "{markdown}");
 
@@ -157,11 +185,13 @@ fn eval_prints_the_figures_of_otb_and_vot_in_every_format() {
     assert!(unknown.code == Some(2) && unknown.err.contains("text, markdown, csv"), "{}", unknown.err);
     let both = said(&["--format", "csv", "--json"]);
     assert!(both.code == Some(2) && both.out.is_empty() && both.err.contains("--json"), "{}", both.err);
-    assert_eq!(host_sim(&["eval", "synthetic", "--robustness", "--format", "csv"]).code, Some(2));
+    host_sim(&["eval", "synthetic", "--part", "means"]).refuses(&["--part", "--format csv"]);
+    let starts = ["eval", "synthetic", "--format", "csv", "--part", "starts"];
+    host_sim(&starts).refuses(&["--part starts", "measured, means, printed"]);
     fs::write(folder.path().join("a/trackers/half.txt"), "1,2,three,4\n").unwrap();
     let broken = said(&["--format", "csv"]);
     assert_eq!(broken.code, Some(2));
-    assert!(broken.err.contains("half.txt: line 1") && broken.out.contains("\nrobust,measured,a,"), "{}", broken.err);
+    assert!(broken.err.contains("half.txt: line 1") && broken.out.contains("\nrobust,a,"), "{}", broken.err);
 }
 
 #[test]

@@ -2,14 +2,14 @@
 
 use super::number::from;
 use super::recording_options::RecordingOptions;
+use super::table_options::TableOptions;
 use super::tracker_options::Part;
-use super::{Outcome, robustness, tell};
-use crate::evaluate::robustness::Starts;
+use super::{Outcome, robustness};
+use crate::evaluate::robustness::{Starts, TABLES};
 use crate::evaluate::{MethodKind, Variant};
 use anyhow::Result;
 use clap::ValueEnum;
 use smr_core::{paper, robust};
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -21,18 +21,18 @@ pub struct Ablate {
     /// In place of the 5 starts of `eval --robustness`, start at every N-th frame in which the target is visible
     #[arg(long, value_name = "N", conflicts_with_all = ["init", "inclusive"], value_parser = from::<NonZeroUsize>(1))]
     starts_every: Option<NonZeroUsize>,
-    /// Print JSON instead of a table: what `eval --robustness --json` prints, with each variant as a tracker
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    tables: TableOptions,
     #[command(flatten)]
     recording: RecordingOptions,
 }
 
 impl Ablate {
     pub fn run(self) -> Result<Outcome> {
+        self.tables.check(TABLES)?;
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
         let (robustness, failed) = robustness::measure("ablate", &self.paths, &self.recording, &variants(), starts)?;
-        tell(self.json, &robustness, |robustness, out| out.write_all(robustness.summary().as_bytes()))?;
+        self.tables.print(&robustness.tables()?, |layout| robustness.summary(layout))?;
         robustness::end(failed)
     }
 }

@@ -3,9 +3,9 @@
 use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, tell};
-use crate::export::{Format, Writer, Written};
+use crate::export::{Format, Writer, Written, is_whole};
 use crate::sequence::{BoundingBox, Sequence};
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -18,7 +18,12 @@ pub struct Convert {
     /// A file, or a folder; made if it is not there, and refused if there is something in it
     #[arg(long, short, value_name = "OUT")]
     out: PathBuf,
-    /// The format of the frames [default: by the extension of OUT, else png]
+    /// The format of the frames, or the layout of a toolkit [default: by the extension of OUT, else png]
+    ///
+    /// png, pgm, y4m, raw, h and vot keep every pixel. otb and got10k are JPEG of the best quality, since their toolkits read nothing else.
+    /// vot, otb and got10k are of one sequence, in the folder OUT. They need ground truth for each frame, the first one included; without, only
+    /// the box to start from is written, and host-sim says so. If the folder above OUT is new or has a list.txt, as toolkits want it of a
+    /// folder of sequences, vot and got10k add the name of OUT to that list.
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Print a JSON object instead of a line
@@ -51,8 +56,15 @@ impl Convert {
     pub fn run(self) -> Result<Outcome> {
         let format = self.format()?;
         let Sequence { name, frames, length, init, truth, damage, .. } = self.recording.open(&self.sequence)?;
-        let stem = self.out.file_stem().filter(|_| Format::of_file(&self.out).is_some());
-        let title = stem.map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
+        ensure!(
+            !format.needs_boxes() || init.is_some(),
+            "{name}: --format {} needs the box of the target in the first frame: give --init X,Y,W,H",
+            format.name()
+        );
+        // A sequence of a toolkit is called as its folder.
+        let own = if format.needs_boxes() { self.out.file_name() } else { self.out.file_stem() };
+        let own = own.filter(|_| format.needs_boxes() || Format::of_file(&self.out).is_some());
+        let title = own.map_or_else(|| name.clone(), |own| own.to_string_lossy().into_owned());
         let mut writer = Writer::create(&self.out, format, &title, init)?;
         let bar = progress::bar(&name, length);
         for frame in frames {
@@ -61,6 +73,10 @@ impl Convert {
         }
         bar.finish_and_clear();
         let written = writer.finish(truth.as_deref())?;
+        let whole = truth.is_some_and(|truth| is_whole(&truth, written.frames));
+        if format.needs_boxes() && !whole {
+            eprintln!("note: {name}: no ground truth for each frame: only the box to start from is written");
+        }
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),
             sequence: name,
@@ -88,7 +104,7 @@ impl Convert {
 }
 
 fn line(report: &Report) -> String {
-    let Report { out, written: Written { frames, width, height, bytes, boxes }, format, init, .. } = report;
+    let Report { out, written: Written { frames, width, height, bytes, boxes, list }, format, init, .. } = report;
     let mut line = format!("{}: {frames} frames of {width}x{height}, {bytes} bytes", out.display());
     if *format == "raw" {
         line += &format!(", read with --size {width}x{height}");
@@ -97,6 +113,9 @@ fn line(report: &Report) -> String {
         (false, _) => line += &format!("; {}", boxes.join(", ")),
         (true, Some(init)) => line += &format!("; it starts with --init {init}"),
         (true, None) => {}
+    }
+    if let Some(list) = list {
+        line += &format!("; added to {}", list.display());
     }
     line + "\n"
 }

@@ -24,7 +24,7 @@ impl Demo {
 
     /// Runs `report`, as a user would type it.
     pub fn run(self) -> Result<Outcome> {
-        let words = ["host-sim", "report", synthetic::NAME, "--method", "robust,smr", "--out"].map(OsStr::new);
+        let words = ["host-sim", "report", synthetic::NAME, "--out"].map(OsStr::new);
         let line = HostSim::try_parse_from(words.into_iter().chain([self.out.as_os_str()]))?;
         let Command::Report(report) = line.command else { return Ok(Outcome::CheckFailed) };
         let outcome = report.run()?;

@@ -4,10 +4,11 @@ use super::number::from;
 use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::robustness::{self, end, say_what_failed};
+use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, progress, tell};
-use crate::evaluate::robustness::{Former, Robustness, Starts};
-use crate::evaluate::{self, Evaluation, Layout, MethodKind, Results, Variant, published};
+use super::{Outcome, progress};
+use crate::evaluate::robustness::{Former, Robustness, Starts, TABLES};
+use crate::evaluate::{self, Evaluation, MethodKind, Results, TableName, Variant, published};
 use crate::evaluate::{covered, faults};
 use crate::output::Output;
 use crate::report::calibration;
@@ -17,7 +18,6 @@ use crate::sequence::{self, OpenOptions, Resize, Sequence, slow, synthetic};
 use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -98,16 +98,11 @@ pub struct Eval {
     /// noisy target. Of each tracker and cover: recordings; those in which the box was right (IoU > 0.25) in the frame before; how many of the
     /// 300 frames it called *tracking* in the median and in the worst recording, and in how many recordings more than 2; in how many it was
     /// *lost* by frame 30; in how many of those that were right before it was right again within 10 frames. What misses one of these is
-    /// named. JSON is an object of arrays, `covers` and `recordings`. What is random is the same each time.
+    /// named. What is random is the same each time.
     #[arg(long, conflicts_with_all = ["compare", "robustness", "fault", "init", "inclusive"])]
     covered: bool,
-    /// Print JSON instead of tables: an array of objects, one for each tracker and recording, then one for the means of each tracker
-    /// that has several recordings; with --robustness an object of arrays: `recordings`, `means`, `paired`, `calibration`
-    #[arg(long)]
-    json: bool,
-    /// How the tables are written
-    #[arg(long, value_enum, default_value_t, conflicts_with_all = ["json", "robustness"])]
-    format: Layout,
+    #[command(flatten)]
+    tables: TableOptions,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -121,6 +116,7 @@ impl Eval {
     }
 
     pub fn run(mut self) -> Result<Outcome> {
+        self.tables.check(self.known_tables())?;
         if (!self.fault.is_empty() || self.covered) && self.method.is_empty() {
             self.method = faults::METHODS.to_vec();
         }
@@ -161,9 +157,21 @@ impl Eval {
         let failed = say_what_failed(&failures, NAME);
         say_what_to_know(&evaluations);
         let results = Results::new(&evaluations);
-        let text = results.text(self.format)?;
-        tell(self.json, &results.rows(), |_, out| out.write_all(text.as_bytes()))?;
+        self.tables.print(&results.tables()?, |layout| results.text(layout))?;
         end(failed)
+    }
+
+    /// Those that are printed as JSON.
+    const fn known_tables(&self) -> &'static [TableName] {
+        if self.robustness {
+            TABLES
+        } else if self.covered {
+            covered::TABLES
+        } else if self.fault.is_empty() {
+            Results::TABLES
+        } else {
+            faults::TABLES
+        }
     }
 
     /// What is asked for; SMR if nothing is.
@@ -228,8 +236,7 @@ impl Eval {
         }
         let failed = say_what_failed(&failures, NAME);
         let rows = all.rows(variants, &list);
-        let table = faults::table(&rows, self.format)?;
-        tell(self.json, &rows, |_, out| out.write_all(table.as_bytes()))?;
+        self.tables.print(&faults::tables(&rows)?, |layout| faults::table(&rows, layout))?;
         end(failed)
     }
 
@@ -255,8 +262,7 @@ impl Eval {
         let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), NAME);
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
-        let text = results.text(self.format)?;
-        tell(self.json, &results, |_, out| out.write_all(text.as_bytes()))?;
+        self.tables.print(&results.tables()?, |layout| results.text(layout))?;
         end(failed)
     }
 
@@ -272,11 +278,11 @@ impl Eval {
     }
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        tell(self.json, robustness, |robustness, out| {
-            let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table());
-            let mut parts = vec![robustness.table(), robustness.paired_table(), calibration];
+        self.tables.print(&robustness.tables()?, |layout| {
+            let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table(layout));
+            let mut parts = vec![robustness.table(layout), robustness.paired_table(layout), calibration];
             parts.retain(|part| !part.is_empty());
-            out.write_all(parts.join("\n").as_bytes())
+            parts.join("\n")
         })
     }
 

@@ -9,7 +9,7 @@ use crate::evaluate::{Origin, Variant};
 use crate::output;
 use crate::report::diagram::Form;
 use crate::report::figures::{Figure, METHODS, Plan, Wish};
-use crate::report::{Choice, Film, watch};
+use crate::report::{Choice, Film, Refusal, watch};
 use crate::sequence::FrameRange;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
@@ -107,7 +107,7 @@ impl Figures {
     fn watch(&self, methods: &[Variant], frames: BTreeSet<usize>) -> Result<Film> {
         let sequence = self.recording.open(&self.sequence)?;
         let bar = progress::bar(&sequence.name, sequence.length);
-        let film = watch(sequence, methods, Choice::Listed(frames), None, || bar.inc(1))?;
+        let film = watch(sequence, methods, Refusal::Fails, Choice::Listed(frames), None, || bar.inc(1))?;
         bar.finish_and_clear();
         Ok(film)
     }

@@ -1,28 +1,37 @@
-//! `host-sim frame`: one frame with its coordinates, to choose the box to start from.
+//! `host-sim frame`: the box to start from is dragged on a page, or read off a frame with its coordinates.
 
 use super::number::from;
 use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, say};
+use crate::output::{self, Output};
+use crate::report::{self, Choosing};
 use crate::sequence::{BoundingBox, GrayFrame, Sequence};
-use crate::{output, report};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::io::Write;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// A page beyond this has fewer frames.
+const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 #[derive(Debug, clap::Args)]
 pub struct Frame {
     /// The recording
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
-    /// Which frame; the first is 1
-    #[arg(value_name = "N", default_value = "1", value_parser = from::<NonZeroUsize>(1))]
-    number: NonZeroUsize,
-    /// The picture to write, a PNG
+    /// Which frame of the recording [default: the first, or the first of --frames]
+    #[arg(value_name = "N", value_parser = from::<NonZeroUsize>(1))]
+    number: Option<NonZeroUsize>,
+    /// What to write: a page to drag a box on (.html), or a picture with a grid of coordinates (.png)
+    ///
+    /// The page has the frames of the recording to go through, and shows the command line with the box. It needs no other file and no network.
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
+    /// The most megabytes for the page: beyond it it has fewer frames, evenly spaced
+    #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
+    budget: NonZeroUsize,
     /// Print a JSON object instead of lines
     #[arg(long)]
     json: bool,
@@ -39,6 +48,8 @@ struct Written {
     frame: usize,
     width: u16,
     height: u16,
+    /// The frames in a page; null of a picture.
+    pictures: Option<usize>,
     /// The box that was drawn; null where there is none.
     #[serde(rename = "box")]
     bbox: Option<BoundingBox>,
@@ -53,53 +64,121 @@ impl Frame {
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let Sequence { name, frames, init, .. } = self.recording.open(&self.sequence)?;
-        let number = self.number.get();
-        // A late frame of a long video takes a while.
-        let bar = progress::bar(&name, Some(number));
-        let frame = nth(frames.inspect(|_| bar.inc(1)), number).with_context(|| name.clone())?;
-        bar.finish_and_clear();
-        // The box that lies beside a recording is that of its first frame.
-        let bbox = init.filter(|_| number == 1 || self.recording.gives_init());
-        let bytes = report::coordinates(&frame, number, bbox.as_ref())?;
-        output::write(&self.out, &bytes)?;
-        let written = Written {
-            file: self.out,
-            bytes: bytes.len(),
-            sequence: name,
-            frame: number,
-            width: frame.width,
-            height: frame.height,
-            bbox,
-            inside: bbox.map(|bbox| is_inside(&bbox, &frame)),
-        };
+        let is_page = self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
+        let written = if is_page { self.page()? } else { self.picture()? };
         let text = if self.json { serde_json::to_string_pretty(&written)? + "\n" } else { lines(&written) };
         say(|out| out.write_all(text.as_bytes()))?;
         Ok(Outcome::Holds)
     }
+
+    /// The number in the recording of the first frame that is read.
+    fn first(&self) -> usize {
+        self.recording.frames.map_or(1, |part| part.first())
+    }
+
+    fn number(&self) -> usize {
+        self.number.map_or(self.first(), NonZeroUsize::get)
+    }
+
+    /// The box to draw: the one that lies beside a recording is that of its first frame.
+    fn target(&self, init: Option<BoundingBox>) -> Option<BoundingBox> {
+        init.filter(|_| self.number() == self.first() || self.recording.gives_init())
+    }
+
+    fn picture(&self) -> Result<Written> {
+        let Sequence { name, frames, init, .. } = self.recording.open(&self.sequence)?;
+        let number = self.number();
+        // A late frame of a long video takes a while.
+        let bar = progress::bar(&name, Some((number + 1).saturating_sub(self.first())));
+        let frame = nth(frames.inspect(|_| bar.inc(1)), self.first(), number).with_context(|| name.clone())?;
+        bar.finish_and_clear();
+        let bbox = self.target(init);
+        let bytes = report::coordinates(&frame, number, bbox.as_ref())?;
+        output::write(&self.out, &bytes)?;
+        Ok(self.written(name, bytes.len(), (frame.width, frame.height), None, bbox))
+    }
+
+    fn page(&self) -> Result<Written> {
+        let output = Output::create(&self.out)?;
+        let Sequence { name, frames, init, length, .. } = self.recording.in_own_size().open(&self.sequence)?;
+        let bbox = self.target(init);
+        let choosing = Choosing {
+            name,
+            first: self.first(),
+            shown: self.number(),
+            target: bbox,
+            options: shlex::try_join(self.recording.words().iter().map(String::as_str))?,
+            recording: quoted(&self.sequence)?,
+            file: quoted(&self.out)?,
+        };
+        let bar = progress::bar(&choosing.name, length);
+        let least = |width, height| self.recording.least_box(width, height);
+        let budget = self.budget.get().saturating_mul(1_000_000);
+        let picked = report::pick(frames.inspect(|_| bar.inc(1)), &choosing, least, budget)?;
+        bar.finish_and_clear();
+        write(output, picked.page.as_bytes())?;
+        Ok(self.written(choosing.name, picked.page.len(), picked.size, Some(picked.pictures), bbox))
+    }
+
+    fn written(
+        &self,
+        sequence: String,
+        bytes: usize,
+        (width, height): (u16, u16),
+        pictures: Option<usize>,
+        bbox: Option<BoundingBox>,
+    ) -> Written {
+        Written {
+            file: self.out.clone(),
+            bytes,
+            sequence,
+            frame: self.number(),
+            width,
+            height,
+            pictures,
+            bbox,
+            inside: bbox.map(|bbox| is_inside(&bbox, width, height)),
+        }
+    }
 }
 
-fn nth(frames: impl Iterator<Item = Result<GrayFrame>>, number: usize) -> Result<GrayFrame> {
-    let mut length = 0;
+fn write(mut output: Output, bytes: &[u8]) -> Result<()> {
+    output.write(bytes)?;
+    output.finish()
+}
+
+/// A path as a shell takes it; one that looks like an option is set apart from those.
+fn quoted(path: &Path) -> Result<String> {
+    let text = path.to_string_lossy();
+    let text = if text.starts_with('-') && text != "-" { format!("./{text}") } else { text.into_owned() };
+    Ok(shlex::try_quote(&text)?.into_owned())
+}
+
+/// The frame with this number, where the first has the number `first`.
+fn nth(frames: impl Iterator<Item = Result<GrayFrame>>, first: usize, number: usize) -> Result<GrayFrame> {
+    let mut last = first - 1;
     for frame in frames {
         let frame = frame?;
-        length += 1;
-        if length == number {
+        last += 1;
+        if last == number {
             return Ok(frame);
         }
     }
-    bail!("there is no frame {number}: expected 1 to {length}")
+    bail!("there is no frame {number}: expected {first} to {last}")
 }
 
 /// Whether a tracker can be locked on the box.
-fn is_inside(bbox: &BoundingBox, frame: &GrayFrame) -> bool {
-    let whole = smr_core::Rect::new(0, 0, frame.width, frame.height);
+fn is_inside(bbox: &BoundingBox, width: u16, height: u16) -> bool {
+    let whole = smr_core::Rect::new(0, 0, width, height);
     bbox.to_rect().is_some_and(|rect| whole.contains(rect))
 }
 
 fn lines(written: &Written) -> String {
-    let Written { file, sequence, frame, width, height, bbox, inside, .. } = written;
+    let Written { file, sequence, frame, width, height, pictures, bbox, inside, .. } = written;
     let first = format!("{}: frame {frame} of {sequence}, {width}x{height} pixels\n", file.display());
+    if let Some(pictures) = pictures {
+        return format!("{first}{pictures} frames to go through: open it in a browser, and drag a box\n");
+    }
     let Some(bbox) = bbox else {
         return first + "no box: give --init X,Y,W,H to see one\n";
     };

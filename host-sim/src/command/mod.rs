@@ -31,7 +31,7 @@ mod robustness;
 mod run;
 pub mod settings;
 mod soak;
-mod synth;
+mod table_options;
 #[cfg(feature = "emulator")]
 mod target;
 mod track;
@@ -80,9 +80,9 @@ enum Command {
     /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
     #[command(after_help = "Example:\n  host-sim demo -o page.html")]
     Demo(demo::Demo),
-    /// Write one frame with a grid of coordinates as a picture, to choose or check a box
+    /// Choose the box to start from: a page to drag it on, or a picture with a grid of coordinates
     #[command(after_help = "Examples:
-  host-sim frame clip.mp4 1 -o first.png
+  host-sim frame clip.mp4 -o pick.html
   host-sim frame clip.mp4 1 --init 142,125,90,39 -o first.png")]
     Frame(frame::Frame),
     /// Print the target's box in every frame
@@ -115,14 +115,15 @@ enum Command {
     /// Write a recording as files that other programs read and firmware replays
     ///
     /// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
-    /// too: init.txt and gt.txt in TLD form.
+    /// too: init.txt and gt.txt in TLD form, or the files of the toolkit (--format vot, otb, got10k).
     #[command(after_help = "Examples:
   host-sim convert clip.mp4 --frames 1..60 --resize 160x120 -o clip.h
+  host-sim convert synthetic --format vot -o workspace/sequences/synthetic
   host-sim convert sequences/car --format pgm -o frames")]
     Convert(convert::Convert),
     /// Show a recording: one HTML page with frames, plots and differences, or a picture
     #[command(after_help = "Example:
-  host-sim report sequences/car --method smr,robust --out report.html")]
+  host-sim report sequences/car --out report.html")]
     Report(report::Report),
     /// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
     ///
@@ -143,10 +144,6 @@ enum Command {
     #[command(after_help = "Example:
   host-sim soak --method robust --frames 1000000")]
     Soak(soak::Soak),
-    /// Write the synthetic recording out as files
-    #[command(after_help = "Example:
-  host-sim synth frames --format y4m")]
-    Synth(synth::Synth),
     /// Run a flight record of firmware again, and name the first answer that differs
     ///
     /// A record that was cut off, for example when power was lost, is replayed up to its last whole entry, and host-sim says so. If the last update has
@@ -217,7 +214,6 @@ macro_rules! each {
             Command::Report($command) => $do,
             Command::Figures($command) => $do,
             Command::Soak($command) => $do,
-            Command::Synth($command) => $do,
             Command::Replay($command) => $do,
             Command::Target($command) => $do,
             Command::Run($command) => $do,

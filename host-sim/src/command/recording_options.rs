@@ -17,7 +17,7 @@ use std::time::Duration;
 pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
     ///
-    /// `X,Y,W,H@FRAME` lies in a later frame. `track` takes several targets, each with its name (--init car=150,100,40,48 --init
+    /// `X,Y,W,H@FRAME` lies in a later frame. `track` and `report` take several targets, each with its name (--init car=150,100,40,48 --init
     /// man=20,80,15,40@120), and further boxes of a target, at which it is locked on anew (--init car=170,90,40,48@300).
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
@@ -51,6 +51,39 @@ impl RecordingOptions {
         !self.init.is_empty()
     }
 
+    /// The same with frames in the size of the recording: boxes in them are what --init takes.
+    pub fn in_own_size(&self) -> Self {
+        Self { resize: None, ..self.clone() }
+    }
+
+    /// The smallest box, in the size of the recording, that has a pixel in frames of the size that trackers get.
+    pub fn least_box(&self, width: u16, height: u16) -> (u16, u16) {
+        match self.resize {
+            None => (1, 1),
+            Some(Resize::By(numerator, denominator)) => {
+                let least = denominator.div_ceil(numerator);
+                (least, least)
+            }
+            Some(Resize::To(to_width, to_height)) => (width.div_ceil(to_width), height.div_ceil(to_height)),
+        }
+    }
+
+    /// The options as they are typed, but for those of the box to start from.
+    pub fn words(&self) -> Vec<String> {
+        let resize = self.resize.map(|resize| match resize {
+            Resize::To(width, height) => format!("{width}x{height}"),
+            Resize::By(numerator, denominator) => format!("{numerator}/{denominator}"),
+        });
+        let given = [
+            ("--size", self.size.map(|size| size.to_string())),
+            ("--resize", resize),
+            ("--frames", self.frames.map(|frames| frames.to_string())),
+            ("--ffmpeg-timeout", self.ffmpeg_timeout.map(|seconds| seconds.to_string())),
+        ];
+        let given = given.into_iter().filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten();
+        given.chain(self.lenient.then(|| "--lenient".to_owned())).collect()
+    }
+
     /// How long ffmpeg may do nothing.
     pub fn ffmpeg_patience(&self) -> Duration {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
@@ -60,7 +93,10 @@ impl RecordingOptions {
     pub fn open(&self, path: &Path) -> Result<Sequence> {
         let first = self.frames.map_or(1, |part| part.first());
         let one = self.init.len() <= 1 && self.init.iter().all(|start| start.frame.is_none_or(|frame| frame == first));
-        ensure!(one, "--init: several targets and boxes in later frames are for `track`: expected one box X,Y,W,H");
+        ensure!(
+            one,
+            "--init: several targets and boxes in later frames are for `track` and `report`: expected one box X,Y,W,H"
+        );
         self.open_all(path).map(|(sequence, _)| sequence)
     }
 

@@ -7,8 +7,8 @@ use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress};
 use crate::evaluate::{Evaluation, MethodKind, Results, Variant, result_files};
 use crate::output::{Output, print};
-use crate::report::{self, About, Choice, Film};
-use crate::sequence::{BUILT_IN, Sequence};
+use crate::report::{self, About, Choice, Film, Refusal};
+use crate::sequence::{BUILT_IN, Sequence, Target};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use std::fs;
@@ -16,6 +16,8 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+/// The methods if none is asked for.
+const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
 /// Pictures of a page beyond this are made smaller, then fewer.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
@@ -24,8 +26,9 @@ pub struct Report {
     /// Recordings, or folders of recordings
     #[arg(value_name = "SEQ|DIR", required = true)]
     paths: Vec<PathBuf>,
-    /// The methods to show; several are separated by commas. The states are those of the first
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,sad")]
+    /// The methods to show; several are separated by commas. The states are those of the first [default: robust,smr; without smr if the
+    /// box is too large for it]
+    #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     ///
@@ -65,18 +68,22 @@ impl Report {
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let methods = self.tracker.variants(&self.method)?;
+        let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
         let found = self.recording.find(&self.paths)?;
         ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
-        let mut sequences = found.iter().map(|path| self.recording.open(path)).collect::<Result<Vec<_>>>()?;
+        let open = |path: &PathBuf| self.recording.open_with_targets(path);
+        let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         name_apart(&mut sequences);
-        let title = if let [one] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
+        let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = self.out.as_ref().map(|out| page_file(out, &title)).transpose()?;
         // In a folder the page has the recording's name.
         Places::of(&found).writes("--out", page.as_ref()).writes("--png", self.png.as_ref()).check()?;
         let page = page.map(File::create).transpose()?;
         let png = self.png.clone().map(File::create).transpose()?;
         let mut films = self.watch(&found, sequences, &methods)?;
+        for film in &films {
+            film.notes.iter().for_each(|note| eprintln!("note: {}: {note}", film.name));
+        }
         let mut files = Vec::new();
         if let Some(file) = page {
             let page = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
@@ -90,15 +97,24 @@ impl Report {
         Ok(Outcome::Holds)
     }
 
-    fn watch(&self, paths: &[PathBuf], sequences: Vec<Sequence>, methods: &[Variant]) -> Result<Vec<Film>> {
-        let length = sequences.iter().map(|sequence| sequence.length).sum();
+    fn watch(
+        &self,
+        paths: &[PathBuf],
+        sequences: Vec<(Sequence, Vec<Target>)>,
+        methods: &[Variant],
+    ) -> Result<Vec<Film>> {
+        let length = sequences.iter().map(|(sequence, _)| sequence.length).sum();
         let name =
-            if let [one] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
+            if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
-        let watch = |(path, sequence): (&PathBuf, Sequence)| {
-            let mut film = report::watch(sequence, methods, self.choice(), budget, || progress.inc(1))?;
-            if !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
+        // What nobody asked for fails nobody.
+        let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
+        let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
+            let (choice, several) = (self.choice(sequence.first)?, targets.len() > 1);
+            let mut film = report::watch_all(sequence, targets, methods, refusal, choice, budget, || progress.inc(1))?;
+            // What others answered is of the target with the ground truth.
+            if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames)?;
             }
             Ok(film)
@@ -124,23 +140,28 @@ impl Report {
         })
     }
 
-    fn choice(&self) -> Choice {
+    /// The frames of the film strip of a recording whose first frame has this number.
+    fn choice(&self, first: usize) -> Result<Choice> {
         if self.strip.is_empty() {
-            return Choice::Spread;
+            return Ok(Choice::Spread);
         }
-        Choice::Listed(self.strip.iter().map(|number| number.get() - 1).collect())
+        let index = |number: &NonZeroUsize| {
+            let index = number.get().checked_sub(first);
+            index.with_context(|| format!("--strip: frame {number} is not read: expected {first} or later (--frames)"))
+        };
+        Ok(Choice::Listed(self.strip.iter().map(index).collect::<Result<_>>()?))
     }
 }
 
 /// Recordings of one name in several folders get numbers: each is called something else on the page.
-fn name_apart(sequences: &mut [Sequence]) {
+fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
     for at in 1..sequences.len() {
         let (before, rest) = sequences.split_at_mut(at);
-        let name = rest[0].name.clone();
+        let name = rest[0].0.name.clone();
         let mut number = 1;
-        while before.iter().any(|other| other.name == rest[0].name) {
+        while before.iter().any(|(other, _)| other.name == rest[0].0.name) {
             number += 1;
-            rest[0].name = format!("{name} ({number})");
+            rest[0].0.name = format!("{name} ({number})");
         }
     }
 }
@@ -195,6 +216,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
             "frames": film.moments.len(),
             "shown": film.shown(),
             "changes_left_out": film.changes_left_out,
+            "notes": film.notes,
             "pictures": film.pictures(),
         })
     };
@@ -202,7 +224,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
         "methods": methods.iter().map(Variant::origin).collect::<Vec<_>>(),
         "recordings": films.iter().map(recording).collect::<Vec<_>>(),
         "files": files,
-        "scores": results.measured(),
+        "scores": results.tables()?,
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }

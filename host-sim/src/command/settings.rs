@@ -153,8 +153,9 @@ mod tests {
             assert!(error.starts_with(expected), "{text}: {error}");
             assert_eq!(error.lines().count(), 1);
         }
-        let error = with("k = \"1/4\"", &["host-sim", "synth", "OUT", "--settings", "FILE"]).unwrap_err().to_string();
-        assert_eq!(error, "FILE: `synth` runs no tracker: expected a command with tracker options");
+        let error =
+            with("k = \"1/4\"", &["host-sim", "replay", "RECORD", "--settings", "FILE"]).unwrap_err().to_string();
+        assert_eq!(error, "FILE: `replay` runs no tracker: expected a command with tracker options");
         let error = with("", &["host-sim", "track", "SEQ", "--settings", "missing.toml"]).unwrap_err().to_string();
         assert!(error.starts_with("cannot read missing.toml: "), "{error}");
     }

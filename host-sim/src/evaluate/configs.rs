@@ -41,7 +41,7 @@ pub struct Variant {
     pub inclusive: bool,
 }
 
-/// What a figure or an answer is of: in every JSON object that is printed.
+/// What a figure or an answer is of: in the JSON objects that are printed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Origin {
     /// That of this program.
@@ -50,6 +50,9 @@ pub struct Origin {
     /// The options that were given to it; what is not in here has its default.
     pub options: Map<String, Value>,
 }
+
+/// Its columns in a table.
+pub(super) const ORIGIN: &str = "method,version,options";
 
 impl Origin {
     pub fn new(kind: MethodKind, options: Map<String, Value>) -> Self {

@@ -4,14 +4,16 @@
 //! A tracker shall say so: *tracking* in at most `TRACKING` of these frames, *lost* by frame `LOST_BY` of them. And it shall follow the target
 //! again within `AGAIN` frames, if it was right in the frame before.
 
-use super::layout::{csv, header};
+use super::configs::ORIGIN;
+use super::layout::header;
 use super::robustness::recording::{self, Recording};
+use super::tables::{Table, TableName, Tables, columns};
 use super::{Layout, Origin, Variant};
 use crate::sequence::cover::Cover;
 use crate::sequence::{GrayFrame, Sequence};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use smr_core::State;
 
 /// Frames that show nothing of the target.
@@ -67,17 +69,28 @@ pub struct Row {
     pub tracking_median: usize,
     pub tracking_most: usize,
     /// Recordings in which more than two frames were.
+    #[serde(serialize_with = "how_many")]
     pub tracking_too_long: Vec<String>,
     /// Recordings in which it was lost by frame 30 of the cover, and those in which it was not.
     pub lost_in_time: usize,
+    #[serde(skip)]
     pub lost_late: Vec<String>,
     /// Recordings in which it was right before, and again within ten frames; and those in which it was right before alone.
     pub right_again: usize,
+    #[serde(skip)]
     pub not_right_again: Vec<String>,
 }
 
+/// In the tables the names follow from what was measured in each recording.
+fn how_many<S: Serializer>(names: &[String], serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    names.len().serialize(serializer)
+}
+
+/// The tables of what is measured.
+pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Means];
+
 /// All that was measured.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Results {
     pub covers: Vec<Row>,
     pub recordings: Vec<Run>,
@@ -141,17 +154,27 @@ impl Results {
         Self { covers: cases.map(row).collect(), recordings }
     }
 
-    /// The table, and what misses a goal. CSV has both in one table.
-    pub fn text(&self, layout: Layout) -> Result<String> {
-        if layout == Layout::Csv {
-            return csv(CSV_COLUMNS, &self.covers);
-        }
+    /// What was measured in each recording, and the counts over them, for JSON and CSV.
+    pub fn tables(&self) -> Result<Tables> {
+        let runs = columns("tracker,cover,sequence,right_before,tracking,lost_at,right_again");
+        let counts = columns(
+            "tracker,cover,recordings,right_before,tracking_median,tracking_most,tracking_too_long,lost_in_time,right_again",
+        );
+        let counts = [counts, columns(ORIGIN)].concat();
+        Ok(Tables(vec![
+            Table::new(TableName::Measured, runs, &self.recordings)?,
+            Table::new(TableName::Means, counts, &self.covers)?,
+        ]))
+    }
+
+    /// The table, and what misses a goal.
+    pub fn text(&self, layout: Layout) -> String {
         let titles = "tracker|cover|recordings|right before|tracking (median, most)|in more than 2 frames|lost by frame 30|right again";
         let mut lines = vec![header(titles)];
         lines.extend(self.covers.iter().map(Row::line));
         let missed: String = self.covers.iter().flat_map(Row::missed).map(|line| format!("- {line}\n")).collect();
         let table = layout.table(&lines, 2);
-        Ok(if missed.is_empty() { table } else { format!("{table}\n{missed}") })
+        if missed.is_empty() { table } else { format!("{table}\n{missed}") }
     }
 }
 
@@ -207,10 +230,6 @@ impl Row {
     }
 }
 
-/// The keys of JSON.
-const CSV_COLUMNS: &str = "tracker,cover,recordings,right_before,tracking_median,tracking_most,tracking_too_long,\
-                           lost_in_time,lost_late,right_again,not_right_again,method,version,options";
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,12 +261,12 @@ mod tests {
         assert_eq!((&row.tracking_too_long, row.lost_in_time), (&vec!["long".to_owned(), "never".to_owned()], 2));
         assert_eq!((&row.lost_late, row.right_again), (&vec!["late".to_owned(), "never".to_owned()], 1));
         assert_eq!(row.not_right_again, ["long"]);
-        let text = results.text(Layout::Markdown).unwrap();
+        let text = results.text(Layout::Markdown);
         assert!(text.contains("| robust | gray | 4 | 2 | 3, 300 | 2 | 2 of 4 | 1 of 2 |"), "{text}");
         assert!(text.contains("\n- robust, gray, not lost by frame 30: late, never\n"), "{text}");
-        let csv = results.text(Layout::Csv).unwrap();
+        let csv = results.tables().unwrap().csv(TableName::Means).unwrap();
         assert_eq!(csv.lines().count(), 1 + Cover::ALL.len());
-        assert!(csv.contains("\nrobust,gray,4,2,3,300,long never,2,late never,1,long,robust,"), "{csv}");
+        assert!(csv.contains("\nrobust,gray,4,2,3,300,2,2,1,robust,"), "{csv}");
     }
 
     #[test]

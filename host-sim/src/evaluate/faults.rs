@@ -5,8 +5,10 @@
 //! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, so
 //! that what goes wrong anyway can be told apart.
 
-use super::layout::{csv, header};
+use super::configs::ORIGIN;
+use super::layout::header;
 use super::robustness::recording::{self, Recording};
+use super::tables::{Table, TableName, Tables, columns};
 use super::{Layout, MethodKind, Origin, Variant, name_of};
 use crate::sequence::Sequence;
 use crate::sequence::fault::Fault;
@@ -203,16 +205,22 @@ impl Row {
     }
 }
 
-/// All rows as a table.
-pub fn table(rows: &[Row], layout: Layout) -> Result<String> {
-    if layout == Layout::Csv {
-        return csv(CSV_COLUMNS, rows);
-    }
+/// The tables of what is measured.
+pub const TABLES: &[TableName] = &[TableName::Measured];
+
+/// All rows for JSON and CSV.
+pub fn tables(rows: &[Row]) -> Result<Tables> {
+    let columns = [columns(COLUMNS), columns(ORIGIN)].concat();
+    Ok(Tables(vec![Table::new(TableName::Measured, columns, rows)?]))
+}
+
+/// All rows as text or Markdown.
+pub fn table(rows: &[Row], layout: Layout) -> String {
     let titles =
         "tracker|fault|state during it|runs|right again|after (median, most)|right at the end|tracking while wrong";
     let mut lines = vec![header(titles)];
     lines.extend(rows.iter().map(line));
-    Ok(layout.table(&lines, 3))
+    layout.table(&lines, 3)
 }
 
 fn line(row: &Row) -> Vec<String> {
@@ -234,9 +242,8 @@ fn line(row: &Row) -> Vec<String> {
     ]
 }
 
-/// The keys of JSON.
-const CSV_COLUMNS: &str = "tracker,fault,fault_frames,runs,tracking,leaving,uncertain,lost,right_again,frames_until_right,\
-                           most_frames_until_right,right_at_the_end,tracking_while_wrong,frames,method,version,options";
+const COLUMNS: &str = "tracker,fault,fault_frames,runs,tracking,leaving,uncertain,lost,right_again,frames_until_right,\
+                       most_frames_until_right,right_at_the_end,tracking_while_wrong,frames";
 
 /// What is measured if nothing is said: both trackers of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
@@ -297,9 +304,9 @@ mod tests {
             let black = of("black:3", tracker);
             assert_eq!(black.states().iter().sum::<usize>(), 3 * black.runs);
         }
-        let table = table(&first, Layout::Markdown).unwrap();
+        let table = table(&first, Layout::Markdown);
         assert!(table.contains("| smr | black:3 |"), "{table}");
-        let csv = super::table(&first, Layout::Csv).unwrap();
+        let csv = tables(&first).unwrap().csv(TableName::Measured).unwrap();
         assert_eq!(csv.lines().count(), 1 + first.len());
         assert!(csv.starts_with("tracker,fault,fault_frames,runs,"), "{csv}");
     }

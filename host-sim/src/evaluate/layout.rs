@@ -1,9 +1,6 @@
 //! How tables are written: for a terminal, as Markdown, or as CSV.
 
-use anyhow::Result;
 use clap::ValueEnum;
-use serde::Serialize;
-use serde_json::Value;
 use std::fmt::Write as _;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -13,7 +10,7 @@ pub enum Layout {
     Text,
     /// The same tables in Markdown
     Markdown,
-    /// One table: the objects of --json, one a line, with their keys as header
+    /// One of the tables of --json (--part), with its keys as header
     Csv,
 }
 
@@ -35,7 +32,7 @@ impl Layout {
     pub(super) fn table(self, lines: &[Vec<String>], names: usize) -> String {
         match self {
             Self::Markdown => markdown(lines, names),
-            // CSV is made from the objects of JSON.
+            // CSV is made from the tables of JSON.
             Self::Text | Self::Csv => aligned(lines, names),
         }
     }
@@ -72,35 +69,6 @@ fn markdown(lines: &[Vec<String>], names: usize) -> String {
     rows.concat()
 }
 
-/// By RFC 4180, but with the line ends of all other output.
-fn csv_line(cells: &[String]) -> String {
-    let cell = |cell: &String| {
-        let quoted = cell.contains([',', '"', '\n', '\r']);
-        if quoted { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.clone() }
-    };
-    cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n"
-}
-
-/// Objects as CSV: the `columns`, with commas between them, are their keys. Several names are one cell, with spaces between them.
-pub(super) fn csv(columns: &str, rows: &[impl Serialize]) -> Result<String> {
-    let columns: Vec<String> = columns.split(',').map(str::to_owned).collect();
-    let mut text = csv_line(&columns);
-    for row in rows {
-        let row = serde_json::to_value(row)?;
-        text += &csv_line(&columns.iter().map(|column| csv_cell(&row[column])).collect::<Vec<_>>());
-    }
-    Ok(text)
-}
-
-fn csv_cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        Value::Array(names) => names.iter().map(csv_cell).collect::<Vec<_>>().join(" "),
-        other => other.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,11 +82,5 @@ mod tests {
         let markdown = "| name | n |\n| --- | ---: |\n| a\\|b, \"c\" | 12 |\n| short |  |\n";
         assert_eq!(Layout::Markdown.table(&lines(), 1), markdown);
         assert_eq!(Layout::Text.table(&lines(), 1), "name       n\na|b, \"c\"  12\n  short\n");
-    }
-
-    #[test]
-    fn objects_as_csv() {
-        let rows = [serde_json::json!({ "b": ["x", "y"], "a": 1.0, "c": "1,\"2\"" }), serde_json::json!({ "a": null })];
-        assert_eq!(csv("a,b,c", &rows).unwrap(), "a,b,c\n1.0,x y,\"1,\"\"2\"\"\"\n,,\n");
     }
 }

@@ -1,5 +1,6 @@
 //! The mean over recordings, and how sure it is: recordings are drawn from all that there could be.
 
+use super::tables::error_of;
 use serde::{Serialize, Serializer};
 
 /// Figures by their names; in JSON an object.
@@ -10,6 +11,11 @@ impl Serialize for Named {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().copied())
     }
+}
+
+/// Standard errors as JSON: what they are of is in their keys.
+pub fn errors<S: Serializer>(of: &Option<Named>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(of.iter().flat_map(|named| &named.0).map(|&(name, error)| (error_of(name), error)))
 }
 
 impl Named {

@@ -18,12 +18,15 @@ mod results;
 pub mod robustness;
 mod run;
 mod table;
+mod tables;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
 pub use followed::Followed;
 pub use layout::Layout;
-pub(crate) use layout::{NOTHING, aligned, cell, header};
+#[cfg(feature = "bench")]
+pub(crate) use layout::aligned;
+pub(crate) use layout::{NOTHING, cell, header};
 pub use method::{CoreKind, Evidence, Method, MethodKind, Report, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
 pub use protocol::{CORRECT, Score, Trajectory, overlaps};
@@ -31,6 +34,7 @@ pub use refused::Refused;
 pub use result_file::{ResultFile, result_files};
 pub use results::Results;
 pub use run::{Run, lock};
+pub use tables::{TableName, Tables};
 pub use vot::Vot;
 
 use crate::sequence::{GrayFrame, Sequence};

@@ -1,7 +1,11 @@
 //! What was measured, as one matrix: contestants down, sequences across. Everything that is printed comes from here.
 
-use super::means::Named;
+use super::configs::ORIGIN;
+use super::means::{Named, errors};
+use super::protocol::Figure;
+use super::tables::{Table, TableName, Tables, columns, error_of};
 use super::{Contestant, Evaluation, Origin, Score, published};
+use anyhow::Result;
 use serde::Serialize;
 
 /// The scores of every contestant on every sequence.
@@ -29,56 +33,62 @@ pub(super) const MEASURED: &str = "measured";
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Means {
     pub recordings: usize,
+    #[serde(flatten)]
     pub mean: Named,
-    pub standard_error: Named,
+    #[serde(flatten, serialize_with = "errors")]
+    pub standard_error: Option<Named>,
 }
 
 impl Line {
-    fn row<'a>(&'a self, source: &'static str, sequence: Option<&'a str>, score: Figures<'a>) -> Row<'a> {
-        let Contestant { name, origin } = &self.contestant;
-        Row { origin: origin.as_ref(), tracker: name, source, sequence, score }
-    }
-
     /// `None` of fewer than two recordings; each of them counts alike.
     pub fn means(&self) -> Option<Means> {
-        let fractions = |score: &Score| {
-            let with_mean = Score::FIGURES.iter().filter(|figure| figure.has_mean);
-            Named(with_mean.map(|figure| (figure.key, (figure.of)(score).unwrap_or(0.0))).collect())
-        };
+        let fractions =
+            |score: &Score| Named(with_mean().map(|figure| (figure.key, (figure.of)(score).unwrap_or(0.0))).collect());
         let scores: Vec<Named> = self.scores.iter().flatten().map(fractions).collect();
-        let (mean, standard_error) = (Named::mean(&scores), Named::standard_error(&scores)?);
-        Some(Means { recordings: scores.len(), mean, standard_error })
+        let standard_error = Some(Named::standard_error(&scores)?);
+        Some(Means { recordings: scores.len(), mean: Named::mean(&scores), standard_error })
     }
 }
 
-/// One score, or one tracker's means, as JSON.
+fn with_mean() -> impl Iterator<Item = &'static Figure> {
+    Score::FIGURES.iter().filter(|figure| figure.has_mean)
+}
+
+/// Figures of a tracker, or of another one's result file.
 #[derive(Serialize)]
-pub struct Row<'a> {
+struct Row<'a, T> {
+    tracker: &'a str,
+    /// Not of means.
+    sequence: Option<&'a str>,
+    #[serde(flatten)]
+    figures: T,
     /// Not of figures that come from elsewhere.
     #[serde(flatten)]
     origin: Option<&'a Origin>,
-    tracker: &'a str,
-    /// `measured`, `mean` or `printed`
-    source: &'static str,
-    /// Not of means.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    sequence: Option<&'a str>,
-    #[serde(flatten)]
-    score: Figures<'a>,
 }
 
+impl Line {
+    fn row<'a, T>(&'a self, sequence: Option<&'a str>, figures: T) -> Row<'a, T> {
+        let Contestant { name, origin } = &self.contestant;
+        Row { tracker: name, sequence, figures, origin: origin.as_ref() }
+    }
+}
+
+/// Of the paper nothing else is known.
 #[derive(Serialize)]
-#[serde(untagged)]
-enum Figures<'a> {
-    Measured(&'a Score),
-    Mean(Means),
-    /// Of the paper nothing else is known.
-    Printed {
-        correct: u16,
-    },
+struct Printed {
+    correct: u16,
+}
+
+/// The columns between two others, which are names.
+fn around(first: &str, between: impl Iterator<Item = String>, last: &str) -> Vec<String> {
+    columns(first).into_iter().chain(between).chain(columns(last)).collect()
 }
 
 impl Results {
+    /// The tables of what is measured.
+    pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Means, TableName::Printed];
+
     /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
     pub fn new(evaluations: &[Evaluation]) -> Self {
         let column = |e: &Evaluation| Column { name: e.sequence.clone(), visible: e.visible };
@@ -97,34 +107,39 @@ impl Results {
         self.lines.is_empty()
     }
 
-    /// All scores, contestant by contestant; then the paper's Table 2, as far as its sequences are here; then the means
-    /// over recordings of all that have several.
-    pub fn rows(&self) -> Vec<Row<'_>> {
-        self.measured().into_iter().chain(self.printed()).chain(self.means()).collect()
+    /// All scores, contestant by contestant; the means over recordings of all that have several; the paper's Table 2, as far as its sequences
+    /// are here.
+    pub fn tables(&self) -> Result<Tables> {
+        let measured = around("tracker,sequence", Score::FIGURES.iter().map(|figure| figure.key.to_owned()), ORIGIN);
+        let figures = with_mean().flat_map(|figure| [figure.key.to_owned(), error_of(figure.key)]);
+        let means = around("tracker,recordings", figures, ORIGIN);
+        Ok(Tables(vec![
+            Table::new(TableName::Measured, measured, &self.measured())?,
+            Table::new(TableName::Means, means, &self.means())?,
+            Table::new(TableName::Printed, columns("tracker,sequence,correct"), &self.printed())?,
+        ]))
     }
 
-    fn means(&self) -> impl Iterator<Item = Row<'_>> {
-        self.lines.iter().filter_map(|line| Some(line.row("mean", None, Figures::Mean(line.means()?))))
-    }
-
-    /// All scores, contestant by contestant.
-    pub fn measured(&self) -> Vec<Row<'_>> {
+    fn measured(&self) -> Vec<Row<'_, &Score>> {
         let rows = self.lines.iter().flat_map(|line| {
             let scores = self.sequences.iter().zip(&line.scores);
-            scores.filter_map(|(sequence, score)| {
-                Some(line.row(MEASURED, Some(&sequence.name), Figures::Measured(score.as_ref()?)))
-            })
+            scores.filter_map(|(sequence, score)| Some(line.row(Some(&sequence.name), score.as_ref()?)))
         });
         rows.collect()
     }
 
-    fn printed(&self) -> impl Iterator<Item = Row<'_>> {
-        published::TABLE.iter().flat_map(|row| {
+    fn means(&self) -> Vec<Row<'_, Means>> {
+        self.lines.iter().filter_map(|line| Some(line.row(None, line.means()?))).collect()
+    }
+
+    fn printed(&self) -> Vec<Row<'_, Printed>> {
+        let rows = published::TABLE.iter().flat_map(|row| {
             self.sequences.iter().filter_map(|Column { name, .. }| {
-                let score = Figures::Printed { correct: row.correct(name)? };
-                Some(Row { origin: None, tracker: row.tracker, source: published::SOURCE, sequence: Some(name), score })
+                let figures = Printed { correct: row.correct(name)? };
+                Some(Row { tracker: row.tracker, sequence: Some(name), figures, origin: None })
             })
-        })
+        });
+        rows.collect()
     }
 }
 

@@ -1,28 +1,17 @@
 //! Results as tables: every score in full, and the paper's Table 2.
 
-use super::layout::{NOTHING, cell, csv, header};
+use super::layout::{NOTHING, cell, header};
 use super::protocol::Figure;
 use super::results::{Line, MEASURED, Results};
 use super::{Layout, Score, published};
-use anyhow::Result;
-use serde_json::{Map, Value};
 
 impl Results {
-    /// All that there is. Nothing if nobody has a score.
-    pub fn text(&self, layout: Layout) -> Result<String> {
-        Ok(match layout {
-            _ if self.is_empty() => String::new(),
-            Layout::Csv => self.csv()?,
-            _ => format!("{}\n{}", self.details(layout), self.correct_frames(layout)),
-        })
-    }
-
-    fn csv(&self) -> Result<String> {
-        let mut lines = Vec::new();
-        for row in self.rows() {
-            lines.extend(csv_lines(serde_json::to_value(row)?));
+    /// All that there is, as text or Markdown. Nothing if nobody has a score.
+    pub fn text(&self, layout: Layout) -> String {
+        if self.is_empty() {
+            return String::new();
         }
-        csv(&csv_columns(), &lines)
+        format!("{}\n{}", self.details(layout), self.correct_frames(layout))
     }
 
     /// Every score in full, contestant by contestant; of several a total over all frames, the mean over recordings, and
@@ -42,10 +31,11 @@ impl Results {
             let Some(means) = line.means() else { continue };
             add("total", &of(Score::total(line.scores.iter().flatten())));
             for (what, means) in [
-                (format!("mean of {}", means.recordings), means.mean),
+                (format!("mean of {}", means.recordings), Some(means.mean)),
                 ("  standard error".to_owned(), means.standard_error),
             ] {
-                let mean = |figure: &Figure| means.0.iter().find(|(key, _)| *key == figure.key);
+                let mean =
+                    |figure: &Figure| means.iter().flat_map(|means| &means.0).find(|(key, _)| *key == figure.key);
                 add(&what, &|figure| mean(figure).map_or(String::new(), |&(_, mean)| cell(Some(mean), figure.digits)));
             }
         }
@@ -82,25 +72,6 @@ fn columns() -> impl Iterator<Item = &'static Figure> {
     Score::FIGURES.iter().filter(|figure| !figure.title.is_empty())
 }
 
-/// The columns of CSV: the keys of JSON.
-fn csv_columns() -> String {
-    let figures = Score::FIGURES.iter().map(|figure| figure.key).collect::<Vec<_>>().join(",");
-    format!("tracker,source,sequence,recordings,{figures},method,version,options")
-}
-
-/// A row of JSON as lines of CSV. Means take two lines: `mean` and `standard error`.
-fn csv_lines(row: Value) -> Vec<Value> {
-    if row.get("mean").is_none() {
-        return vec![row];
-    }
-    let line = |(key, source): (&str, &str)| {
-        let source = Map::from_iter([("source".to_owned(), source.into())]);
-        let parts = [row.as_object(), row[key].as_object(), Some(&source)];
-        parts.into_iter().flatten().flatten().map(|(key, value)| (key.clone(), value.clone())).collect()
-    };
-    [("mean", "mean"), ("standard_error", "standard error")].map(line).to_vec()
-}
-
 fn correct_frames(of: &Line) -> Vec<String> {
     let mut line = vec![of.contestant.name.clone(), MEASURED.to_owned()];
     line.extend(of.scores.iter().map(|score| score.map_or(NOTHING.to_owned(), |score| score.correct.to_string())));
@@ -110,7 +81,8 @@ fn correct_frames(of: &Line) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::{Contestant, Evaluation, MethodKind, Origin};
+    use crate::evaluate::{Contestant, Evaluation, MethodKind, Origin, TableName};
+    use serde_json::Map;
 
     fn evaluation(sequence: &str, scores: &[(Contestant, usize)]) -> Evaluation {
         let score = |correct: usize| {
@@ -181,61 +153,52 @@ t10                                        measured        3          -
     }
 
     #[test]
-    fn json_has_what_was_measured_then_what_is_printed() {
-        let rows = serde_json::to_value(results().rows()).unwrap();
+    fn json_has_what_was_measured_and_what_is_printed() {
+        let json = serde_json::to_value(results().tables().unwrap()).unwrap();
         let expected = serde_json::json!({
-            "version": env!("CARGO_PKG_VERSION"), "method": "smr", "options": {},
-            "tracker": "smr", "source": "measured", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
+            "version": env!("CARGO_PKG_VERSION"), "method": "smr", "options": "{}",
+            "tracker": "smr", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
             "correct_50": 2, "precision": 1.0, "recall": 0.5, "f": 2.0 / 3.0, "mean_iou": 0.5, "first_failure": 3,
             "otb_auc": 10.0 / 21.0, "otb_precision": 0.5,
             "vot_f": 2.0 / 3.0, "vot_precision": 1.0, "vot_recall": 0.5, "vot_threshold": null,
         });
-        assert_eq!(rows[1], expected);
-        assert!(rows[0]["first_failure"].is_null());
+        assert_eq!(json["measured"][1], expected);
+        assert!(json["measured"][0]["first_failure"].is_null() && json["measured"][6]["options"].is_null());
         // Collins has no figure for the one sequence of the table.
-        assert_eq!(rows.as_array().unwrap().len(), 7 + 5 + 2);
-        let lim = serde_json::json!({
-            "tracker": "Lim 2004 (incremental subspace)", "source": "printed", "sequence": "06_car", "correct": 163,
-        });
-        assert_eq!(rows[7], lim);
-    }
-    #[test]
-    fn means_are_over_recordings() {
-        let rows = serde_json::to_value(results().rows()).unwrap();
-        let smr = &rows[12];
-        assert_eq!((&smr["tracker"], &smr["source"], &smr["recordings"]), (&"smr".into(), &"mean".into(), &2.into()));
-        assert!(smr.get("sequence").is_none());
-        // 1 and 1/2: the mean is 3/4, and each is 1/4 from it: sqrt(2 / 16 / 1 / 2).
-        assert_eq!((&smr["mean"]["recall"], &smr["standard_error"]["recall"]), (&0.75.into(), &0.25.into()));
-        assert_eq!(smr["standard_error"]["precision"], 0.0);
+        let rows = |name: &str| json[name].as_array().unwrap().len();
+        assert_eq!((rows("measured"), rows("printed"), rows("means")), (7, 5, 2));
+        let lim =
+            serde_json::json!({ "tracker": "Lim 2004 (incremental subspace)", "sequence": "06_car", "correct": 163 });
+        assert_eq!(json["printed"][0], lim);
     }
 
     #[test]
-    fn csv_has_every_key_of_json() {
-        let results = results();
-        let rows = serde_json::to_value(results.rows()).unwrap();
-        for row in rows.as_array().unwrap() {
-            for key in row.as_object().unwrap().keys().filter(|key| !["mean", "standard_error"].contains(&key.as_str()))
-            {
-                assert!(csv_columns().split(',').any(|column| column == key), "{key}");
-            }
-        }
-        let text = results.text(Layout::Csv).unwrap();
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 1 + 7 + 5 + 2 * 2);
-        assert_eq!(lines[0], csv_columns());
-        assert_eq!(&lines[2][..30], "smr,measured,06_car,,4,4,2,2,2");
-        assert!(
-            lines.contains(&"\"Kalal 2010 (forward-backward, MedianFlow)\",printed,06_car,,,,,510,,,,,,,,,,,,,,,"),
-            "{text}"
-        );
-        assert!(lines[13].starts_with("smr,mean,,2,,,,,,1.0,0.75,"), "{}", lines[13]);
-        assert!(lines[14].starts_with("smr,standard error,,2,,,,,,0.0,0.25,"), "{}", lines[14]);
+    fn means_are_over_recordings() {
+        let json = serde_json::to_value(results().tables().unwrap()).unwrap();
+        let smr = &json["means"][0];
+        assert_eq!((&smr["tracker"], &smr["method"], &smr["recordings"]), (&"smr".into(), &"smr".into(), &2.into()));
+        assert!(smr.get("sequence").is_none());
+        // 1 and 1/2: the mean is 3/4, and each is 1/4 from it: sqrt(2 / 16 / 1 / 2).
+        assert_eq!((&smr["recall"], &smr["recall_standard_error"]), (&0.75.into(), &0.25.into()));
+        assert_eq!(smr["precision_standard_error"], 0.0);
+    }
+
+    #[test]
+    fn csv_has_the_tables_of_json() {
+        let tables = results().tables().unwrap();
+        let csv = |name| tables.csv(name).unwrap();
+        let measured = csv(TableName::Measured);
+        let lines: Vec<&str> = measured.lines().collect();
+        assert_eq!(lines.len(), 1 + 7);
+        assert!(lines[2].starts_with("smr,06_car,4,4,2,2,2,1.0,0.5,"), "{}", lines[2]);
+        assert!(lines[7].ends_with(",,,"), "{}", lines[7]);
+        assert!(csv(TableName::Means).starts_with("tracker,recordings,precision,precision_standard_error,recall,"));
+        assert!(csv(TableName::Printed).contains("\n\"Kalal 2010 (forward-backward, MedianFlow)\",06_car,510\n"));
     }
 
     #[test]
     fn markdown_has_both_tables() {
-        let text = results().text(Layout::Markdown).unwrap();
+        let text = results().text(Layout::Markdown);
         let tables: Vec<&str> = text.split("\n\n").collect();
         assert_eq!(tables.len(), 2);
         assert!(
@@ -245,6 +208,6 @@ t10                                        measured        3          -
             let cells: Vec<usize> = table.lines().map(|line| line.matches('|').count()).collect();
             assert!(cells.iter().all(|&count| count == cells[0]), "{table}");
         }
-        assert_eq!(Results::new(&[]).text(Layout::Csv).unwrap(), "");
+        assert_eq!(Results::new(&[]).text(Layout::Text), "");
     }
 }

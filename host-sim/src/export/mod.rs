@@ -1,7 +1,7 @@
 //! Recordings as files: for other programs, for firmware, and to be looked at.
 //!
 //! - [`png()`], [`pgm`]: a frame as a picture.
-//! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array.
+//! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
 
 mod animation;
@@ -12,10 +12,12 @@ mod matroska;
 mod mp4;
 mod picture;
 mod timeline;
+mod toolkit;
 mod writer;
 
 pub use draw::{AMBER, GREEN, Overlay, RED, TARGETS, WHITE};
 pub use film::{Film, Plan};
+use picture::jpeg;
 pub use picture::{pgm, png};
 pub use timeline::Rate;
-pub use writer::{Format, Writer, Written};
+pub use writer::{Format, Writer, Written, is_whole};

@@ -2,6 +2,7 @@
 
 use crate::sequence::GrayFrame;
 use anyhow::Result;
+use jpeg_encoder::{ColorType as JpegColor, Encoder as JpegEncoder};
 use png::{ColorType, Encoder};
 
 /// As PNG.
@@ -25,6 +26,16 @@ fn encoded((width, height): (u32, u32), color: ColorType, samples: &[u8]) -> Res
     let mut encoder = Encoder::new(&mut bytes, width, height);
     encoder.set_color(color);
     encoder.write_header()?.write_image_data(samples)?;
+    Ok(bytes)
+}
+
+/// As JPEG; 100 is the best quality.
+///
+/// # Errors
+/// The encoder's.
+pub(super) fn jpeg(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new(&mut bytes, quality).encode(&frame.pixels, frame.width, frame.height, JpegColor::Luma)?;
     Ok(bytes)
 }
 

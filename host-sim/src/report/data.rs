@@ -4,6 +4,7 @@ use super::difference::{BAR, BARS};
 use super::encode::base64;
 use super::entrants::{Entrant, entrants};
 use super::film::Film;
+use super::palette::TRUTH_LOOK;
 use super::pictures::{Comparison, Picture, Pictures};
 use crate::evaluate::{Evidence, centre_errors, name_of, overlaps};
 use crate::sequence::BoundingBox;
@@ -16,7 +17,7 @@ use serde_json::{Value, json};
 /// The ground truth is not that of so many frames.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
-    let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
+    let data = json!({ "bar": BAR, "bars": BARS, "truth": TRUTH_LOOK, "recordings": recordings });
     Ok(data.to_string().replace('<', "\\u003c"))
 }
 
@@ -24,14 +25,13 @@ fn recording(film: &Film) -> Result<Value> {
     let entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
     let margin = film.margin();
     let truth = film.truth.as_ref().map(|truth| truth.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>());
-    let start = film.start.into();
     Ok(json!({
         "name": film.name,
         "width": film.size.0,
         "height": film.size.1,
         "margin": margin,
+        "first": film.first,
         "frames": film.moments.len(),
-        "start": of_box(Some(&start)),
         "truth": truth,
         "entrants": entrants,
         "pictures": film.pictures.as_ref().map(pictures),
@@ -50,19 +50,23 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     let error = truth.map(|truth| centre_errors(answers, truth));
     let size = answers.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt()));
     let lasts = entrant.method.map(|method| {
-        let last = |moment: &super::film::Moment| {
-            let lost = moment.reports[method].target.is_none();
+        let last = |(index, moment): (usize, &super::film::Moment)| {
+            let lost = moment.reports[method].target.is_none() && index >= film.begins(method);
             of_box(lost.then(|| &moment.lasts[method]))
         };
-        film.moments.iter().map(last).collect::<Vec<_>>()
+        film.moments.iter().enumerate().map(last).collect::<Vec<_>>()
     });
-    let states = entrant
-        .method
-        .map(|method| film.moments.iter().map(|moment| name_of(moment.reports[method].state)).collect::<Vec<_>>());
+    // Null before the target's first box.
+    let states = entrant.method.map(|method| {
+        let state = |(index, moment): (usize, &super::film::Moment)| {
+            (index >= film.begins(method)).then(|| name_of(moment.reports[method].state))
+        };
+        film.moments.iter().enumerate().map(state).collect::<Vec<_>>()
+    });
     Ok(json!({
         "name": entrant.name,
         "title": entrant.title,
-        "color": entrant.color,
+        "look": entrant.look,
         "method": entrant.method,
         "boxes": answers.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>(),
         "lasts": lasts,

@@ -1,20 +1,8 @@
 //! Everyone whose boxes are shown: the methods that ran here, then the result files of other trackers.
 
 use super::film::Film;
-use super::{Color, color_of_method};
+use super::palette::{look_of_file, look_of_method};
 use crate::sequence::BoundingBox;
-
-/// The colors of result files, in turn: none is that of a method.
-const FILES: [Color; 8] = [
-    [255, 165, 60],
-    [150, 120, 255],
-    [80, 200, 140],
-    [230, 90, 190],
-    [170, 170, 60],
-    [100, 190, 255],
-    [220, 130, 110],
-    [150, 150, 160],
-];
 
 /// One of them.
 #[derive(serde::Serialize)]
@@ -22,7 +10,8 @@ pub(super) struct Entrant {
     pub name: String,
     /// As it stands on the page.
     pub title: String,
-    pub color: Color,
+    /// The place of its look.
+    pub look: usize,
     /// One a frame.
     #[serde(skip)]
     pub answers: Vec<Option<BoundingBox>>,
@@ -33,17 +22,37 @@ pub(super) struct Entrant {
 pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
         name: method.name.clone(),
-        title: method.name.to_uppercase(),
-        color: color_of_method(method.kind),
+        title: film.title(index),
+        look: look_of(film, index),
         answers: film.trajectory(index),
         method: Some(index),
     });
-    let files = film.files.iter().zip(FILES.into_iter().cycle()).map(|(file, color)| Entrant {
+    let files = film.files.iter().enumerate().map(|(index, file)| Entrant {
         name: file.name.clone(),
         title: file.name.clone(),
-        color,
+        look: look_of_file(film.places.get(index).copied().unwrap_or(index)),
         answers: file.answers.clone(),
         method: None,
     });
     methods.chain(files).collect()
+}
+
+/// The place of a method's look. Of several targets each has its own.
+pub(super) fn look_of(film: &Film, method: usize) -> usize {
+    let alone = film.targets.len() == 1;
+    if alone { look_of_method(film.methods[method].kind) } else { look_of_file(method) }
+}
+
+/// A tracker has one look on the whole page: its place is that of the first file of its name, in any film.
+pub(super) fn place_files(films: &mut [Film]) {
+    let mut names: Vec<String> = Vec::new();
+    for film in films {
+        let place = |name: &String| {
+            names.iter().position(|known| known == name).unwrap_or_else(|| {
+                names.push(name.clone());
+                names.len() - 1
+            })
+        };
+        film.places = film.files.iter().map(|file| &file.name).map(place).collect();
+    }
 }

@@ -3,19 +3,22 @@
 use super::look::{self, Shown, Sight};
 use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
-use crate::evaluate::{Contestant, Evaluation, Refused, Report, ResultFile, Score, Variant};
-use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence};
-use anyhow::{Context, Result, ensure};
+use crate::evaluate::{Contestant, Evaluation, MethodKind, Refused, Report, ResultFile, Score, Variant};
+use crate::sequence::{BoundingBox, FrameRange, GrayFrame, Sequence, Target};
+use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::Rect;
 use std::path::PathBuf;
 
 /// All that a report tells.
 pub struct Film {
     pub name: String,
-    /// The first is the one whose states are shown.
+    /// The first is the one whose states are shown. Of several targets there is each method once for each, under the name of both.
     pub methods: Vec<Variant>,
+    /// The place of the target of each method.
+    pub(super) of: Vec<usize>,
     pub(super) size: (u16, u16),
-    pub(super) start: Rect,
+    /// What is followed; at least one.
+    pub(super) targets: Vec<Locked>,
     pub(super) padding: u16,
     /// One a frame.
     pub moments: Vec<Moment>,
@@ -26,6 +29,57 @@ pub struct Film {
     /// All frames, if they were asked for.
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
+    /// The place of each file among all on the page.
+    pub(super) places: Vec<usize>,
+    /// The number of the first frame.
+    pub(super) first: usize,
+    /// What a reader must know: methods that were left out, and why.
+    pub notes: Vec<String>,
+}
+
+/// A target, and where it is locked on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Locked {
+    /// `None` if it is the only one, and was given none.
+    pub name: Option<String>,
+    /// At least one: the index of a frame, and the box in it.
+    pub starts: Vec<(usize, Rect)>,
+}
+
+impl Locked {
+    fn new(Target { name, starts }: Target, first: usize) -> Result<Self> {
+        let pixels = |(frame, bbox): (usize, BoundingBox)| {
+            let rect = bbox.pixels().map_err(|what| anyhow!("the box to start from {what}"))?;
+            Ok((frame - first, rect))
+        };
+        Ok(Self { name, starts: starts.into_iter().map(pixels).collect::<Result<_>>()? })
+    }
+
+    /// The index of the first frame with a box.
+    pub fn begins(&self) -> usize {
+        self.starts[0].0
+    }
+
+    fn start_at(&self, index: usize) -> Option<Rect> {
+        self.starts.iter().find(|(at, _)| *at == index).map(|(_, start)| *start)
+    }
+}
+
+/// One method on one target.
+struct Follower {
+    tracker: Box<dyn Shown>,
+    variant: Variant,
+    /// The place of the target.
+    target: usize,
+}
+
+/// What is to be done with a method, other than the first, that does not start on the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// An error.
+    Fails,
+    /// The film is made without it, with a note.
+    LeftOut,
 }
 
 /// Which pictures were kept.
@@ -38,6 +92,7 @@ pub struct Kept {
 
 /// What the methods said about one frame.
 pub struct Moment {
+    /// Before the first box of a target there is no answer: it is lost.
     pub reports: Vec<Report>,
     /// The box that is drawn of each: when lost, the last one that was believed, or the one that is followed meanwhile.
     pub(super) lasts: Vec<BoundingBox>,
@@ -67,36 +122,60 @@ impl Still {
     }
 }
 
-/// Runs all `methods` over the sequence. Frames stream: only those of `choice` are kept, and with `budget` small pictures of all
-/// in so many bytes. `progress` is called after each.
+/// Runs all `methods` over the sequence, from the box beside it: see [`watch_all`].
 ///
 /// # Errors
-/// No method, no box to start from, a frame that cannot be read or tracked, or a listed frame that there is not.
+/// As [`watch_all`]; no box to start from.
 pub fn watch(
     sequence: Sequence,
     methods: &[Variant],
+    refusal: Refusal,
+    choice: Choice,
+    budget: Option<usize>,
+    progress: impl Fn(),
+) -> Result<Film> {
+    let start = sequence.start()?;
+    let target = Target { name: None, starts: vec![(sequence.first, start.into())] };
+    watch_all(sequence, vec![target], methods, refusal, choice, budget, progress)
+}
+
+/// Runs all `methods` on all `targets` of the sequence; a method that does not start on a box meets `refusal`. Frames stream: only those
+/// of `choice` are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
+///
+/// Ground truth is of one target: of several there is none.
+///
+/// # Errors
+/// No method, a frame that cannot be read or tracked, or a listed frame, or one with a box, that there is not.
+pub fn watch_all(
+    sequence: Sequence,
+    targets: Vec<Target>,
+    methods: &[Variant],
+    refusal: Refusal,
     choice: Choice,
     budget: Option<usize>,
     progress: impl Fn(),
 ) -> Result<Film> {
     ensure!(!methods.is_empty(), "there is no method to show");
-    let start = sequence.start()?;
-    let Sequence { name, frames, truth, .. } = sequence;
-    let last = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
-    let mut trackers: Vec<Box<dyn Shown>> = methods.iter().map(look::shown).collect::<Result<_>>()?;
+    let Sequence { name, frames, truth, first, .. } = sequence;
+    let locked = |target| Locked::new(target, first).with_context(|| name.clone());
+    let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
+    let listed = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
+    let boxes = targets.iter().flat_map(|target| &target.starts).map(|(index, _)| *index);
+    let last = listed.into_iter().chain(boxes).max();
+    let mut followers = followers(&targets, methods)?;
+    let mut notes = Vec::new();
     let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
     let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
-        let look = |(tracker, variant): (&mut Box<dyn Shown>, &Variant)| {
-            let refused = |error| Refused::or(error, variant.kind, start, frame.frame().bounds());
-            let look = match index {
-                0 => tracker.lock(&frame, start).map_err(refused),
-                _ => tracker.update(&frame),
-            };
-            look.with_context(|| format!("{name}: {}: frame {}", variant.name, index + 1))
+        if index == 0 && refusal == Refusal::LeftOut {
+            notes = leave_out(&mut followers, &frame, &targets, methods[0].kind);
+        }
+        let look = |follower: &mut Follower| {
+            let look = follower.step(&targets[follower.target], index, &frame);
+            look.with_context(|| format!("{name}: {}: frame {}", follower.variant.name, index + first))
         };
-        let looks: Result<Vec<(Report, Sight)>> = trackers.iter_mut().zip(methods).map(look).collect();
+        let looks: Result<Vec<(Report, Sight)>> = followers.iter_mut().map(look).collect();
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
         let moment = Moment { reports, lasts: Vec::new() };
         let changed = moments.last().is_some_and(|last| last.first().state != moment.first().state);
@@ -111,15 +190,18 @@ pub fn watch(
     }
     let length = moments.len();
     if let Some(last) = last {
-        ensure!(last < length, "{name}: there is no frame {}: expected 1 to {length}", last + 1);
+        let (number, end) = (last + first, length + first - 1);
+        ensure!(last < length, "{name}: there is no frame {number}: expected {first} to {end}");
     }
     let (stills, changes_left_out) = reel.into_stills();
     let padding = methods[0].configs.paper.padding;
+    let truth = truth.filter(|_| targets.len() == 1);
     Ok(Film {
         name,
-        methods: methods.to_vec(),
+        of: followers.iter().map(|follower| follower.target).collect(),
+        methods: followers.into_iter().map(|follower| follower.variant).collect(),
         size,
-        start,
+        targets,
         padding,
         moments,
         stills,
@@ -127,14 +209,58 @@ pub fn watch(
         truth,
         pictures,
         files: Vec::new(),
+        places: Vec::new(),
+        first,
+        notes,
     })
 }
 
+/// Each method once for each target.
+fn followers(targets: &[Locked], methods: &[Variant]) -> Result<Vec<Follower>> {
+    let pairs = targets.iter().enumerate().flat_map(|target| methods.iter().map(move |method| (target, method)));
+    let follower = |((target, locked), method): ((usize, &Locked), &Variant)| {
+        let mut variant = method.clone();
+        if let Some(name) = &locked.name {
+            variant.name = format!("{name}, {}", method.name);
+        }
+        Ok(Follower { tracker: look::shown(method)?, variant, target })
+    };
+    pairs.map(follower).collect()
+}
+
+impl Follower {
+    fn step(&mut self, target: &Locked, index: usize, frame: &GrayFrame) -> Result<(Report, Sight)> {
+        let refused = |error, start| Refused::or(error, self.variant.kind, start, frame.frame().bounds());
+        match target.start_at(index) {
+            Some(start) => self.tracker.lock(frame, start).map_err(|error| refused(error, start)),
+            None if index < target.begins() => Ok(look::not_begun(target.starts[0].1)),
+            None => self.tracker.update(frame),
+        }
+    }
+}
+
+/// Leaves out the methods, but not the `first`, that do not start on a box, and tells why.
+fn leave_out(followers: &mut Vec<Follower>, frame: &GrayFrame, targets: &[Locked], first: MethodKind) -> Vec<String> {
+    let mut notes = Vec::new();
+    followers.retain_mut(|Follower { tracker, variant, target }| {
+        if variant.kind == first {
+            return true;
+        }
+        let start = targets[*target].starts[0].1;
+        let Err(error) = tracker.lock(frame, start) else { return true };
+        let error = Refused::or(error, variant.kind, start, frame.frame().bounds());
+        let refused = error.downcast_ref::<Refused>();
+        notes.extend(refused.map(|refused| format!("{} is left out: {refused}", variant.name)));
+        refused.is_none()
+    });
+    notes
+}
+
 impl Film {
-    /// Numbers of the frames that are shown; the first is 1.
+    /// Numbers of the frames that are shown.
     #[must_use]
     pub fn shown(&self) -> Vec<usize> {
-        self.stills.iter().map(|still| still.index + 1).collect()
+        self.stills.iter().map(|still| still.index + self.first).collect()
     }
 
     /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
@@ -177,6 +303,17 @@ impl Film {
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
     }
 
+    /// The index of the first frame in which a method has a target.
+    pub(super) fn begins(&self, method: usize) -> usize {
+        self.targets[self.of[method]].begins()
+    }
+
+    /// A method as it stands on the page.
+    pub(super) fn title(&self, method: usize) -> String {
+        let name = &self.methods[method].name;
+        if self.targets[0].name.is_some() { name.clone() } else { name.to_uppercase() }
+    }
+
     /// Pixels of the padding that are shown around the frame: a wide padding would leave little room for it.
     pub(super) fn margin(&self) -> u16 {
         self.padding.min(self.size.0.max(self.size.1) / 4)
@@ -195,7 +332,7 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::{Configs, MethodKind};
+    use crate::evaluate::Configs;
     use crate::sequence::{self, OpenOptions, synthetic};
     use smr_core::State;
     use smr_core::paper::Config;
@@ -211,7 +348,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> Film {
-        watch(open(), &variants(methods), Choice::Spread, None, || ()).unwrap()
+        watch(open(), &variants(methods), Refusal::Fails, Choice::Spread, None, || ()).unwrap()
     }
 
     #[test]
@@ -235,7 +372,7 @@ mod tests {
             assert!(film.moments.iter().all(|moment| kind.states().contains(&moment.first().state)), "{}", kind.name());
             assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
         }
-        assert!(watch(open(), &[], Choice::Spread, None, || ()).is_err());
+        assert!(watch(open(), &[], Refusal::Fails, Choice::Spread, None, || ()).is_err());
     }
 
     #[test]
@@ -261,16 +398,56 @@ mod tests {
     #[test]
     fn a_frame_that_there_is_not_is_named() {
         let choice = Choice::Listed([0, 240].into());
-        let error = watch(open(), &variants(&[MethodKind::Smr]), choice, None, || ()).err().unwrap();
+        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, choice, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
     #[test]
     fn ground_truth_of_another_length_is_an_error() {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
-        let film =
-            watch(Sequence { truth, ..open() }, &variants(&[MethodKind::Smr]), Choice::Spread, None, || ()).unwrap();
+        let sequence = Sequence { truth, ..open() };
+        let film = watch(sequence, &variants(&[MethodKind::Smr]), Refusal::Fails, Choice::Spread, None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
+    }
+
+    #[test]
+    fn a_method_that_refuses_the_box_is_left_out_if_it_may_be_and_is_not_the_first() {
+        let large = || {
+            let frames = (0..3).map(|_| Ok(GrayFrame { width: 400, height: 300, pixels: vec![90; 120_000] }));
+            let init = Some(BoundingBox { x: 10.0, y: 10.0, width: 380.0, height: 280.0 });
+            Sequence { frames: Box::new(frames), init, truth: None, ..open() }
+        };
+        let watch =
+            |methods: &[MethodKind], refusal| watch(large(), &variants(methods), refusal, Choice::Spread, None, || ());
+        let methods = [MethodKind::Robust, MethodKind::Smr];
+        let film = watch(&methods, Refusal::LeftOut).unwrap();
+        assert_eq!(film.methods.iter().map(|method| method.kind).collect::<Vec<_>>(), [MethodKind::Robust]);
+        assert_eq!((film.notes.len(), film.moments[0].reports.len()), (1, 1));
+        assert!(film.notes[0].starts_with("smr is left out: the box 10,10,380,280 "), "{}", film.notes[0]);
+        assert!(watch(&methods, Refusal::Fails).is_err());
+        assert!(watch(&[MethodKind::Smr, MethodKind::Robust], Refusal::LeftOut).is_err());
+    }
+
+    /// Two targets, the second from the tenth frame of the part on, and the first locked on anew in the twentieth.
+    #[test]
+    fn several_targets_are_followed_side_by_side() {
+        let start = |frame: usize| (frame, synthetic::truth(frame - 1).unwrap());
+        let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
+        let targets = || vec![target("a", vec![start(11), start(30)]), target("b", vec![start(20)])];
+        let part = || open().part("11..50".parse().unwrap());
+        let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
+        let film = watch_all(part(), targets(), &methods, Refusal::Fails, Choice::Spread, None, || ()).unwrap();
+        let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
+        assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
+        assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
+        let answers = |method: usize, index: usize| film.moments[index].reports[method].target;
+        assert_eq!([0, 2, 3].map(|method| film.begins(method)), [0, 9, 9]);
+        assert_eq!((answers(2, 8), answers(2, 9)), (None, Some(start(20).1)));
+        assert_eq!((answers(0, 0), answers(0, 19)), (Some(start(11).1), Some(start(30).1)));
+        assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
+        let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
+        let error = watch_all(part(), late, &methods, Refusal::Fails, Choice::Spread, None, || ()).err().unwrap();
+        assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");
     }
 }

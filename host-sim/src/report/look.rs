@@ -8,7 +8,7 @@ use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
 use smr_core::search::Window;
-use smr_core::{Image, Rect, Robust, Tracker};
+use smr_core::{Image, Rect, Robust, State, Tracker};
 
 /// What was looked at in a frame.
 pub struct Sight {
@@ -53,6 +53,12 @@ pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
         MethodKind::Robust => Box::new(Tracker::<Robust>::new(configs.robust)?),
         MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => Box::new(variant.build()?),
     })
+}
+
+/// A frame before the target's first box, which will be `start`.
+pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
+    let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
+    (report, Sight { bbox: start.into(), search: None })
 }
 
 /// The frame that was locked on.

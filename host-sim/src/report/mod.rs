@@ -14,6 +14,8 @@ pub mod figures;
 mod film;
 mod look;
 mod page;
+mod palette;
+mod pick;
 mod picture;
 mod pictures;
 mod pixels;
@@ -25,8 +27,9 @@ mod tile;
 mod turns;
 
 pub use coordinates::coordinates;
-pub use film::{Film, watch};
+pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
+pub use pick::{Choosing, Picked, pick};
 pub use picture::picture;
 pub use reel::Choice;
 

@@ -1,8 +1,9 @@
 //! The whole report as one HTML page that needs nothing else: `page.html` filled in, with style, scripts, pictures and figures.
 
 use super::data::data;
-use super::entrants::{Entrant, entrants};
-use super::film::Film;
+use super::entrants::{Entrant, entrants, place_files};
+use super::film::{Film, Locked};
+use super::palette::{Look, TRUTH_LOOK, looks};
 use super::scores::{Measured, Scores};
 use super::tile::Tile;
 use super::{Color, TRUTH, color_of, pictures, pixels};
@@ -11,12 +12,19 @@ use anyhow::{Result, ensure};
 use minijinja::Environment;
 use minijinja::value::Serde;
 use serde::Serialize;
-use smr_core::State;
+use smr_core::{Rect, State};
 
-const TEMPLATES: [(&str, &str); 6] = [
+const TEMPLATES: [(&str, &str); 13] = [
     ("page.html", include_str!("page.html")),
+    ("base.css", include_str!("base.css")),
     ("page.css", include_str!("page.css")),
     ("page.js", include_str!("page.js")),
+    ("player.js", include_str!("player.js")),
+    ("curves.js", include_str!("curves.js")),
+    ("zoom.js", include_str!("zoom.js")),
+    ("compared.js", include_str!("compared.js")),
+    ("tables.js", include_str!("tables.js")),
+    ("start.js", include_str!("start.js")),
     ("uplot.js", include_str!("uplot/uPlot.iife.min.js")),
     ("uplot.css", include_str!("uplot/uPlot.min.css")),
     ("uplot-licence", include_str!("uplot/LICENSE")),
@@ -41,6 +49,8 @@ struct Page<'a> {
     version: &'static str,
     /// Variables of the style.
     colors: [(&'static str, Color); 5],
+    looks: Vec<Look>,
+    truth: usize,
     recordings: Vec<Recording<'a>>,
     scores: Option<Scores<'a>>,
     /// What the script reads.
@@ -50,11 +60,13 @@ struct Page<'a> {
 #[derive(Serialize)]
 struct Recording<'a> {
     name: &'a str,
+    notes: &'a [String],
+    first: usize,
     frames: usize,
     width: u16,
     height: u16,
-    /// The box to start from.
-    start: String,
+    /// What each target is locked on.
+    starts: Vec<String>,
     /// How many frames the first method has in each state.
     states: Vec<(&'static str, usize)>,
     entrants: Vec<Entrant>,
@@ -70,6 +82,7 @@ struct Recording<'a> {
 /// the budget.
 pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
+    place_files(films);
     loop {
         let page = whole(films, about)?;
         if page.len() <= budget {
@@ -92,6 +105,8 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         about,
         version: env!("CARGO_PKG_VERSION"),
         colors: [tracking, leaving, lost, ("truth", TRUTH), ("counts", pixels::counting_color(20))],
+        looks: looks(),
+        truth: TRUTH_LOOK,
         recordings: films.iter().map(Recording::new).collect::<Result<_>>()?,
         scores: Scores::new(&measured),
         data: data(films)?,
@@ -106,15 +121,17 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
 
 impl<'a> Recording<'a> {
     fn new(film: &'a Film) -> Result<Self> {
-        let count = |state: State| film.moments.iter().filter(|moment| moment.first().state == state).count();
+        let begun = || film.moments.iter().skip(film.begins(0));
+        let count = |state: State| begun().filter(|moment| moment.first().state == state).count();
         let states = film.methods[0].kind.states();
-        let start = film.start;
         Ok(Self {
             name: &film.name,
+            notes: &film.notes,
+            first: film.first,
             frames: film.moments.len(),
             width: film.size.0,
             height: film.size.1,
-            start: format!("{}x{} at ({}, {})", start.width, start.height, start.x, start.y),
+            starts: film.targets.iter().map(|target| starts(film, target)).collect(),
             states: states.iter().map(|&state| (name_of(state), count(state))).collect(),
             entrants: entrants(film),
             has_truth: film.truth.is_some(),
@@ -124,11 +141,21 @@ impl<'a> Recording<'a> {
     }
 }
 
+/// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`
+fn starts(film: &Film, target: &Locked) -> String {
+    let start = |&(index, Rect { x, y, width, height }): &(usize, Rect)| {
+        let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
+        format!("{width}x{height} at ({x}, {y}){frame}")
+    };
+    let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    name + &target.starts.iter().map(start).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::evaluate::{MethodKind, Variant};
-    use crate::report::{Choice, watch};
+    use crate::report::{Choice, Refusal, watch};
     use crate::sequence::{self, OpenOptions, Sequence, synthetic};
     use smr_core::paper::Config;
     use std::path::Path;
@@ -140,7 +167,7 @@ mod tests {
         let choice = Choice::Listed([0, 104, 180].into());
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
-        watch(change(sequence), &methods, choice, Some(BUDGET), || ()).unwrap()
+        watch(change(sequence), &methods, Refusal::Fails, choice, Some(BUDGET), || ()).unwrap()
     }
 
     fn about() -> About {
@@ -202,6 +229,35 @@ mod tests {
         assert!(page.contains("<td><b>426</b></td>"), "the sum is best");
         assert!(page.contains("other</th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
         assert!(page.contains("Scores on two") && page.contains("Film strip of one"));
+    }
+
+    #[test]
+    fn frames_have_the_numbers_of_the_recording() {
+        let film = Film { first: 601, ..film(|sequence| sequence) };
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        for number in ["601", "705", "781"] {
+            assert!(page.contains(&format!("data-frame=\"{number}\"")), "{number}");
+        }
+        assert!(page.contains("aria-label=\"frame 601, smr: tracking\"") && page.contains("\"first\":601,"));
+        assert_eq!(page.matches("locked on here").count(), 1);
+    }
+
+    #[test]
+    fn a_tracker_has_one_look_in_all_recordings() {
+        let mut films = [film(|sequence| sequence), film(|sequence| Sequence { name: "two".into(), ..sequence })];
+        let file = |name: &str| crate::evaluate::ResultFile { name: name.into(), answers: vec![None; 240], note: None };
+        films[0].files = vec![file("a"), file("b")];
+        films[1].files = vec![file("b"), file("c")];
+        page(&mut films, &about(), BUDGET).unwrap();
+        let looks = films.each_ref().map(|film| entrants(film)[2..].iter().map(|one| one.look).collect::<Vec<_>>());
+        assert_eq!(looks, [[6, 7], [7, 8]]);
+    }
+
+    #[test]
+    fn what_was_left_out_is_said() {
+        let film = Film { notes: vec!["smr is left out: too large".into()], ..film(|sequence| sequence) };
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::canvas::{BLACK, Canvas, Dashes, FONT, PAPER, WHITE, coarse_frame, line, pixel};
 use super::film::{Film, Still};
+use super::palette::color_of_file;
 use super::turns::turns;
 use super::{Color, TRUTH, color_of, color_of_method};
 use crate::evaluate::name_of;
@@ -32,7 +33,13 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
         tile(&mut canvas, (left, top), film, still);
         let state = film.moments[still.index].first().state;
         let (left, top) = (i32::try_from(left)?, i32::try_from(top + height + GAP / 2)?);
-        let end = canvas.text(left, top, &format!("frame {}  ", still.index + 1), WHITE, FONT);
+        let end = canvas.text(
+            left,
+            top,
+            &format!("frame {}  {}: ", still.index + film.first, film.methods[0].name),
+            WHITE,
+            FONT,
+        );
         canvas.text(end, top, name_of(state), color_of(state), FONT);
     }
     let (mut left, top) = (i32::try_from(GAP)?, i32::try_from(GAP + rows * cell.1)?);
@@ -42,8 +49,13 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
     canvas.png()
 }
 
+/// The color of a method. Of several targets each has its own.
+fn ink_of(film: &Film, method: usize) -> Color {
+    if film.targets.len() == 1 { color_of_method(film.methods[method].kind) } else { color_of_file(method) }
+}
+
 fn legend(film: &Film) -> impl Iterator<Item = (String, Color)> {
-    let methods = film.methods.iter().map(|method| (method.name.to_uppercase(), color_of_method(method.kind)));
+    let methods = (0..film.methods.len()).map(|method| (film.title(method), ink_of(film, method)));
     let truth = film.truth.as_ref().map(|_| ("ground truth".to_owned(), TRUTH));
     methods.chain(truth).chain([("search window".to_owned(), WHITE)])
 }
@@ -80,9 +92,10 @@ fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still
     }
     let moment = &film.moments[still.index];
     let mut found = Vec::new();
-    for (method, (report, sight)) in film.methods.iter().zip(moment.reports.iter().zip(&still.sights)) {
-        let color = color_of_method(method.kind);
-        match report.target {
+    let begun = |method: &usize| still.index >= film.begins(*method);
+    for method in (0..film.methods.len()).filter(begun) {
+        let (color, sight) = (ink_of(film, method), &still.sights[method]);
+        match moment.reports[method].target {
             Some(_) => found.push((color, sight.bbox)),
             None => outline(&sight.bbox, 3, color, Dashes::new(5.0, 5.0)),
         }
@@ -99,7 +112,7 @@ fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still
 mod tests {
     use super::*;
     use crate::evaluate::{MethodKind, Variant};
-    use crate::report::{Choice, SAD, SMR, watch};
+    use crate::report::{Choice, Refusal, SAD, SMR, watch};
     use crate::sequence::{self, GrayFrame, OpenOptions, Sequence, synthetic};
     use crate::sequence::{Colors, Damage};
     use smr_core::paper::Config;
@@ -109,7 +122,7 @@ mod tests {
     fn drawn(sequence: Sequence, choice: Choice) -> Canvas {
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
-        let film = watch(sequence, &methods, choice, None, || ()).unwrap();
+        let film = watch(sequence, &methods, Refusal::Fails, choice, None, || ()).unwrap();
         Canvas::decoded(&picture(&film).unwrap())
     }
 

@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn the_largest_area_is_named_first_and_who_is_not_everywhere_is_not_named() {
         let scored = |name: &str, part: f64| Scored {
-            entrant: Entrant { name: name.into(), title: name.into(), color: [1, 2, 3], answers: vec![], method: None },
+            entrant: Entrant { name: name.into(), title: name.into(), look: 0, answers: vec![], method: None },
             score: Score::default(),
             curves: Curves { success: vec![part; STEPS + 1], precision: vec![part; FARTHEST + 1] },
         };

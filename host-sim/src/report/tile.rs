@@ -1,18 +1,24 @@
 //! One frame with all its boxes, for the page's template.
 
+use super::encode;
+use super::entrants::look_of;
 use super::film::{Film, Still};
+use super::palette::TRUTH_LOOK;
 use super::turns::turns;
-use super::{Color, TRUTH, color_of_method, encode};
 use crate::evaluate::{Evidence, name_of};
 use crate::sequence::BoundingBox;
 use anyhow::Result;
 use serde::Serialize;
 
+/// In place of the state, before a target's first box.
+const NOT_BEGUN: &str = "not begun";
+
 #[derive(Serialize)]
 pub(super) struct Tile {
-    /// The first is 1.
     number: usize,
+    /// By the first method.
     state: &'static str,
+    method: String,
     /// A URI.
     picture: String,
     width: u16,
@@ -30,7 +36,7 @@ pub(super) struct Tile {
 struct Outline {
     class: &'static str,
     bbox: BoundingBox,
-    color: Color,
+    look: usize,
     /// Its place among so many boxes that share one line.
     place: usize,
     sharing: usize,
@@ -40,21 +46,23 @@ impl Tile {
     pub fn new(film: &Film, still: &Still) -> Result<Self> {
         let moment = &film.moments[still.index];
         let (mut lasts, mut found) = (Vec::new(), Vec::new());
-        for (method, (report, sight)) in film.methods.iter().zip(moment.reports.iter().zip(&still.sights)) {
-            let color = color_of_method(method.kind);
-            match report.target {
-                Some(_) => found.push(("method", color, sight.bbox)),
-                None => lasts.push(Outline { class: "method last", bbox: sight.bbox, color, place: 0, sharing: 1 }),
+        let begun = |method: &usize| still.index >= film.begins(*method);
+        for method in (0..film.methods.len()).filter(begun) {
+            let (look, sight) = (look_of(film, method), &still.sights[method]);
+            match moment.reports[method].target {
+                Some(_) => found.push(("method", look, sight.bbox)),
+                None => lasts.push(Outline { class: "method last", bbox: sight.bbox, look, place: 0, sharing: 1 }),
             }
         }
-        found.extend(film.truth_at(still.index).map(|truth| ("truth", TRUTH, truth)));
+        found.extend(film.truth_at(still.index).map(|truth| ("truth", TRUTH_LOOK, truth)));
         let turns = turns(&found.iter().map(|(_, _, bbox)| *bbox).collect::<Vec<_>>());
-        let outline = |((class, color, bbox), (place, sharing))| Outline { class, bbox, color, place, sharing };
-        let evidence = film.methods.iter().zip(&moment.reports);
-        let evidence = evidence.filter_map(|(method, report)| Some((method.name.to_uppercase(), report.evidence?)));
+        let outline = |((class, look, bbox), (place, sharing))| Outline { class, bbox, look, place, sharing };
+        let evidence = moment.reports.iter().enumerate();
+        let evidence = evidence.filter_map(|(method, report)| Some((film.title(method), report.evidence?)));
         Ok(Self {
-            number: still.index + 1,
-            state: name_of(moment.first().state),
+            number: still.index + film.first,
+            state: if begun(&0) { name_of(moment.first().state) } else { NOT_BEGUN },
+            method: film.methods[0].name.clone(),
             picture: encode::data_uri("image/jpeg", &encode::jpeg(&still.frame)?),
             width: still.frame.width,
             height: still.frame.height,

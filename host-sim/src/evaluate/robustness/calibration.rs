@@ -1,7 +1,7 @@
 //! Calibration: what the ratio that a tracker reports says of its chance to be right.
 
 use super::Robustness;
-use crate::evaluate::{CORRECT, Trajectory, aligned, header, overlaps};
+use crate::evaluate::{CORRECT, Layout, Trajectory, header, overlaps};
 use anyhow::Result;
 use serde::Serialize;
 
@@ -99,7 +99,7 @@ impl Robustness {
     }
 
     /// The same as text, without the bins that have no frames.
-    pub fn calibration_table(&self) -> String {
+    pub fn calibration_table(&self, layout: Layout) -> String {
         let line = |bin: &Bin| {
             let range = format!("{:.3} to {:.3}", bin.from, bin.to);
             let chance = format!("{:.3}", bin.chance()?);
@@ -107,7 +107,7 @@ impl Robustness {
         };
         let lines = std::iter::once(header("tracker|ratio|frames|correct|chance"))
             .chain(self.calibration.iter().filter_map(line));
-        aligned(&lines.collect::<Vec<_>>(), 2)
+        layout.table(&lines.collect::<Vec<_>>(), 2)
     }
 }
 
@@ -138,7 +138,7 @@ tracker  ratio           frames  correct  chance
 robust   0.500 to 0.525       8        2   0.250
 robust   0.975 to 1.000       2        2   1.000
 ";
-        assert_eq!(results.calibration_table(), expected);
+        assert_eq!(results.calibration_table(Layout::Text), expected);
     }
 
     #[test]

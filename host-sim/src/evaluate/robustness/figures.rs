@@ -100,6 +100,9 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     (back.clone().count(), back.filter(found).count())
 }
 
+/// Those of the figures that trackers are compared by.
+pub(super) const HEADLINE: [&str; 3] = ["mean_correct", "mean_correct_50", "f"];
+
 /// Declares figures, and how each goes from recordings to all of them: every recording counts alike.
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
@@ -110,6 +113,9 @@ macro_rules! figures {
         }
 
         impl Figures {
+            /// All of them.
+            pub(super) const NAMES: &[&str] = &[$(stringify!($figure)),*];
+
             pub(super) fn over_recordings(parts: &[Self]) -> Self {
                 Self { $($figure: $over(parts.iter().map(|part| part.$figure)),)* }
             }
@@ -207,7 +213,7 @@ impl Figures {
 
     /// What trackers are compared by.
     pub(super) fn headline(&self) -> Named {
-        Named(vec![("mean_correct", self.mean_correct), ("mean_correct_50", self.mean_correct_50), ("f", self.f)])
+        Named(HEADLINE.into_iter().zip([self.mean_correct, self.mean_correct_50, self.f]).collect())
     }
 }
 

@@ -22,14 +22,16 @@ pub use figures::Figures;
 pub use paired::Former;
 pub use starts::Starts;
 
-use super::means::Named;
+use super::configs::ORIGIN;
+use super::means::{Named, errors};
 use super::run::lock;
+use super::tables::{Table, TableName, Tables, columns, error_of};
 use super::{Origin, Variant};
 use crate::clock::timed;
 use crate::sequence::{self, BoundingBox, Sequence};
 use anyhow::{Context, Error, Result};
 use calibration::Calibration;
-use figures::{RunFigures, Spent};
+use figures::{HEADLINE, RunFigures, Spent};
 use paired::Paired;
 use rayon::prelude::*;
 use recording::Recording;
@@ -37,6 +39,10 @@ use serde::Serialize;
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// The tables of what is measured.
+pub const TABLES: &[TableName] =
+    &[TableName::Measured, TableName::Starts, TableName::Means, TableName::Paired, TableName::Calibration];
 
 /// How far it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +54,7 @@ pub enum Progress {
 }
 
 /// What was measured.
-#[derive(Default, Serialize)]
+#[derive(Default)]
 pub struct Robustness {
     /// Method by method, each with its recordings in the order in which they were given.
     recordings: Vec<Row>,
@@ -59,7 +65,6 @@ pub struct Robustness {
     /// Of each method that reports a ratio.
     calibration: Vec<Bin>,
     /// Why some are missing.
-    #[serde(skip)]
     pub failures: Vec<Error>,
 }
 
@@ -67,6 +72,30 @@ impl Robustness {
     /// True if there is no result at all.
     pub fn is_empty(&self) -> bool {
         self.recordings.is_empty()
+    }
+
+    /// All of it for JSON and CSV. Starts come in the order of the rows of `measured` that they
+    /// belong to.
+    pub fn tables(&self) -> Result<Tables> {
+        let figures = || Figures::NAMES.iter().map(|name| (*name).to_owned());
+        let errors = || HEADLINE.map(error_of);
+        let origin = || columns(ORIGIN);
+        let of = |first: &str, rest: Vec<String>| [columns(first), rest].concat();
+        let measured = of("tracker,sequence,folder,starts", figures().chain(origin()).collect());
+        let means = of("tracker,folder,recordings", figures().chain(errors()).chain(origin()).collect());
+        let compared = HEADLINE.iter().flat_map(|name| [(*name).to_owned(), error_of(name)]).collect();
+        let starts = columns("tracker,sequence,folder,start,frame,x,y,width,height,visible,correct");
+        Ok(Tables(vec![
+            Table::new(TableName::Measured, measured, &self.recordings)?,
+            Table::new(TableName::Starts, starts, &self.starts())?,
+            Table::new(TableName::Means, means, &self.means)?,
+            Table::new(TableName::Paired, of("tracker,against,recordings", compared), &self.paired)?,
+            Table::new(TableName::Calibration, columns("tracker,from,to,frames,correct"), &self.calibration)?,
+        ]))
+    }
+
+    fn starts(&self) -> Vec<StartOf<'_>> {
+        self.recordings.iter().flat_map(StartOf::all).collect()
     }
 }
 
@@ -84,12 +113,35 @@ struct Row {
     figures: Figures,
     #[serde(skip)]
     calibration: Calibration,
+    #[serde(serialize_with = "how_many")]
     starts: Vec<StartRow>,
 }
 
+/// A start, with what it is of.
+#[derive(Serialize)]
+struct StartOf<'a> {
+    tracker: &'a str,
+    sequence: &'a str,
+    #[serde(serialize_with = "as_name")]
+    folder: &'a Path,
+    #[serde(flatten)]
+    start: &'a StartRow,
+}
+
+impl StartOf<'_> {
+    fn all(row: &Row) -> Vec<StartOf<'_>> {
+        let of_row = |start| StartOf { tracker: &row.tracker, sequence: &row.sequence, folder: &row.folder, start };
+        row.starts.iter().map(of_row).collect()
+    }
+}
+
 /// A folder is called by its last name: paths differ from machine to machine.
-fn as_name<S: serde::Serializer>(folder: &Path, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    serializer.serialize_str(&name_of(folder))
+fn as_name<S: serde::Serializer>(folder: &impl AsRef<Path>, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(&name_of(folder.as_ref()))
+}
+
+fn how_many<S: serde::Serializer>(starts: &[StartRow], serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    starts.len().serialize(serializer)
 }
 
 fn name_of(folder: &Path) -> String {
@@ -102,7 +154,7 @@ struct StartRow {
     start: String,
     /// The frame that was locked on; the first is 1.
     frame: usize,
-    #[serde(rename = "box")]
+    #[serde(flatten)]
     bbox: BoundingBox,
     visible: usize,
     correct: usize,
@@ -112,12 +164,15 @@ struct StartRow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Mean {
     tracker: String,
+    #[serde(flatten)]
+    origin: Origin,
     /// Where the recordings lie; `None` if they are all.
     folder: Option<String>,
     recordings: usize,
     #[serde(flatten)]
     figures: Figures,
     /// Of the means over recordings; `None` of a single one.
+    #[serde(flatten, serialize_with = "errors")]
     standard_error: Option<Named>,
 }
 
@@ -268,6 +323,7 @@ fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
         let parts: Vec<Figures> = rows.iter().filter(belongs).map(|row| row.figures).collect();
         (!parts.is_empty()).then(|| Mean {
             tracker: variant.name.clone(),
+            origin: variant.origin(),
             folder: folder.map(|folder| label(folder, &folders)),
             recordings: parts.len(),
             figures: Figures::over_recordings(&parts),

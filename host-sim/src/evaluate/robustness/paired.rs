@@ -1,12 +1,14 @@
 //! What one method is better by than another, recording by recording: the recordings differ by far more than methods do, and a
 //! paired difference does not contain that.
 
-use super::table::HEADLINE;
+use super::figures::HEADLINE;
+use super::table::TITLES;
 use super::{Robustness, Row, StartRow, name_of};
-use crate::evaluate::means::Named;
-use crate::evaluate::{aligned, cell, header};
+use crate::evaluate::means::{Named, errors};
+use crate::evaluate::{Layout, cell, header};
 use crate::input;
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -18,19 +20,21 @@ pub(super) struct Paired {
     against: String,
     /// Those that both were measured on.
     recordings: usize,
+    #[serde(flatten)]
     difference: Named,
     /// Of the difference; `None` of a single recording.
+    #[serde(flatten, serialize_with = "errors")]
     standard_error: Option<Named>,
 }
 
 /// What was measured before, as far as it is compared.
-#[derive(Debug, Deserialize)]
+#[derive(Debug)]
 pub struct Former {
-    #[serde(skip)]
     name: String,
     recordings: Vec<FormerRow>,
 }
 
+/// A tracker on a recording.
 #[derive(Clone, Debug, Deserialize)]
 struct FormerRow {
     tracker: String,
@@ -39,6 +43,10 @@ struct FormerRow {
     mean_correct: f64,
     mean_correct_50: f64,
     f: f64,
+    /// How many of the starts are its own.
+    #[serde(rename = "starts")]
+    count: usize,
+    #[serde(skip)]
     starts: Vec<FormerStart>,
 }
 
@@ -48,19 +56,38 @@ struct FormerStart {
     frame: usize,
 }
 
+/// The tables of the file that are read. The starts come in the order of the rows that they belong to.
+#[derive(Deserialize)]
+struct FormerTables {
+    measured: Vec<FormerRow>,
+    starts: Vec<FormerStart>,
+}
+
+/// What files of earlier versions had in place of the tables.
+#[derive(Deserialize)]
+struct Nested {
+    #[serde(rename = "recordings")]
+    _recordings: Vec<IgnoredAny>,
+}
+
 impl Former {
     /// Reads a file that `eval --robustness --json` wrote.
     /// Errors: the file cannot be read, or is of another kind.
     pub fn read(file: &Path) -> Result<Self> {
         let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
+        let name = file.display().to_string();
         let read = serde_json::from_str(&text);
-        let mut former: Self = read.map_err(|error: serde_json::Error| {
-            let (name, line, expected) = (file.display(), error.line(), input::FORMER.expected);
-            anyhow!("{name}: line {line}: expected {expected} in this version")
+        let FormerTables { measured, starts } = read.map_err(|error: serde_json::Error| {
+            if serde_json::from_str::<Nested>(&text).is_ok() {
+                return anyhow!("{name}: an earlier version of host-sim wrote it: measure again with this one");
+            }
+            anyhow!("{name}: line {}: expected {} in this version", error.line(), input::FORMER.expected)
         })?;
-        former.name = file.display().to_string();
-        ensure!(!former.recordings.is_empty(), "{}: there is no recording in it", former.name);
-        Ok(former)
+        let mut starts = starts.into_iter();
+        let with_starts = |row: FormerRow| FormerRow { starts: starts.by_ref().take(row.count).collect(), ..row };
+        let recordings: Vec<FormerRow> = measured.into_iter().map(with_starts).collect();
+        ensure!(!recordings.is_empty(), "{name}: there is no recording in it");
+        Ok(Self { name, recordings })
     }
 
     /// The tracker of that name, else the first.
@@ -80,6 +107,7 @@ impl From<&Row> for FormerRow {
             mean_correct: row.figures.mean_correct,
             mean_correct_50: row.figures.mean_correct_50,
             f: row.figures.f,
+            count: row.starts.len(),
             starts: row.starts.iter().map(start).collect(),
         }
     }
@@ -93,7 +121,7 @@ impl FormerRow {
     fn minus(&self, other: &Self) -> Named {
         let correct = self.mean_correct - other.mean_correct;
         let correct_50 = self.mean_correct_50 - other.mean_correct_50;
-        Named(vec![("mean_correct", correct), ("mean_correct_50", correct_50), ("f", self.f - other.f)])
+        Named(HEADLINE.into_iter().zip([correct, correct_50, self.f - other.f]).collect())
     }
 }
 
@@ -131,11 +159,11 @@ impl Robustness {
     }
 
     /// The differences as text; nothing if there is none.
-    pub fn paired_table(&self) -> String {
+    pub fn paired_table(&self, layout: Layout) -> String {
         if self.paired.is_empty() {
             return String::new();
         }
-        let mut lines = vec![header(&format!("paired difference|recordings|{HEADLINE}"))];
+        let mut lines = vec![header(&format!("paired difference|recordings|{TITLES}"))];
         for Paired { tracker, against, recordings, difference, standard_error } in &self.paired {
             let names = [format!("{tracker} - {against}"), recordings.to_string()].into_iter();
             lines.push(names.chain(difference.values().map(|value| format!("{value:+.3}"))).collect());
@@ -144,7 +172,7 @@ impl Robustness {
                 lines.push(names.chain(error.values().map(|error| cell(Some(error), 3))).collect());
             }
         }
-        aligned(&lines, 1)
+        layout.table(&lines, 1)
     }
 }
 
@@ -211,22 +239,22 @@ robust - smr                3   +0.100       +0.050  +0.100
     fn differences_by_hand() {
         let mut measured = measured();
         measured.compare_with_first();
-        assert_eq!(measured.paired_table(), EXPECTED);
-        assert_eq!(Robustness::default().paired_table(), "");
-        let json = serde_json::to_value(&measured).unwrap();
+        assert_eq!(measured.paired_table(Layout::Text), EXPECTED);
+        assert_eq!(Robustness::default().paired_table(Layout::Text), "");
+        let json = serde_json::to_value(measured.tables().unwrap()).unwrap();
         let paired = &json["paired"][0];
         assert_eq!(
             (&paired["tracker"], &paired["against"], &paired["recordings"]),
             (&"robust".into(), &"smr".into(), &3.into())
         );
-        assert!((paired["standard_error"]["mean_correct"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
+        assert!((paired["mean_correct_standard_error"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
     }
 
     /// `of` as it was written by the command.
     fn written(of: &Robustness) -> Former {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");
-        fs::write(&file, serde_json::to_string(of).unwrap()).unwrap();
+        fs::write(&file, serde_json::to_string(&of.tables().unwrap()).unwrap()).unwrap();
         Former { name: "FILE".to_owned(), ..Former::read(&file).unwrap() }
     }
 
@@ -238,7 +266,7 @@ robust - smr                3   +0.100       +0.050  +0.100
         former.recordings.retain(|row| row.tracker == "smr");
         now.compare_with(&written(&former)).unwrap();
         assert_eq!(
-            now.paired_table(),
+            now.paired_table(Layout::Text),
             EXPECTED
                 .replace("robust - smr     ", "robust - smr in FILE")
                 .replace("paired difference  ", "paired difference     ")
@@ -262,7 +290,7 @@ robust - smr                3   +0.100       +0.050  +0.100
 
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");
-        for text in ["", "[]", "{\"recordings\": [{}]}"] {
+        for text in ["", "[]", "{\"measured\": [{}], \"starts\": []}"] {
             fs::write(&file, text).unwrap();
             let error = format!("{:#}", Former::read(&file).unwrap_err());
             assert!(
@@ -271,7 +299,13 @@ robust - smr                3   +0.100       +0.050  +0.100
                 "{error}"
             );
         }
-        fs::write(&file, "{\"recordings\": []}").unwrap();
+        fs::write(&file, "{\"recordings\": [{\"tracker\": \"smr\", \"starts\": []}]}").unwrap();
+        let error = Former::read(&file).unwrap_err().to_string();
+        assert!(
+            error.ends_with("former.json: an earlier version of host-sim wrote it: measure again with this one"),
+            "{error}"
+        );
+        fs::write(&file, "{\"measured\": [], \"starts\": []}").unwrap();
         assert!(Former::read(&file).unwrap_err().to_string().ends_with("there is no recording in it"));
     }
 }

@@ -1,7 +1,7 @@
 //! The results as text: recordings, then the means; or the means alone, one row a tracker.
 
 use super::{Figures, Mean, Robustness};
-use crate::evaluate::{NOTHING, aligned, cell, header};
+use crate::evaluate::{Layout, NOTHING, cell, header};
 
 /// A title, and what stands below it.
 type Column = (&'static str, fn(&Figures) -> String);
@@ -23,8 +23,8 @@ const COLUMNS: [Column; 13] = [
     ("us/frame", |of| cell(Some(of.microseconds_per_frame), 0)),
 ];
 
-/// Those of the figures that trackers are compared by.
-pub(super) const HEADLINE: &str = "correct|correct@0.5|F";
+/// Of those of the figures that trackers are compared by.
+pub(super) const TITLES: &str = "correct|correct@0.5|F";
 
 fn part(part: usize, all: usize) -> String {
     if all == 0 { NOTHING.to_owned() } else { format!("{part}/{all}") }
@@ -32,7 +32,7 @@ fn part(part: usize, all: usize) -> String {
 
 impl Robustness {
     /// Of each method its recordings, then the means over them if there are several. Nothing if nothing was measured.
-    pub fn table(&self) -> String {
+    pub fn table(&self, layout: Layout) -> String {
         if self.is_empty() {
             return String::new();
         }
@@ -53,12 +53,12 @@ impl Robustness {
                 lines.extend(mean.standard_error_line());
             }
         }
-        aligned(&lines, 2)
+        layout.table(&lines, 2)
     }
 
     /// One row a tracker, over all recordings, with the correct frames of each folder if there are several. Nothing if nothing
     /// was measured.
-    pub fn summary(&self) -> String {
+    pub fn summary(&self, layout: Layout) -> String {
         if self.is_empty() {
             return String::new();
         }
@@ -85,7 +85,7 @@ impl Robustness {
             line.extend(columns().map(|(_, text)| text(&over_all.figures)));
             lines.push(line);
         }
-        aligned(&lines, 1)
+        layout.table(&lines, 1)
     }
 }
 
@@ -151,6 +151,7 @@ pub(super) mod tests {
         let uncounted = figures(2.0 / 3.0, 0, None);
         let mean = |tracker: &str, folder: Option<&str>, recordings, figures| Mean {
             tracker: tracker.to_owned(),
+            origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             folder: folder.map(str::to_owned),
             recordings,
             figures,
@@ -185,26 +186,29 @@ smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500
 smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
 sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
 ";
-        assert_eq!(results().table(), expected);
-        assert_eq!(Robustness::default().table(), "");
+        assert_eq!(results().table(Layout::Text), expected);
+        assert_eq!(Robustness::default().table(Layout::Text), "");
     }
 
     #[test]
     fn json_has_recordings_with_their_starts_and_means() {
-        let json = serde_json::to_value(results()).unwrap();
-        let recording = &json["recordings"][0];
+        let json = serde_json::to_value(results().tables().unwrap()).unwrap();
+        let recording = &json["measured"][0];
         assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"smr".into(), &0.75.into()));
-        assert_eq!(recording["starts"].as_array().unwrap().len(), 5);
-        assert_eq!(recording["starts"][0]["correct"], 2);
-        assert!(json["recordings"][2]["work_per_frame"].is_null());
+        assert_eq!(json["starts"].as_array().unwrap().len(), 3 * 5);
+        assert_eq!((&json["starts"][0]["x"], &json["starts"][0]["correct"]), (&1.0.into(), &2.into()));
+        assert!(json["measured"][2]["work_per_frame"].is_null());
         assert!(json["means"][0]["folder"].is_null());
         assert_eq!((&json["means"][1]["folder"], &json["means"][1]["recordings"]), (&"tld".into(), &1.into()));
+        assert_eq!(json["means"][0]["mean_correct_standard_error"], 0.1);
+        assert!(json["means"][1]["mean_correct_standard_error"].is_null());
     }
 
     #[test]
     fn folders_stand_side_by_side() {
         let mean = |tracker: &str, folder: Option<&str>, correct| Mean {
             tracker: tracker.to_owned(),
+            origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             folder: folder.map(str::to_owned),
             recordings: 2,
             figures: Figures {
@@ -233,7 +237,7 @@ tracker        correct  standard error  in tld  in more  worst  precision  answe
 smr              0.500               -   0.625    0.375  0.125      0.750              3/9              -               -               -             -        1234        56
 without cells    1.000               -       -    1.000  0.125      0.750              3/9              -               -               -             -        1234        56
 ";
-        assert_eq!(results.summary(), expected);
-        assert_eq!(Robustness::default().summary(), "");
+        assert_eq!(results.summary(Layout::Text), expected);
+        assert_eq!(Robustness::default().summary(Layout::Text), "");
     }
 }

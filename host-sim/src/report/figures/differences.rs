@@ -101,7 +101,7 @@ pub(super) fn draw(film: &Film, still: &Still) -> Result<Sheet> {
 /// The method may have been started beside the annotator's box; it is put as far beside it here.
 fn at_truth(film: &Film, still: &Still, search: &Search, truth: &BoundingBox) -> Result<Difference> {
     let centre = |of: &BoundingBox| (of.x + of.width / 2.0, of.y + of.height / 2.0);
-    let start = centre(&film.start.into());
+    let start = centre(&film.targets[0].starts[0].1.into());
     let beside = film.truth_at(0).map_or((0.0, 0.0), |first| (start.0 - centre(&first).0, start.1 - centre(&first).1));
     let Difference { size: (width, height), template, .. } = &search.difference;
     let (x, y) = centre(truth);

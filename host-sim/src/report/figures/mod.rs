@@ -160,7 +160,7 @@ mod tests {
     use crate::evaluate::{Configs, Variant};
     use crate::report::canvas::Canvas;
     use crate::report::diagram::Form;
-    use crate::report::{Choice, watch};
+    use crate::report::{Choice, Refusal, watch};
     use crate::sequence::{self, OpenOptions, Sequence, synthetic};
     use smr_core::paper::Config;
     use std::path::Path;
@@ -172,7 +172,8 @@ mod tests {
     fn watched(sequence: Sequence, frames: &[usize]) -> Film {
         let configs = Configs::from(Config::paper());
         let methods = METHODS.map(|kind| Variant::new(kind, &configs));
-        watch(sequence, &methods, Choice::Listed(frames.iter().copied().collect()), None, || ()).unwrap()
+        watch(sequence, &methods, Refusal::Fails, Choice::Listed(frames.iter().copied().collect()), None, || ())
+            .unwrap()
     }
 
     /// Both files, read back.

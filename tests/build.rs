@@ -1,0 +1,32 @@
+//! Takes the Rust examples out of the READMEs, so that `tests/readme.rs` runs them as they stand there.
+//!
+//! The examples of a README get the names `FOLDER-1.rs`, `FOLDER-2.rs` and so on in their order. One without a function is an expression: a
+//! block, which gets what it needs from the test around it.
+
+use std::path::Path;
+use std::{env, fs};
+
+fn main() {
+    let out = env::var("OUT_DIR").expect("cargo sets it");
+    for (name, readme) in [("smr", "README.md"), ("core", "core/README.md")] {
+        let readme = Path::new("..").join(readme);
+        println!("cargo::rerun-if-changed={}", readme.display());
+        let text = fs::read_to_string(&readme).expect("the README can be read");
+        for (number, example) in (1..).zip(examples(&text)) {
+            let example = if example.contains("\nfn ") { example } else { format!("{{\n{example}}}\n") };
+            let file = Path::new(&out).join(format!("{name}-{number}.rs"));
+            fs::write(file, example).expect("the example can be written");
+        }
+    }
+}
+
+/// The text of all blocks that begin with ```rust, also of those that are no doc tests.
+fn examples(text: &str) -> Vec<String> {
+    text.split("\n```rust").skip(1).filter_map(inside).collect()
+}
+
+/// From the second line to the end of the block.
+fn inside(block: &str) -> Option<String> {
+    let (_, block) = block.split_once('\n')?;
+    Some(block.split_once("```")?.0.to_owned())
+}

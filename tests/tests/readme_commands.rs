@@ -1,0 +1,138 @@
+//! The commands of the READMEs run as they stand there. Each line of a block ```sh that calls host-sim is run in a folder that has the files that
+//! the READMEs speak of: `clip.mp4`, `video.mp4`, `sequences`, a flight record. A line that is not run stands in `NOT_RUN`, with the reason.
+
+mod program;
+
+use host_sim::sequence::synthetic;
+use program::{PROGRAM, host_sim, utf8};
+use smr_core::record::Recorder;
+use smr_core::{Robust, Tracker, robust};
+use std::convert::Infallible;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Beginnings of lines that are not run, and why.
+const NOT_RUN: [(&str, &str); 8] = [
+    ("cargo test", "it runs this test"),
+    ("cargo install", "it builds everything once more"),
+    ("cargo run --profile bench", "bench takes minutes; tests of its own run it"),
+    (
+        "cargo run --release -p host-sim --features",
+        "they need an emulator or the bench profile; tests of their own run them",
+    ),
+    ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
+    ("host-sim bench", "it takes minutes"),
+    ("host-sim soak", "a million frames: .ci/soak"),
+    ("ffmpeg -v error -f v4l2", "it needs a camera"),
+];
+
+/// The lines of all blocks ```sh, without their comments.
+fn commands(readme: &str) -> Vec<&str> {
+    let (mut inside, mut lines) = (false, Vec::new());
+    for line in readme.lines() {
+        if line.starts_with("```") {
+            inside = line == "```sh";
+        } else if inside {
+            lines.push(line.split(" #").next().unwrap_or(line).trim());
+        }
+    }
+    lines.retain(|line| !line.is_empty());
+    lines
+}
+
+/// The arguments of host-sim in a line; `None` if the line is not run.
+fn arguments(line: &str) -> Option<Vec<&str>> {
+    if NOT_RUN.iter().any(|(beginning, _)| line.starts_with(beginning)) {
+        return None;
+    }
+    let called = line.strip_prefix("host-sim").or_else(|| line.strip_prefix("cargo run --release -p host-sim"));
+    let rest = called.unwrap_or_else(|| panic!("`{line}`: expected a call of host-sim, or an entry in NOT_RUN"));
+    assert!(!rest.contains(['"', '\'', '|', '\\']), "`{line}`: this test has no shell");
+    Some(rest.split_whitespace().filter(|&word| word != "--").collect())
+}
+
+/// A flight record of a few frames, as bytes and in a log.
+fn record(folder: &Path) {
+    let (mut bytes, mut tracker) = (Vec::new(), Box::new(Tracker::<Robust>::new(robust::Config::robust()).unwrap()));
+    let write = |piece: &[u8]| -> Result<(), Infallible> {
+        bytes.extend_from_slice(piece);
+        Ok(())
+    };
+    let Ok(mut recorder) = Recorder::begin(tracker.target(), write);
+    let start = synthetic::truth(0).unwrap().to_rect().unwrap();
+    for (number, frame) in synthetic::frames().take(4).enumerate() {
+        let frame = frame.frame();
+        if number == 0 {
+            tracker.lock(&frame, start).unwrap();
+            let Ok(()) = recorder.lock(tracker.target(), &frame, start);
+        } else {
+            let Ok(()) = recorder.window(tracker.target(), &frame);
+            let answer = tracker.update(&frame).unwrap();
+            let Ok(()) = recorder.answer(&answer);
+        }
+    }
+    fs::write(folder.join("flight.smr"), &bytes).unwrap();
+    let log: String = bytes.chunks(32).map(|piece| format!("smr-record {piece:02x?}\nanother line\n")).collect();
+    fs::write(folder.join("log.txt"), log).unwrap();
+}
+
+/// A video of 64 frames of 320x240 pixels; `false` without ffmpeg.
+fn clip(folder: &Path) -> bool {
+    let frames = folder.join("clip.y4m");
+    assert_eq!(
+        host_sim(&["convert", "synthetic", "--frames", "..64", "--resize", "320x240", "-o", utf8(&frames)]).code,
+        Some(0)
+    );
+    let clip = folder.join("clip.mp4");
+    let made =
+        Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&frames), utf8(&clip)]).stdin(Stdio::null()).status();
+    fs::remove_file(&frames).unwrap();
+    made.is_ok_and(|status| status.success()) && fs::copy(&clip, folder.join("video.mp4")).is_ok()
+}
+
+#[test]
+fn the_commands_of_the_readmes_run_as_they_stand() {
+    let folder = tempfile::tempdir().unwrap();
+    let has_clip = clip(folder.path());
+    record(folder.path());
+    for name in ["sequences/car", "sequences/tld/one"] {
+        let out = folder.path().join(name);
+        assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..20", "-o", utf8(&out)]).code, Some(0));
+    }
+    let readmes = [
+        ("README.md", include_str!("../../README.md")),
+        ("host-sim/README.md", include_str!("../../host-sim/README.md")),
+        ("core/examples/README.md", include_str!("../../core/examples/README.md")),
+    ];
+    let mut run = 0;
+    for (readme, line) in
+        readmes.iter().flat_map(|(name, text)| commands(text).into_iter().map(move |line| (name, line)))
+    {
+        let Some(arguments) = arguments(line) else { continue };
+        if !has_clip && arguments.iter().any(|argument| argument.ends_with(".mp4")) {
+            // Not `println!`, which is not shown for a test that passes.
+            let _ = writeln!(std::io::stderr(), "skipped: `{line}` of {readme}: no ffmpeg");
+            continue;
+        }
+        let mut command = Command::new(PROGRAM);
+        let said = command.args(&arguments).current_dir(folder.path()).stdin(Stdio::null()).output().unwrap();
+        let error = String::from_utf8_lossy(&said.stderr);
+        assert_eq!(said.status.code(), Some(0), "{readme}: `{line}`: {error}");
+        run += 1;
+    }
+    assert!(run >= 10, "{run} lines were run");
+}
+
+#[test]
+fn every_line_that_is_not_run_is_still_in_a_readme() {
+    let readmes = concat!(
+        include_str!("../../README.md"),
+        include_str!("../../host-sim/README.md"),
+        include_str!("../../core/examples/README.md")
+    );
+    for (beginning, _) in NOT_RUN {
+        assert!(readmes.contains(&format!("\n{beginning}")), "{beginning}");
+    }
+}
