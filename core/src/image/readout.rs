@@ -220,6 +220,34 @@ impl<'a> Readout<'a> {
         Ok(Self { second: Some(second), ..self })
     }
 
+    /// Continues a readout that was begun before with the same arguments: its next line is `line` or a later one. For programs that keep
+    /// the buffers in a `static`, and make the readout anew in each interrupt.
+    ///
+    /// ```
+    /// use smr_core::Rect;
+    /// use smr_core::readout::{Format, Readout};
+    ///
+    /// let (mut pixels, window) = ([0; 16], Rect::new(0, 0, 4, 4));
+    /// let mut next = 0;
+    /// for y in 0..4 {
+    ///     let mut readout = Readout::new(Format::Gray8, (4, 4), window, &mut pixels)?.resume(next);
+    ///     readout.push_line(y, &[200; 4])?;
+    ///     next = readout.next_line();
+    /// }
+    /// assert!(Readout::new(Format::Gray8, (4, 4), window, &mut pixels)?.resume(next).frame().is_ok());
+    /// # Ok::<(), smr_core::readout::ReadoutError>(())
+    /// ```
+    #[must_use]
+    pub const fn resume(self, line: u16) -> Self {
+        Self { next: line, ..self }
+    }
+
+    /// The line after the last one that came: see [`Readout::resume`].
+    #[must_use]
+    pub const fn next_line(&self) -> u16 {
+        self.next
+    }
+
     /// Takes line `y` of the sensor. Bytes beyond the line's length are ignored.
     ///
     /// # Errors
