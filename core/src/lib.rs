@@ -53,7 +53,7 @@
 //!
 //! # Data flow
 //!
-//! A [`Frame`] is borrowed; [`search`] chooses the offsets; [`similarity`] scores them; the tracker decides on the [`Answer`]
+//! A [`Frame`] is borrowed, or filled line by line by a [`Readout`](readout::Readout); [`search`] chooses the offsets; [`similarity`] scores them; the tracker decides on the [`Answer`]
 //! and updates the template.
 //!
 //! # Memory and time
@@ -97,6 +97,7 @@ pub mod unstable;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+pub use image::readout;
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
 pub use track::paper::{self, Paper};
 pub use track::record;

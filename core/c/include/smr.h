@@ -282,6 +282,26 @@ enum smr_status
    * A reason for which this interface has no number yet.
    */
   SMR_ERROR_UNKNOWN = 35,
+  /**
+   * The pixel format is none of #smr_format.
+   */
+  SMR_ERROR_FORMAT_UNKNOWN = 36,
+  /**
+   * The line came before, or after a later one.
+   */
+  SMR_ERROR_LINE_OUT_OF_ORDER = 37,
+  /**
+   * The line has fewer bytes than its format needs.
+   */
+  SMR_ERROR_LINE_TOO_SHORT = 38,
+  /**
+   * The sensor has no such line.
+   */
+  SMR_ERROR_LINE_OUTSIDE_FRAME = 39,
+  /**
+   * A line of the window did not come.
+   */
+  SMR_ERROR_LINE_MISSING = 40,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -339,6 +359,53 @@ enum smr_state
 typedef enum smr_state smr_state;
 #else
 typedef int32_t smr_state;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How a camera sends its pixels.
+ */
+enum smr_format
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * One byte a pixel, gray.
+   */
+  SMR_GRAY8 = 0,
+  /**
+   * Two bytes a pixel: Y U Y V. Gray is Y.
+   */
+  SMR_YUYV = 1,
+  /**
+   * Two bytes a pixel: U Y V Y. Gray is Y.
+   */
+  SMR_UYVY = 2,
+  /**
+   * Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B + 32768) >> 16,
+   * with R, G and B widened to eight bits by repeating their high bits.
+   */
+  SMR_RGB565_BE = 3,
+  /**
+   * The same with the low byte first.
+   */
+  SMR_RGB565_LE = 4,
+  /**
+   * One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has half the width and half
+   * the height.
+   */
+  SMR_BAYER8 = 5,
+  /**
+   * Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are left out.
+   */
+  SMR_GRAY10 = 6,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum smr_format smr_format;
+#else
+typedef int32_t smr_format;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -744,6 +811,44 @@ typedef struct smr_image {
   uint16_t height;
 } smr_image;
 
+/**
+ * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
+ */
+typedef struct smr_readout {
+  /**
+   * A number of #smr_format.
+   */
+  int32_t format;
+  /**
+   * Columns of the sensor.
+   */
+  uint16_t columns;
+  /**
+   * Lines of the sensor.
+   */
+  uint16_t lines;
+  /**
+   * The line after the last one that came.
+   */
+  uint16_t next;
+  /**
+   * The line that the last error SMR_ERROR_LINE_... is about.
+   */
+  uint16_t line;
+  /**
+   * The windows. If there is no second one, its `pixels` are NULL.
+   */
+  struct smr_rect windows[2];
+  /**
+   * Where their gray pixels go.
+   */
+  uint8_t *pixels[2];
+  /**
+   * Bytes there.
+   */
+  size_t sizes[2];
+} smr_readout;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1110,6 +1215,87 @@ smr_status smr_save(const struct smr_tracker *tracker,
 smr_status smr_restore(struct smr_tracker *tracker,
                        const uint8_t *bytes,
                        size_t size);
+
+/**
+ * Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
+ *
+ * Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give #smr_window, or
+ * #smr_lock_window before a lock.
+ *
+ * @param readout  Is filled; need not be initialised. Unchanged after an error.
+ * @param format   A number of #smr_format.
+ * @param columns  Columns of the sensor.
+ * @param lines    Lines of the sensor.
+ * @param window   The window, not empty and inside the gray frame.
+ * @param pixels   Initialised memory for width * height bytes, until the tracker was called with the frame.
+ * @param size     Bytes there.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_FORMAT_UNKNOWN,
+ *                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
+ */
+smr_status smr_readout_begin(struct smr_readout *readout,
+                             int32_t format,
+                             uint16_t columns,
+                             uint16_t lines,
+                             const struct smr_rect *window,
+                             uint8_t *pixels,
+                             size_t size);
+
+/**
+ * Adds a second window: #smr_sweep_window. Before the first line.
+ *
+ * @param readout  Filled by #smr_readout_begin. Unchanged after an error.
+ * @param window   The window, not empty and inside the gray frame.
+ * @param pixels   As for #smr_readout_begin; other memory than that of the first window.
+ * @param size     Bytes there.
+ * @return         As #smr_readout_begin; #SMR_ERROR_LINE_OUT_OF_ORDER after the first line.
+ */
+smr_status smr_readout_add_window(struct smr_readout *readout,
+                                  const struct smr_rect *window,
+                                  uint8_t *pixels,
+                                  size_t size);
+
+/**
+ * Takes a line of the sensor, for example in the interrupt of a DMA. Lines come in order; those in no window may be left out.
+ *
+ * Cost: only pixels in the windows are converted.
+ *
+ * @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
+ * @param y        The number of the line; the first is 0.
+ * @param bytes    The line.
+ * @param size     Bytes there; more than the line has are ignored.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_LINE_OUT_OF_ORDER,
+ *                 #SMR_ERROR_LINE_TOO_SHORT, #SMR_ERROR_LINE_OUTSIDE_FRAME, #SMR_ERROR_LINE_MISSING, or an error of
+ *                 #smr_readout_begin if the readout was changed.
+ */
+smr_status smr_readout_line(struct smr_readout *readout,
+                            uint16_t y,
+                            const uint8_t *bytes,
+                            size_t size);
+
+/**
+ * Takes all lines of a frame that is in memory.
+ *
+ * @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` have come.
+ * @param bytes    The first line.
+ * @param size     Bytes there.
+ * @param stride   Bytes from a line to the next one.
+ * @return         As #smr_readout_line. A frame that ends early has lines that are too short.
+ */
+smr_status smr_readout_lines(struct smr_readout *readout,
+                             const uint8_t *bytes,
+                             size_t size,
+                             size_t stride);
+
+/**
+ * The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
+ *
+ * @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
+ * @param frame    Is filled; need not be initialised. It points to the memory of the windows.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING, or an error of #smr_readout_begin if the
+ *                 readout was changed.
+ */
+smr_status smr_readout_frame(struct smr_readout *readout,
+                             struct smr_frame *frame);
 
 #ifdef __cplusplus
 }  // extern "C"

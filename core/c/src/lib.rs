@@ -17,7 +17,7 @@
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
-//! | `preset`, `init`, `lock`, `update`, `inspect`, `saved` | the exported calls |
+//! | `preset`, `init`, `lock`, `update`, `inspect`, `saved`, `readout` | the exported calls |
 //!
 //! # Linking
 //!
@@ -66,6 +66,8 @@ mod inspect;
 
 mod saved;
 
+mod readout;
+
 pub use answer::{smr_answer, smr_state};
 pub use capacity::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
@@ -79,6 +81,10 @@ pub use init::{smr_init, smr_target_size, smr_workspace_size};
 pub use inspect::{smr_alpha, smr_early_template, smr_last, smr_quality, smr_template};
 pub use lock::{smr_begin_lock, smr_finish_lock, smr_lock, smr_lock_window};
 pub use preset::{smr_config_camera, smr_config_paper, smr_config_robust};
+pub use readout::{
+    smr_format, smr_readout, smr_readout_add_window, smr_readout_begin, smr_readout_frame, smr_readout_line,
+    smr_readout_lines,
+};
 pub use saved::{smr_restore, smr_save, smr_saved_size};
 pub use status::{STATUSES, smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};

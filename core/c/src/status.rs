@@ -1,6 +1,7 @@
 //! All statuses. The number, name and text of each are written once, here.
 
 use core::ffi::c_char;
+use smr_core::readout::ReadoutError;
 use smr_core::similarity::TableError;
 use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, UpdateError};
 
@@ -97,6 +98,16 @@ statuses! {
     SMR_ERROR_SAVED_TOO_LARGE = 34,
     /// A reason for which this interface has no number yet.
     SMR_ERROR_UNKNOWN = 35,
+    /// The pixel format is none of #smr_format.
+    SMR_ERROR_FORMAT_UNKNOWN = 36,
+    /// The line came before, or after a later one.
+    SMR_ERROR_LINE_OUT_OF_ORDER = 37,
+    /// The line has fewer bytes than its format needs.
+    SMR_ERROR_LINE_TOO_SHORT = 38,
+    /// The sensor has no such line.
+    SMR_ERROR_LINE_OUTSIDE_FRAME = 39,
+    /// A line of the window did not come.
+    SMR_ERROR_LINE_MISSING = 40,
 }
 
 /// The name of a status, for logs: "SMR_OK" and so on.
@@ -121,7 +132,7 @@ macro_rules! called {
         $(impl From<$error> for smr_status {
             fn from(error: $error) -> Self {
                 match error {
-                    $($error::$reason => $status,)+
+                    $($error::$reason { .. } => $status,)+
                     $($rest => SMR_ERROR_UNKNOWN,)?
                 }
             }
@@ -137,6 +148,14 @@ called! {
         SliceTooShort => SMR_ERROR_FRAME_TOO_SHORT, .._
     }
     FrameError { OutsideFrame => SMR_ERROR_OUTSIDE_FRAME, .._ }
+    ReadoutError {
+        WindowOutsideFrame => SMR_ERROR_OUTSIDE_FRAME,
+        BufferTooSmall => SMR_ERROR_BUFFER_TOO_SMALL,
+        LineOutOfOrder => SMR_ERROR_LINE_OUT_OF_ORDER,
+        LineTooShort => SMR_ERROR_LINE_TOO_SHORT,
+        LineOutsideFrame => SMR_ERROR_LINE_OUTSIDE_FRAME,
+        LineMissing => SMR_ERROR_LINE_MISSING, .._
+    }
     ConfigError {
         ZeroDenominator => SMR_ERROR_ZERO_DENOMINATOR,
         NothingCounts => SMR_ERROR_NOTHING_COUNTS,
@@ -186,7 +205,7 @@ mod tests {
             let said = unsafe { CStr::from_ptr(smr_status_name(number)) };
             assert_eq!(said.to_bytes_with_nul(), name.as_bytes());
         }
-        for unknown in [-1, 36, i32::MIN, i32::MAX] {
+        for unknown in [-1, 41, i32::MIN, i32::MAX] {
             // SAFETY: it returns a static string.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }

@@ -105,7 +105,8 @@ pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
 fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
     let mut votes = Votes([[0; 5]; 2]);
     let part = |line: &'_ [u8; COLUMNS]| line.get(at..).and_then(|line| line.first_chunk::<SIDE>()).copied();
-    for [above, middle, below] in lines.array_windows() {
+    for window in lines.windows(3) {
+        let [above, middle, below] = window else { continue };
         let (Some(above), Some(middle), Some(below)) = (part(above), part(middle), part(below)) else { continue };
         let [_, above_a, above_b, above_c, above_d, _] = above;
         let [left, a, b, c, d, right] = middle;

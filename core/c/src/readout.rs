@@ -1,0 +1,287 @@
+//! A camera's lines as they come, in any pixel format, into the windows that a tracker needs.
+
+use crate::frame::{smr_frame, smr_part, smr_rect};
+use crate::pointer::{self, Out};
+use crate::status::{SMR_ERROR_FORMAT_UNKNOWN, smr_status, status_of};
+use core::ptr;
+use smr_core::Rect;
+use smr_core::readout::{Format, Readout, ReadoutError};
+
+/// How a camera sends its pixels.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum smr_format {
+    /// One byte a pixel, gray.
+    SMR_GRAY8 = 0,
+    /// Two bytes a pixel: Y U Y V. Gray is Y.
+    SMR_YUYV = 1,
+    /// Two bytes a pixel: U Y V Y. Gray is Y.
+    SMR_UYVY = 2,
+    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B + 32768) >> 16,
+    /// with R, G and B widened to eight bits by repeating their high bits.
+    SMR_RGB565_BE = 3,
+    /// The same with the low byte first.
+    SMR_RGB565_LE = 4,
+    /// One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has half the width and half
+    /// the height.
+    SMR_BAYER8 = 5,
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are left out.
+    SMR_GRAY10 = 6,
+}
+
+const FORMATS: [(smr_format, Format); 7] = [
+    (smr_format::SMR_GRAY8, Format::Gray8),
+    (smr_format::SMR_YUYV, Format::Yuyv),
+    (smr_format::SMR_UYVY, Format::Uyvy),
+    (smr_format::SMR_RGB565_BE, Format::Rgb565Be),
+    (smr_format::SMR_RGB565_LE, Format::Rgb565Le),
+    (smr_format::SMR_BAYER8, Format::Bayer8),
+    (smr_format::SMR_GRAY10, Format::Gray10),
+];
+
+/// A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_readout {
+    /// A number of #smr_format.
+    pub format: i32,
+    /// Columns of the sensor.
+    pub columns: u16,
+    /// Lines of the sensor.
+    pub lines: u16,
+    /// The line after the last one that came.
+    pub next: u16,
+    /// The line that the last error SMR_ERROR_LINE_... is about.
+    pub line: u16,
+    /// The windows. If there is no second one, its `pixels` are NULL.
+    pub windows: [smr_rect; 2],
+    /// Where their gray pixels go.
+    pub pixels: [*mut u8; 2],
+    /// Bytes there.
+    pub sizes: [usize; 2],
+}
+
+impl smr_readout {
+    /// The readout of `smr-core`, and the format.
+    ///
+    /// # Safety
+    /// `pixels` that are not NULL point to as many bytes as `sizes` says, and nobody else uses them while the result lives.
+    unsafe fn open<'a>(&self) -> Result<(Readout<'a>, Format), smr_status> {
+        let known = FORMATS.iter().find(|(number, _)| *number as i32 == self.format);
+        let (_, format) = known.ok_or(SMR_ERROR_FORMAT_UNKNOWN)?;
+        let [first, second] = [0, 1].map(|index: usize| {
+            let (pixels, size) = (self.pixels.get(index), self.sizes.get(index));
+            (pixels.copied().unwrap_or(ptr::null_mut()), size.copied().unwrap_or(0))
+        });
+        let [near, far] = self.windows.map(Rect::from);
+        // SAFETY: as the caller ensures.
+        let readout = Readout::new(*format, (self.columns, self.lines), near, unsafe { bytes(first)? })?;
+        if second.0.is_null() {
+            return Ok((readout.resume(self.next), *format));
+        }
+        // SAFETY: as the caller ensures.
+        Ok((readout.and_window(far, unsafe { bytes(second)? })?.resume(self.next), *format))
+    }
+
+    /// Notes the line that `result` is about.
+    fn noted(&mut self, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
+        use ReadoutError::{LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
+        if let Err(LineMissing(line) | LineOutOfOrder(line) | LineOutsideFrame(line) | LineTooShort(line)) = result {
+            self.line = line;
+        }
+        Ok(result?)
+    }
+}
+
+/// # Safety
+/// A pointer that is not NULL points to so many bytes, and nobody else uses them while the result lives.
+unsafe fn bytes<'a>((pixels, size): (*mut u8, usize)) -> Result<&'a mut [u8], smr_status> {
+    pointer::check_bytes(pixels, size, &[0..0, 0..0])?;
+    // SAFETY: not NULL, at most isize::MAX bytes, always aligned; the rest as the caller ensures.
+    Ok(unsafe { core::slice::from_raw_parts_mut(pixels, size) })
+}
+
+/// Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
+///
+/// Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give #smr_window, or
+/// #smr_lock_window before a lock.
+///
+/// @param readout  Is filled; need not be initialised. Unchanged after an error.
+/// @param format   A number of #smr_format.
+/// @param columns  Columns of the sensor.
+/// @param lines    Lines of the sensor.
+/// @param window   The window, not empty and inside the gray frame.
+/// @param pixels   Initialised memory for width * height bytes, until the tracker was called with the frame.
+/// @param size     Bytes there.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_FORMAT_UNKNOWN,
+///                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_readout_begin(
+    readout: *mut smr_readout,
+    format: i32,
+    columns: u16,
+    lines: u16,
+    window: *const smr_rect,
+    pixels: *mut u8,
+    size: usize,
+) -> smr_status {
+    let begin = || {
+        // SAFETY: as the header demands of the caller.
+        let (readout, window) = unsafe { (Out::new(readout)?, pointer::read(window)?) };
+        let (pixels, sizes) = ([pixels, ptr::null_mut()], [size, 0]);
+        let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows: [window; 2], pixels, sizes };
+        // SAFETY: as the header demands of the caller.
+        unsafe { begun.open()? };
+        readout.write(begun);
+        Ok(())
+    };
+    status_of(begin())
+}
+
+/// Adds a second window: #smr_sweep_window. Before the first line.
+///
+/// @param readout  Filled by #smr_readout_begin. Unchanged after an error.
+/// @param window   The window, not empty and inside the gray frame.
+/// @param pixels   As for #smr_readout_begin; other memory than that of the first window.
+/// @param size     Bytes there.
+/// @return         As #smr_readout_begin; #SMR_ERROR_LINE_OUT_OF_ORDER after the first line.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_readout_add_window(
+    readout: *mut smr_readout,
+    window: *const smr_rect,
+    pixels: *mut u8,
+    size: usize,
+) -> smr_status {
+    let add = || {
+        // SAFETY: as the header demands of the caller.
+        let (mut changed, window) = unsafe { (pointer::read(readout)?, pointer::read(window)?) };
+        if changed.next > 0 {
+            return Err(smr_status::SMR_ERROR_LINE_OUT_OF_ORDER);
+        }
+        pointer::check(pixels)?;
+        let ([near, _], [first, _], [room, _]) = (changed.windows, changed.pixels, changed.sizes);
+        (changed.windows, changed.pixels, changed.sizes) = ([near, window], [first, pixels], [room, size]);
+        if pointer::overlap(&pointer::range(first, room), &pointer::range(pixels, size)) {
+            return Err(smr_status::SMR_ERROR_OVERLAPS_TRACKER);
+        }
+        // SAFETY: as the header demands of the caller: the memory of the two windows is not the same.
+        unsafe {
+            changed.open()?;
+            readout.write(changed);
+        }
+        Ok(())
+    };
+    status_of(add())
+}
+
+/// Takes a line of the sensor, for example in the interrupt of a DMA. Lines come in order; those in no window may be left out.
+///
+/// Cost: only pixels in the windows are converted.
+///
+/// @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
+/// @param y        The number of the line; the first is 0.
+/// @param bytes    The line.
+/// @param size     Bytes there; more than the line has are ignored.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_LINE_OUT_OF_ORDER,
+///                 #SMR_ERROR_LINE_TOO_SHORT, #SMR_ERROR_LINE_OUTSIDE_FRAME, #SMR_ERROR_LINE_MISSING, or an error of
+///                 #smr_readout_begin if the readout was changed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_readout_line(
+    readout: *mut smr_readout,
+    y: u16,
+    bytes: *const u8,
+    size: usize,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { pushed(readout, bytes, size, |readout, bytes| readout.push_line(y, bytes)) })
+}
+
+/// Takes all lines of a frame that is in memory.
+///
+/// @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` have come.
+/// @param bytes    The first line.
+/// @param size     Bytes there.
+/// @param stride   Bytes from a line to the next one.
+/// @return         As #smr_readout_line. A frame that ends early has lines that are too short.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_readout_lines(
+    readout: *mut smr_readout,
+    bytes: *const u8,
+    size: usize,
+    stride: usize,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { pushed(readout, bytes, size, |readout, bytes| readout.push_frame(bytes, stride)) })
+}
+
+/// # Safety
+/// As the header demands of the caller of #smr_readout_line.
+unsafe fn pushed(
+    to: *mut smr_readout,
+    bytes: *const u8,
+    size: usize,
+    push: impl FnOnce(&mut Readout<'_>, &[u8]) -> Result<(), ReadoutError>,
+) -> Result<(), smr_status> {
+    // SAFETY: as the caller ensures.
+    let (mut changed, taken) = unsafe {
+        let changed = pointer::read(to)?;
+        (
+            changed,
+            [0, 1].map(|at: usize| {
+                let (pixels, size) = (changed.pixels.get(at), changed.sizes.get(at));
+                pixels
+                    .zip(size)
+                    .map_or(0..0, |(&pixels, &size)| pointer::range(pixels, if pixels.is_null() { 0 } else { size }))
+            }),
+        )
+    };
+    pointer::check_bytes(bytes, size, &taken)?;
+    // SAFETY: as the caller ensures; the line is outside the windows' memory.
+    let result = unsafe {
+        let (mut readout, _) = changed.open()?;
+        let result = push(&mut readout, core::slice::from_raw_parts(bytes, size));
+        changed.next = readout.next_line();
+        result
+    };
+    let result = changed.noted(result);
+    // SAFETY: `read` has checked the pointer.
+    unsafe { to.write(changed) };
+    result
+}
+
+/// The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
+///
+/// @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
+/// @param frame    Is filled; need not be initialised. It points to the memory of the windows.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING, or an error of #smr_readout_begin if the
+///                 readout was changed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_readout_frame(readout: *mut smr_readout, frame: *mut smr_frame) -> smr_status {
+    let fill = || {
+        // SAFETY: as the header demands of the caller.
+        let (mut changed, frame) = unsafe { (pointer::read(readout)?, Out::new(frame)?) };
+        // SAFETY: as the header demands of the caller.
+        let (whole, format) = unsafe { changed.open()? };
+        let complete = changed.noted(whole.frame().map(|_| ()));
+        // SAFETY: `read` has checked the pointer.
+        unsafe { readout.write(changed) };
+        complete?;
+        let (width, height) = format.gray_size((changed.columns, changed.lines));
+        frame.write(smr_frame { width, height, parts: changed.parts() });
+        Ok(())
+    };
+    status_of(fill())
+}
+
+impl smr_readout {
+    /// The windows, which were checked.
+    fn parts(&self) -> [smr_part; 2] {
+        let [near, far] = self.windows;
+        let ([first, second], [room, more]) = (self.pixels, self.sizes);
+        [(near, first, room), (far, second, more)].map(|(window, pixels, size)| {
+            let smr_rect { x, y, width, height } = window;
+            let place = |at: i32| u16::try_from(at).unwrap_or(0);
+            smr_part { pixels, size, stride: width.into(), width, height, x: place(x), y: place(y) }
+        })
+    }
+}

@@ -1,0 +1,189 @@
+/*
+ * The read-out: every format gives the gray levels that the header states, and every wrong call its own status. A tracker that is fed
+ * through it, window by window, answers as one that sees whole gray frames.
+ */
+
+#include <stdio.h>
+#include <string.h>
+
+#include "smr.h"
+
+#define WIDTH 96
+#define HEIGHT 72
+#define STRIDE (2 * WIDTH + 6)
+
+static unsigned failed, tried;
+
+static void hold(const char *what, unsigned line, int holds)
+{
+    tried++;
+    if (!holds) {
+        failed++;
+        fprintf(stderr, "readout.c:%u: not true: %s\n", line, what);
+    }
+}
+#define HOLD(condition) hold(#condition, __LINE__, (condition))
+
+/* What a camera sends; twice as high for the mosaic. */
+static uint8_t sent[2 * HEIGHT * STRIDE];
+static uint8_t gray[WIDTH * HEIGHT], first[WIDTH * HEIGHT], second[WIDTH * HEIGHT];
+
+/* A texture that moves two columns and a row a frame. */
+static uint8_t level(int frame, int x, int y)
+{
+    int u = x - 2 * frame, v = y - frame;
+    return (uint8_t)(128 + (u / 3 * 37 + v / 4 * 61 + (u / 3) * (v / 4) * 17) % 90);
+}
+
+static unsigned luma(unsigned rgb)
+{
+    unsigned red = rgb >> 11, green = rgb >> 5 & 63, blue = rgb & 31;
+    red = red << 3 | red >> 2;
+    green = green << 2 | green >> 4;
+    blue = blue << 3 | blue >> 2;
+    return (19595 * red + 38470 * green + 7471 * blue + 32768) >> 16;
+}
+
+/* Fills `sent` as a camera of this format sees the frame, and `gray` with what is meant. */
+static void expose(int format, int frame)
+{
+    int x, y;
+    memset(sent, 0xA5, sizeof sent);
+    for (y = 0; y < HEIGHT; y++) {
+        for (x = 0; x < WIDTH; x++) {
+            uint8_t *line = sent + y * STRIDE, *meant = gray + y * WIDTH + x;
+            unsigned rgb = (unsigned)level(frame, x, y) * 257u;
+            *meant = level(frame, x, y);
+            switch (format) {
+            case SMR_GRAY8: line[x] = *meant; break;
+            case SMR_YUYV: line[2 * x] = *meant; break;
+            case SMR_UYVY: line[2 * x + 1] = *meant; break;
+            case SMR_RGB565_BE: line[2 * x] = (uint8_t)(rgb >> 8); line[2 * x + 1] = (uint8_t)rgb; *meant = (uint8_t)luma(rgb); break;
+            case SMR_RGB565_LE: line[2 * x + 1] = (uint8_t)(rgb >> 8); line[2 * x] = (uint8_t)rgb; *meant = (uint8_t)luma(rgb); break;
+            case SMR_BAYER8:
+                line = sent + 2 * y * STRIDE;
+                line[2 * x] = *meant; line[2 * x + 1] = (uint8_t)(*meant + 9);
+                line[STRIDE + 2 * x] = (uint8_t)(*meant + 4); line[STRIDE + 2 * x + 1] = (uint8_t)(*meant + 1);
+                *meant = (uint8_t)(((2u * *meant + 9) / 2 + (2u * *meant + 6) / 2) / 2);
+                break;
+            default: line[x / 4 * 5 + x % 4] = *meant; break; /* SMR_GRAY10 */
+            }
+        }
+    }
+}
+
+static smr_frame whole(void)
+{
+    smr_frame frame;
+    memset(&frame, 0, sizeof frame);
+    frame.width = frame.parts[0].width = WIDTH;
+    frame.height = frame.parts[0].height = HEIGHT;
+    frame.parts[0].pixels = gray;
+    frame.parts[0].size = sizeof gray;
+    frame.parts[0].stride = WIDTH;
+    return frame;
+}
+
+/* The frame with these windows, line by line; the second one may be empty. */
+static smr_frame read_out(int format, smr_rect near, smr_rect far)
+{
+    smr_readout readout;
+    smr_frame frame;
+    uint16_t scale = format == SMR_BAYER8 ? 2 : 1, y;
+    smr_status status = smr_readout_begin(&readout, format, scale * WIDTH, scale * HEIGHT, &near, first, sizeof first);
+    memset(&frame, 0, sizeof frame);
+    HOLD(status == SMR_OK);
+    if (far.width > 0) {
+        status = smr_readout_add_window(&readout, &far, second, sizeof second);
+        HOLD(status == SMR_OK);
+    }
+    for (y = 0; y < scale * HEIGHT; y++) {
+        status = smr_readout_line(&readout, y, sent + y * STRIDE, STRIDE);
+        HOLD(status == SMR_OK);
+    }
+    status = smr_readout_frame(&readout, &frame);
+    HOLD(status == SMR_OK);
+    return frame;
+}
+
+/* A tracker of whole gray frames, and one that is fed by the read-out. */
+static void follow(int format)
+{
+    static smr_robust_target storages[2];
+    static smr_robust_workspace workspace;
+    static const smr_rect target = {30, 20, 24, 20};
+    smr_tracker *trackers[2];
+    smr_config config;
+    smr_rect window, sweep;
+    smr_frame frame;
+    int index, number;
+    smr_config_robust(&config);
+    for (index = 0; index < 2; index++) {
+        HOLD(smr_init(&storages[index], sizeof storages[index], &workspace, sizeof workspace, &config, &trackers[index]) == SMR_OK);
+    }
+    expose(format, 0);
+    memset(&sweep, 0, sizeof sweep);
+    HOLD(smr_lock_window(trackers[1], WIDTH, HEIGHT, &target, &window) == SMR_OK);
+    frame = whole();
+    HOLD(smr_lock(trackers[0], &frame, &target) == SMR_OK);
+    frame = read_out(format, window, sweep);
+    HOLD(smr_lock(trackers[1], &frame, &target) == SMR_OK);
+    for (number = 1; number < 8; number++) {
+        smr_answer expected, answer;
+        memset(&expected, 0, sizeof expected);
+        memset(&answer, 0, sizeof answer);
+        expose(format, number);
+        frame = whole();
+        HOLD(smr_update(trackers[0], &frame, &expected) == SMR_OK);
+        HOLD(smr_window(trackers[1], &window) == SMR_OK && smr_sweep_window(trackers[1], &sweep) == SMR_OK);
+        frame = read_out(format, window, sweep);
+        HOLD(smr_update(trackers[1], &frame, &answer) == SMR_OK);
+        HOLD(memcmp(&expected, &answer, sizeof answer) == 0);
+    }
+}
+
+static void wrong_calls(void)
+{
+    static uint8_t few[3], line[WIDTH];
+    smr_rect window = {4, 2, 8, 4}, outside = {90, 2, 8, 4};
+    smr_readout readout, kept;
+    smr_frame frame;
+    HOLD(smr_readout_begin(NULL, SMR_GRAY8, WIDTH, HEIGHT, &window, first, sizeof first) == SMR_ERROR_NULL);
+    HOLD(smr_readout_begin(&readout, 7, WIDTH, HEIGHT, &window, first, sizeof first) == SMR_ERROR_FORMAT_UNKNOWN);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, NULL, first, sizeof first) == SMR_ERROR_NULL);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, NULL, 99) == SMR_ERROR_NULL);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, few, sizeof few) == SMR_ERROR_BUFFER_TOO_SMALL);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_begin(&readout, SMR_BAYER8, WIDTH, HEIGHT, &outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, first, (size_t)-1) == SMR_ERROR_MEMORY_TOO_LARGE);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, first, sizeof first) == SMR_OK);
+    HOLD(smr_readout_add_window(&readout, &window, NULL, 99) == SMR_ERROR_NULL);
+    HOLD(smr_readout_add_window(&readout, &outside, second, sizeof second) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_add_window(&readout, &window, first + 8, 99) == SMR_ERROR_OVERLAPS_TRACKER);
+    HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && readout.line == 2);
+    HOLD(smr_readout_line(&readout, 3, line, sizeof line) == SMR_ERROR_LINE_MISSING && readout.line == 2);
+    HOLD(smr_readout_line(&readout, 2, line, sizeof line - 1) == SMR_ERROR_LINE_TOO_SHORT && readout.line == 2);
+    HOLD(smr_readout_line(&readout, 2, NULL, sizeof line) == SMR_ERROR_NULL);
+    HOLD(smr_readout_line(&readout, 2, first + 1, sizeof line) == SMR_ERROR_OVERLAPS_TRACKER);
+    HOLD(smr_readout_line(&readout, 2, line, sizeof line) == SMR_OK);
+    HOLD(smr_readout_line(&readout, 2, line, sizeof line) == SMR_ERROR_LINE_OUT_OF_ORDER && readout.line == 2);
+    HOLD(smr_readout_line(&readout, HEIGHT, line, sizeof line) == SMR_ERROR_LINE_OUTSIDE_FRAME && readout.line == HEIGHT);
+    HOLD(smr_readout_add_window(&readout, &window, second, sizeof second) == SMR_ERROR_LINE_OUT_OF_ORDER);
+    HOLD(smr_readout_lines(&readout, sent, 5 * WIDTH, WIDTH) == SMR_ERROR_LINE_TOO_SHORT && readout.line == 5);
+    HOLD(smr_readout_frame(&readout, NULL) == SMR_ERROR_NULL);
+    kept = readout;
+    kept.format = -1;
+    HOLD(smr_readout_frame(&kept, &frame) == SMR_ERROR_FORMAT_UNKNOWN);
+    HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && readout.line == 5);
+}
+
+int main(void)
+{
+    int format;
+    for (format = SMR_GRAY8; format <= SMR_GRAY10; format++) {
+        follow(format);
+    }
+    wrong_calls();
+    printf("%u checks of the read-out, %u failed\n", tried, failed);
+    return failed != 0;
+}
