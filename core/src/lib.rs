@@ -99,6 +99,7 @@ struct Readme;
 
 pub use image::readout;
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
+pub use track::copies;
 pub use track::paper::{self, Paper};
 pub use track::record;
 pub use track::robust::{self, Robust};

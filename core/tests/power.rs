@@ -189,3 +189,76 @@ fn the_papers_target_and_an_older_copy_mixed() {
 fn the_robust_target_and_an_older_copy_mixed() {
     mixed::<Robust>(robust::Config::robust(), 37);
 }
+
+/// Two copies in flash, the second of them erased and half written: the first one is found, or, if all bytes were written, the second.
+fn one_copy_survives<T: Target>(config: T::Config) {
+    use smr_core::copies;
+    let mut tracker = locked::<T>(config);
+    let mut flash = [vec![0xFF; copies::size(T::SAVED_SIZE)], vec![0xFF; copies::size(T::SAVED_SIZE)]];
+    assert_eq!((copies::newest(&flash[0], &flash[1]), copies::next(&flash[0], &flash[1])), (None, (0, 1)));
+    for number in 1..=4 {
+        let older = flash.clone();
+        let (place, next) = copies::next(&flash[0], &flash[1]);
+        assert_eq!((place, next), ((number - 1) % 2, u32::try_from(number).unwrap()));
+        let length = copies::write(tracker.target(), next, &mut flash[place]).unwrap();
+        assert_eq!(length, copies::size(tracker.target().saved_size().unwrap()));
+        let survivor = copies::newest(&older[0], &older[1]);
+        for written in 0..=length {
+            // Over the older copy as it is, over erased flash, and from its end on.
+            let (new, old, erased) = (&flash[place], &older[place], vec![0xFF; length]);
+            let from_end = [&old[..length - written], &new[length - written..length]].concat();
+            for torn in [
+                [&new[..written], &old[written..length]].concat(),
+                [&new[..written], &erased[written..]].concat(),
+                from_end,
+            ] {
+                let mut now = older.clone();
+                now[place][..length].copy_from_slice(&torn);
+                let found = copies::newest(&now[0], &now[1]).map(|copy| (copy.number, copy.saved));
+                let whole = now[place][..length] == flash[place][..length];
+                let expected = if whole {
+                    Some((next, &new[..length - 8]))
+                } else {
+                    survivor.map(|copy| (copy.number, copy.saved))
+                };
+                assert_eq!(found, expected, "{written} of {length} bytes of copy {next}");
+            }
+        }
+        let newest = copies::newest(&flash[0], &flash[1]).unwrap();
+        let mut restored = Tracker::<T>::new(config).unwrap();
+        restored.restore(newest.saved).unwrap();
+        let next = picture(number);
+        assert_eq!(restored.update(&frame(&next)).unwrap(), tracker.update(&frame(&next)).unwrap());
+    }
+}
+
+#[test]
+fn one_of_two_copies_survives_a_loss_of_power() {
+    one_copy_survives::<SmallPaper>(small_paper());
+    one_copy_survives::<Robust>(robust::Config::robust());
+}
+
+#[test]
+fn the_newer_copy_is_told_also_when_numbers_start_again() {
+    use smr_core::copies;
+    let tracker = locked::<SmallPaper>(small_paper());
+    let copy = |number| {
+        let mut bytes = vec![0; copies::size(SmallPaper::SAVED_SIZE)];
+        copies::write(tracker.target(), number, &mut bytes).unwrap();
+        bytes
+    };
+    for (first, second, newest) in [(1, 2, 1), (2, 1, 0), (u32::MAX, 0, 1), (0, u32::MAX, 0), (7, 7, 0)] {
+        let (first, second) = (copy(first), copy(second));
+        assert_eq!(copies::newest(&first, &second).unwrap().place, newest);
+        assert_eq!(copies::next(&first, &second).0, 1 - newest);
+    }
+    assert_eq!(copies::next(&copy(u32::MAX), &[]), (1, 0));
+    let mut damaged = copy(5);
+    for at in 0..copies::size(tracker.target().saved_size().unwrap()) {
+        damaged[at] ^= 1;
+        assert_eq!(copies::newest(&damaged, &[]), None, "byte {at}");
+        damaged[at] ^= 1;
+    }
+    assert_eq!(copies::newest(&[], &damaged).unwrap().place, 1);
+    assert!(copies::write(tracker.target(), 1, &mut [0; 20]).is_err());
+}

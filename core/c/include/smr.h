@@ -86,6 +86,9 @@
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 11276
 
+/** Bytes that #smr_save_copy writes in addition to those of #smr_save. */
+#define SMR_COPY_AROUND 8
+
 /** A target with a lower quality can hardly be told from its surroundings: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023
 
@@ -812,6 +815,28 @@ typedef struct smr_image {
 } smr_image;
 
 /**
+ * One of two saved copies.
+ */
+typedef struct smr_saved_copy {
+  /**
+   * 0: the first place, 1: the second.
+   */
+  uint32_t place;
+  /**
+   * The number that it was written with.
+   */
+  uint32_t number;
+  /**
+   * The saved target, for #smr_restore.
+   */
+  const uint8_t *bytes;
+  /**
+   * Bytes there.
+   */
+  size_t size;
+} smr_saved_copy;
+
+/**
  * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
  */
 typedef struct smr_readout {
@@ -1201,6 +1226,40 @@ smr_status smr_save(const struct smr_tracker *tracker,
                     uint8_t *bytes,
                     size_t size,
                     size_t *written);
+
+/**
+ * Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one is written, the other
+ * one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
+ *
+ * @param tracker  Made by #smr_init, locked by #smr_lock.
+ * @param number   The number after that of the newest copy; 1 if there is none. After the largest comes 0.
+ * @param bytes    Memory outside the tracker's own; unchanged after an error.
+ * @param size     Bytes there.
+ * @param written  Is set to the number of bytes written; unchanged after an error.
+ * @return         As #smr_save.
+ */
+smr_status smr_save_copy(const struct smr_tracker *tracker,
+                         uint32_t number,
+                         uint8_t *bytes,
+                         size_t size,
+                         size_t *written);
+
+/**
+ * Finds the newer one of two copies. Write the next one in the other place, with the next number.
+ *
+ * @param first        The bytes of the first place; there may be more than were written.
+ * @param first_size   Bytes there.
+ * @param second       The bytes of the second place.
+ * @param second_size  Bytes there.
+ * @param copy         Is set to the newer copy that is whole; unchanged after an error. It points into `first` or `second`.
+ * @return             #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, or #SMR_ERROR_NOT_SAVED if neither
+ *                     is whole.
+ */
+smr_status smr_newest_copy(const uint8_t *first,
+                           size_t first_size,
+                           const uint8_t *second,
+                           size_t second_size,
+                           struct smr_saved_copy *copy);
 
 /**
  * Continues with a target that #smr_save wrote. Its answers are then identical to those of the saved tracker.

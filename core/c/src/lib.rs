@@ -85,7 +85,7 @@ pub use readout::{
     smr_format, smr_readout, smr_readout_add_window, smr_readout_begin, smr_readout_frame, smr_readout_line,
     smr_readout_lines,
 };
-pub use saved::{smr_restore, smr_save, smr_saved_size};
+pub use saved::{smr_newest_copy, smr_restore, smr_save, smr_save_copy, smr_saved_copy, smr_saved_size};
 pub use status::{STATUSES, smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};
 pub use tracker::smr_tracker;

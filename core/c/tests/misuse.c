@@ -145,7 +145,7 @@ static void names(void)
     HOLD(strcmp(smr_status_name(SMR_OK), "SMR_OK") == 0);
     HOLD(strcmp(smr_status_name(SMR_ERROR_WINDOW_NOT_IN_MEMORY), "SMR_ERROR_WINDOW_NOT_IN_MEMORY") == 0);
     HOLD(strcmp(smr_status_name(-1), "SMR_ERROR_UNKNOWN") == 0);
-    HOLD(strcmp(smr_status_name(SMR_ERROR_UNKNOWN + 1), "SMR_ERROR_UNKNOWN") == 0);
+    HOLD(strcmp(smr_status_name(SMR_ERROR_LINE_MISSING + 1), "SMR_ERROR_UNKNOWN") == 0);
 }
 
 static void version(void)
@@ -784,6 +784,45 @@ static void power(void)
 }
 
 /* smr_template gives a pointer into the storage. smr_early_template copies, if the memory is large enough, and writes no more. */
+/* Two copies in turn: the newer one is found, a torn one is not. */
+static void copies(void)
+{
+    static uint8_t places[2][SMR_PAPER_SAVED_SIZE + SMR_ROBUST_SAVED_SIZE + SMR_COPY_AROUND];
+    const size_t size = sizeof places[0];
+    smr_tracker *tracker = good_tracker();
+    smr_saved_copy copy;
+    size_t written = 77, needed;
+    uint32_t number;
+    memset(places, 0xFF, sizeof places);
+    memset(&copy, 0x5A, sizeof copy);
+    EXPECT(smr_save_copy(tracker, 1, places[0], size, &written), SMR_ERROR_NOT_LOCKED);
+    EXPECT(smr_newest_copy(places[0], size, places[1], size, &copy), SMR_ERROR_NOT_SAVED);
+    HOLD(copy.number == 0x5A5A5A5A && written == 77);
+    tracker = locked_tracker();
+    for (number = 1; number <= 3; number++) {
+        EXPECT(smr_save_copy(tracker, number, places[(number + 1) % 2], size, &written), SMR_OK);
+        EXPECT(smr_newest_copy(places[0], size, places[1], size, &copy), SMR_OK);
+        HOLD(copy.number == number && copy.place == (number + 1) % 2 && copy.bytes == places[copy.place]);
+        HOLD(copy.size + SMR_COPY_AROUND == written);
+        EXPECT(smr_restore(tracker, copy.bytes, copy.size), SMR_OK);
+    }
+    places[0][written - 1] ^= 1;
+    EXPECT(smr_newest_copy(places[0], size, places[1], size, &copy), SMR_OK);
+    HOLD(copy.number == 2 && copy.place == 1);
+    needed = written;
+    EXPECT(smr_save_copy(tracker, 4, places[0], needed - 1, &written), SMR_ERROR_BUFFER_TOO_SMALL);
+    EXPECT(smr_save_copy(NULL, 4, places[0], size, &written), SMR_ERROR_NULL);
+    EXPECT(smr_save_copy(tracker, 4, NULL, size, &written), SMR_ERROR_NULL);
+    EXPECT(smr_save_copy(tracker, 4, places[0], size, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_save_copy(tracker, 4, storage.bytes, sizeof storage, &written), SMR_ERROR_OVERLAPS_TRACKER);
+    EXPECT(smr_save_copy(tracker, 4, places[0], needed, &written), SMR_OK);
+    EXPECT(smr_newest_copy(NULL, size, places[1], size, &copy), SMR_ERROR_NULL);
+    EXPECT(smr_newest_copy(places[0], size, NULL, size, &copy), SMR_ERROR_NULL);
+    EXPECT(smr_newest_copy(places[0], size, places[1], size, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_newest_copy(places[0], SIZE_MAX, places[1], size, &copy), SMR_ERROR_MEMORY_TOO_LARGE);
+    EXPECT(smr_newest_copy(places[0], 0, places[1], 3, &copy), SMR_ERROR_NOT_SAVED);
+}
+
 static void templates(void)
 {
     smr_tracker *tracker = good_tracker();
@@ -837,6 +876,7 @@ int main(void)
         locks_in_steps();
         saved();
         power();
+        copies();
         templates();
     }
     robust = 0;

@@ -7,6 +7,7 @@
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
+//! | `copies.rs` | two saved copies, of which one survives a loss of power |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
@@ -14,6 +15,7 @@
 mod answer;
 mod bound;
 mod checksum;
+pub mod copies;
 mod error;
 pub mod paper;
 mod quality;
