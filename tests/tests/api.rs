@@ -7,9 +7,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// The only compiler whose crate description the library `public-api` reads.
+const COMPILER: &str = "1.95";
+
 fn compiler_is_read() -> bool {
     let Ok(version) = Command::new("rustc").arg("--version").output() else { return false };
-    String::from_utf8_lossy(&version.stdout).starts_with(concat!("rustc ", env!("CARGO_PKG_RUST_VERSION")))
+    String::from_utf8_lossy(&version.stdout).starts_with(&format!("rustc {COMPILER}."))
 }
 
 fn listed() -> String {
@@ -35,7 +37,7 @@ fn listed() -> String {
 #[test]
 fn smr_core_has_the_interface_that_is_listed() {
     if !compiler_is_read() {
-        println!("skipped: interface of smr-core: it is listed by Rust {} only", env!("CARGO_PKG_RUST_VERSION"));
+        println!("skipped: interface of smr-core: it is listed by Rust {} only", COMPILER);
         return;
     }
     let (file, now) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("api/smr-core.txt"), listed());
