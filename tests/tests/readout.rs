@@ -1,6 +1,7 @@
 //! Partial readout: a tracker that gets only the windows it asks for gives the same answers as one that gets whole frames. With less it
 //! refuses.
 
+use smr_core::readout::{Format, Readout};
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
 type SmallPaper = Paper<16_384, 301>;
@@ -132,4 +133,106 @@ fn what_is_not_asked_for_is_not_read() {
     let (frames, sweeps) = compare::<Robust>(robust::Config::robust());
     assert_eq!(frames, 39 * 29);
     assert!(sweeps > 100, "a second window is asked for in {sweeps} frames");
+}
+
+/// A frame as a camera of this format sends it, with three bytes after each line; and its gray levels, by the words of the documentation.
+fn sent(format: Format, gray: &[u8], (width, height): (u16, u16)) -> (Vec<u8>, usize, Vec<u8>) {
+    let (width, height) = (usize::from(width), usize::from(height));
+    let (columns, lines) = if format == Format::Bayer8 { (2 * width, 2 * height) } else { (width, height) };
+    let stride = format.line_bytes(u16::try_from(columns).unwrap()) + 3;
+    let (mut bytes, mut meant) = (vec![0x5A; stride * lines], gray.to_vec());
+    let widened = |value: u32, bits: u32| value << (8 - bits) | value >> (2 * bits - 8);
+    for (at, &level) in gray.iter().enumerate() {
+        let (x, y) = (at % width, at / width);
+        let rgb = u16::from(level) * 257;
+        let mut put = |x: usize, y: usize, byte: u8| bytes[y * stride + x] = byte;
+        match format {
+            Format::Gray8 => put(x, y, level),
+            Format::Yuyv => put(2 * x, y, level),
+            Format::Uyvy => put(2 * x + 1, y, level),
+            Format::Rgb565Be | Format::Rgb565Le => {
+                let pair = if format == Format::Rgb565Be { rgb.to_be_bytes() } else { rgb.to_le_bytes() };
+                put(2 * x, y, pair[0]);
+                put(2 * x + 1, y, pair[1]);
+                let rgb = u32::from(rgb);
+                let (red, green, blue) = (widened(rgb >> 11, 5), widened(rgb >> 5 & 63, 6), widened(rgb & 31, 5));
+                meant[at] = u8::try_from((19_595 * red + 38_470 * green + 7_471 * blue + 32_768) >> 16).unwrap();
+            }
+            Format::Bayer8 => {
+                let colors = [level, level.wrapping_add(3), level / 2, level.wrapping_mul(5)];
+                for (color, (right, down)) in colors.into_iter().zip([(0, 0), (1, 0), (0, 1), (1, 1)]) {
+                    put(2 * x + right, 2 * y + down, color);
+                }
+                let [a, b, c, d] = colors.map(u16::from);
+                meant[at] = u8::try_from(((a + b) / 2 + (c + d).div_ceil(2)) / 2).unwrap();
+            }
+            Format::Gray10 => put(x / 4 * 5 + x % 4, y, level),
+            other => panic!("{other:?}"),
+        }
+    }
+    (bytes, stride, meant)
+}
+
+/// A tracker that is fed line by line, in the format of the camera, answers as one that sees whole gray frames.
+fn fed_line_by_line<T: Target>(config: T::Config, recording: &Recording, format: Format) {
+    let new = || Box::new(Tracker::<T>::new(config).expect("a valid configuration"));
+    let (mut whole, mut fed) = (new(), new());
+    let (size, bounds) = (recording.size, Rect::new(0, 0, recording.size.0, recording.size.1));
+    let sensor = if format == Format::Bayer8 { (2 * size.0, 2 * size.1) } else { size };
+    for (number, gray) in recording.frames.iter().enumerate() {
+        let (bytes, stride, meant) = sent(format, gray, size);
+        let frame = Frame::whole(Image::new(&meant, size.0, size.1).unwrap());
+        let near = if number == 0 { fed.lock_window(bounds, recording.target) } else { fed.window().unwrap() };
+        let far = fed.sweep_window().filter(|rect| number > 0 && !rect.is_empty());
+        let (mut first, mut second) = (vec![0; meant.len()], vec![0; meant.len()]);
+        let mut readout = Readout::new(format, sensor, near, &mut first).unwrap();
+        if let Some(far) = far {
+            readout = readout.and_window(far, &mut second).unwrap();
+        }
+        for y in 0..sensor.1 {
+            readout.push_line(y, &bytes[usize::from(y) * stride..]).unwrap();
+        }
+        if number == 0 {
+            assert_eq!(fed.lock(&readout.frame().unwrap(), recording.target), whole.lock(&frame, recording.target));
+        } else {
+            assert_eq!(fed.update(&readout.frame().unwrap()), whole.update(&frame), "{format:?}, frame {number}");
+        }
+    }
+    assert_eq!(saved(&fed), saved(&whole), "{format:?}");
+}
+
+#[test]
+fn every_format_of_a_camera_gives_the_answers_of_gray_frames() {
+    for format in Format::ALL {
+        for seed in [1, 5] {
+            fed_line_by_line::<SmallPaper>(paper::Config::camera(), &recording(seed), format);
+            fed_line_by_line::<Robust>(robust::Config::robust(), &recording(seed), format);
+        }
+    }
+}
+
+/// The same with a recording of a real camera.
+#[test]
+fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
+    use host_sim::sequence::{self, OpenOptions};
+    let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
+    let folder = std::env::var_os("SMR_SEQUENCES").map_or(beside, Into::into).join("tld/06_car");
+    if !folder.is_dir() {
+        eprintln!("skipped: every_format_of_a_camera_gives_the_answers_of_a_recording: no {}", folder.display());
+        return;
+    }
+    let opened = match sequence::open(&folder, &OpenOptions::default()) {
+        Ok(opened) => opened,
+        Err(error) => {
+            eprintln!("skipped: every_format_of_a_camera_gives_the_answers_of_a_recording: {error:#}");
+            return;
+        }
+    };
+    let target = opened.start().unwrap();
+    let frames: Vec<_> = opened.frames.take(12).map(Result::unwrap).collect();
+    let size = (frames[0].width, frames[0].height);
+    let recording = Recording { size, target, frames: frames.into_iter().map(|frame| frame.pixels).collect() };
+    for format in Format::ALL {
+        fed_line_by_line::<Robust>(robust::Config::robust(), &recording, format);
+    }
 }

@@ -4,9 +4,10 @@ use crate::measure::{Timer, spin};
 use crate::memory::Memory;
 use core::hint::black_box;
 use defmt::{Debug2Format, info};
-use smr_core::Image;
+use smr_core::readout::{Format, Readout};
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 use smr_core::unstable::spread;
+use smr_core::{Image, Rect};
 
 const CALIBRATION: u32 = 2_000_000;
 const REPEATED: u32 = 1000;
@@ -42,6 +43,25 @@ pub fn print(counter: &mut Counter, memory: &mut Memory) {
             }
         }
     }
+    if read_out(counter, memory).is_none() {
+        info!("no room for a row");
+    }
+}
+
+/// Logs one line for each format of a camera: the cost of a row of 64 gray pixels.
+fn read_out(counter: &mut Counter, memory: &mut Memory) -> Option<()> {
+    const WIDTH: u16 = 64;
+    let (line, row) = (memory.end.get(..256)?, memory.start.get_mut(..WIDTH.into())?);
+    for format in Format::ALL {
+        let window = Rect::new(0, 0, WIDTH, 1);
+        let lines = 2 / format.gray_size((2, 2)).1;
+        let taken = counter.count(|| {
+            let mut readout = Readout::new(black_box(format), (2 * WIDTH, 2), window, row).ok()?;
+            (0..lines).try_for_each(|y| readout.push_line(y, black_box(line))).ok()
+        });
+        info!("read-out {}: {=u32}, {=u32}", Debug2Format(&format), taken, taken * 1000 / u32::from(WIDTH));
+    }
+    Some(())
 }
 
 fn compared(counter: &mut Counter, memory: &mut Memory, backend: Backend, width: u16, height: u16) -> Option<()> {

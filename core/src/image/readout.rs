@@ -34,6 +34,14 @@
 //!
 //! While a target is lost, the robust tracker reads a second window: [`Readout::and_window`] with [`Tracker::sweep_window`].
 //!
+//! # Cost
+//!
+//! Instructions a gray pixel on a Cortex-M4, with all calls for a row of 64 pixels (`examples/kernels` in QEMU):
+//!
+//! | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
+//! |---|---|---|---|---|---|
+//! | 4.5 | 5.9 | 19.2 | 20.7 | 31.6 | 13.2 |
+//!
 //! [`Tracker::window`]: crate::Tracker::window
 //! [`Tracker::sweep_window`]: crate::Tracker::sweep_window
 
@@ -118,10 +126,15 @@ impl Format {
                 }
             }
             Self::Gray10 => {
-                // The group of four that `x` is in, and its place there.
-                let groups = from(x / 4 * 5).as_chunks::<5>().0;
-                let high = groups.iter().flat_map(|[high @ .., _low]| high);
-                gray.iter_mut().zip(high.skip(x % 4)).for_each(|(gray, &byte)| *gray = byte);
+                // The rest of the group of four that `x` is in, then whole groups.
+                let (within, groups) = (x % 4, from(x / 4 * 5).as_chunks::<5>().0);
+                let (start, rest) = gray.split_at_mut(if within == 0 { 0 } else { gray.len().min(4 - within) });
+                let (first, others) = groups.split_at_checked(usize::from(within > 0)).unwrap_or_default();
+                let first = first.iter().flat_map(|[high @ .., _low]| high);
+                start.iter_mut().zip(first.skip(within)).for_each(|(gray, &byte)| *gray = byte);
+                for (gray, [high @ .., _low]) in rest.chunks_mut(4).zip(others) {
+                    gray.iter_mut().zip(high).for_each(|(gray, &byte)| *gray = byte);
+                }
             }
         }
     }
