@@ -50,8 +50,8 @@ mod app {
     use semihosting::process::exit;
     use smr_core::{Answer, Frame, Image, Rect, Target as _};
 
-    /// Cycles of the core from line to line.
-    const LINE_CYCLES: u32 = 500;
+    /// Cycles of the core from line to line. An update takes those of several lines.
+    const LINE_CYCLES: u32 = 2000;
 
     type Answers = [Option<Answer>; FRAMES as usize];
 
@@ -75,6 +75,7 @@ mod app {
         target: &'static mut Target,
         workspace: &'static mut Workspace,
         whole: Answers,
+        updates: u32,
         differ: u32,
         instructions_a_cycle: u32,
     }
@@ -88,21 +89,20 @@ mod app {
         let init::LocalResources { target_place: target, workspace_place: workspace, pixels, .. } = context.local;
         let mut timer = context.core.SYST;
         let instructions_a_cycle = instructions_a_cycle(&mut timer);
-        println!("XX {instructions_a_cycle}");
         let Some(whole) = whole_frames(target, workspace, pixels) else { fail("cannot follow the target in whole frames") };
         // The first order: what a lock reads.
         let window = target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START);
         start(&mut timer, LINE_CYCLES);
         timer.enable_interrupt();
         let local =
-            Local { frame: 0, y: 0, picture: None, target, workspace, whole, differ: 0, instructions_a_cycle };
+            Local { frame: 0, y: 0, picture: None, target, workspace, whole, updates: 0, differ: 0, instructions_a_cycle };
         (Shared { order: Some(Order { window, pixels }) }, local)
     }
 
     /// A line has come: here from a timer, on a board when the DMA has completed a line.
     #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y, picture])]
     fn line(mut context: line::Context) {
-        let late = LINE_CYCLES - 1 - SYST::get_current(); // it counts down
+        let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // it counts down, and requests at 0
         LARGEST_DELAY_CYCLES.fetch_max(late, Ordering::Relaxed);
         if IS_UPDATING.load(Ordering::Relaxed) {
             LINES_WHILE_UPDATING.fetch_add(1, Ordering::Relaxed);
@@ -132,9 +132,9 @@ mod app {
     }
 
     /// The window is complete, and the pixels belong to this task until it orders the next one.
-    #[task(priority = 1, shared = [order], local = [target, workspace, whole, differ, instructions_a_cycle])]
+    #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
     async fn update(mut context: update::Context, mut picture: Picture) {
-        let update::LocalResources { target, workspace, whole, differ, instructions_a_cycle, .. } = context.local;
+        let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } = context.local;
         IS_UPDATING.store(true, Ordering::Relaxed);
         let number = picture.frame;
         let answer = picture.order.readout(picture.next_line).ok().and_then(|readout| {
@@ -143,11 +143,12 @@ mod app {
         });
         IS_UPDATING.store(false, Ordering::Relaxed);
         let Some(answer) = answer else { fail("cannot lock on the box or search the frame") };
-        // If the update took too long, a frame was left out, and this is not the one after the last.
+        // If an update takes too long, a frame is left out. Then the answers differ.
         *differ += u32::from(whole.get(usize::from(number)) != Some(&answer));
-        if number + 1 == FRAMES {
+        *updates += u32::from(number > 0);
+        if number + 1 >= FRAMES {
             let instructions = *instructions_a_cycle;
-            println!("frames: {number}");
+            println!("updates: {updates}");
             println!("answers that differ: {differ}");
             println!("lines while updating: {}", LINES_WHILE_UPDATING.load(Ordering::Relaxed));
             println!("largest delay of a line: {}", LARGEST_DELAY_CYCLES.load(Ordering::Relaxed) * instructions);
@@ -185,7 +186,7 @@ mod app {
         unsafe {
             asm!("2:", "subs {rounds}, #1", "bne 2b", rounds = inout(reg) INSTRUCTIONS / 2 => _, options(nomem, nostack));
         }
-        let cycles = (before - SYST::get_current()).max(1);
+        let cycles = (before.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF).max(1);
         (INSTRUCTIONS + cycles / 2) / cycles
     }
 
