@@ -53,12 +53,8 @@ type Answers = [Option<Answer>; FRAMES as usize];
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     clock::start();
-    let tracking = Tracking {
-        target: TARGET.take(),
-        workspace: WORKSPACE.take(),
-        window: WINDOW.take(),
-        sweep: SWEEP.take(),
-    };
+    let tracking =
+        Tracking { target: TARGET.take(), workspace: WORKSPACE.take(), window: WINDOW.take(), sweep: SWEEP.take() };
     // Both fail only if the task runs already.
     let (Ok(blink), Ok(track)) = (blink(), track(tracking)) else { exit(1) };
     // When both are ready, blink runs first: it waits for one turn of track and no more.

@@ -71,8 +71,7 @@ async fn main(_spawner: Spawner) {
     ];
     let clocks = [pio.common.make_pio_pin(chip.PIN_14), pio.common.make_pio_pin(chip.PIN_15)];
     // While HREF (GP15) is high, a byte at each rising edge of PCLK (GP14).
-    let program =
-        pio_asm!(".wrap_target", "wait 1 gpio 15", "wait 1 gpio 14", "in pins, 8", "wait 0 gpio 14", ".wrap");
+    let program = pio_asm!(".wrap_target", "wait 1 gpio 15", "wait 1 gpio 14", "in pins, 8", "wait 0 gpio 14", ".wrap");
     let mut config = pio::Config::default();
     config.use_program(&pio.common.load_program(&program.program), &[]);
     config.set_in_pins(&data.each_ref());

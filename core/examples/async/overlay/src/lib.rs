@@ -57,7 +57,12 @@ impl<C: Copy> Colors<C> {
 ///
 /// # Errors
 /// Those of the display.
-pub fn draw<D: DrawTarget>(display: &mut D, bbox: Rect, state: State, colors: Colors<D::Color>) -> Result<(), D::Error> {
+pub fn draw<D: DrawTarget>(
+    display: &mut D,
+    bbox: Rect,
+    state: State,
+    colors: Colors<D::Color>,
+) -> Result<(), D::Error> {
     let area = display.bounding_box();
     let Some(corner) = area.bottom_right() else { return Ok(()) };
     let left_or_above = bbox.right() <= area.top_left.x || bbox.bottom() <= area.top_left.y;

@@ -89,13 +89,24 @@ mod app {
         let init::LocalResources { target_place: target, workspace_place: workspace, pixels, .. } = context.local;
         let mut timer = context.core.SYST;
         let instructions_a_cycle = instructions_a_cycle(&mut timer);
-        let Some(whole) = whole_frames(target, workspace, pixels) else { fail("cannot follow the target in whole frames") };
+        let Some(whole) = whole_frames(target, workspace, pixels) else {
+            fail("cannot follow the target in whole frames")
+        };
         // The first order: what a lock reads.
         let window = target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START);
         start(&mut timer, LINE_CYCLES);
         timer.enable_interrupt();
-        let local =
-            Local { frame: 0, y: 0, picture: None, target, workspace, whole, updates: 0, differ: 0, instructions_a_cycle };
+        let local = Local {
+            frame: 0,
+            y: 0,
+            picture: None,
+            target,
+            workspace,
+            whole,
+            updates: 0,
+            differ: 0,
+            instructions_a_cycle,
+        };
         (Shared { order: Some(Order { window, pixels }) }, local)
     }
 
@@ -134,12 +145,17 @@ mod app {
     /// The window is complete, and the pixels belong to this task until it orders the next one.
     #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
     async fn update(mut context: update::Context, mut picture: Picture) {
-        let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } = context.local;
+        let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } =
+            context.local;
         IS_UPDATING.store(true, Ordering::Relaxed);
         let number = picture.frame;
         let answer = picture.order.readout(picture.next_line).ok().and_then(|readout| {
             let frame = readout.frame().ok()?;
-            if number == 0 { target.lock(workspace, &frame, START).ok().map(|_| None) } else { target.update(workspace, &frame).ok().map(Some) }
+            if number == 0 {
+                target.lock(workspace, &frame, START).ok().map(|_| None)
+            } else {
+                target.update(workspace, &frame).ok().map(Some)
+            }
         });
         IS_UPDATING.store(false, Ordering::Relaxed);
         let Some(answer) = answer else { fail("cannot lock on the box or search the frame") };
