@@ -1,0 +1,27 @@
+//! Instead of a camera: a drawn target, line by line as a sensor sends it.
+
+pub const WIDTH: u16 = 96;
+pub const HEIGHT: u16 = 72;
+pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
+pub const FRAMES: u16 = 30;
+
+/// The place of the target in frame 0.
+pub const START: smr_core::Rect = smr_core::Rect::new(20, 16, 16, 16);
+
+/// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden in twelve frames.
+pub fn line(frame: u16, y: u16) -> [u8; WIDTH as usize] {
+    let (left, top) = (20 + 2 * (frame % 24), 16 + frame % 24);
+    let hidden = (10..22).contains(&frame);
+    let mut pixels = [0; WIDTH as usize];
+    for (x, pixel) in (0..WIDTH).zip(&mut pixels) {
+        let inside = !hidden && (left..left + 16).contains(&x) && (top..top + 16).contains(&y);
+        *pixel = if inside { hash((x - left) / 4, (y - top) / 4) } else { 90 + hash(x / 8, y / 8 + 40) / 6 };
+    }
+    pixels
+}
+
+/// A gray level for each tile, without a pattern.
+fn hash(x: u16, y: u16) -> u8 {
+    let [.., high] = (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761).to_le_bytes();
+    high
+}

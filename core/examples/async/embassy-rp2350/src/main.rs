@@ -1,0 +1,156 @@
+//! The robust tracker on a RP2350 with a camera of 320x240 pixels at the PIO, with Embassy. Built, but not yet run on a board.
+//!
+//! The frame is never in memory as a whole. Two buffers of one line each take turns: the DMA fills one, while the read-out converts the
+//! window's part of the other to gray. The update comes after the window's last line and has the processor for itself; frames that
+//! pass meanwhile are left out.
+//!
+//! | pin | connects to |
+//! |---|---|
+//! | GP6 to GP13 | camera D0 to D7 |
+//! | GP14, GP15, GP16 | camera PCLK, HREF, VSYNC |
+//! | GP22 | button; its other side to GND |
+//! | GP25 | lock indicator: the Pico 2's own LED |
+//!
+//! Set your sensor's registers first (I2C, see its data sheet): 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between frames.
+
+#![no_std]
+#![no_main]
+
+use embassy_executor::Spawner;
+use embassy_futures::join::join;
+use embassy_rp::gpio::{Input, Level, Output, Pull};
+use embassy_rp::peripherals::{DMA_CH0, PIO0};
+use embassy_rp::pio::program::pio_asm;
+use embassy_rp::pio::{self, Direction, FifoJoin, Pio, ShiftConfig, ShiftDirection, StateMachine};
+use embassy_rp::{bind_interrupts, dma};
+use panic_halt as _;
+use smr_core::readout::{Format, Readout};
+use smr_core::robust::{Config, Workspace};
+use smr_core::{Rect, Robust, State, Target};
+use static_cell::ConstStaticCell;
+
+const WIDTH: u16 = 320;
+const HEIGHT: u16 = 240;
+const FORMAT: Format = Format::Yuyv;
+const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
+const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
+
+/// The target is here when the button is pressed: 64x64 pixels in the middle.
+const START: Rect = Rect::new(128, 88, 64, 64);
+
+type Line = [u8; LINE_BYTES];
+
+// No constructor runs, and nothing is copied through the stack. `main` takes these and keeps them.
+static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::const_new(Config::robust()));
+static WORKSPACE: ConstStaticCell<Workspace> = ConstStaticCell::new(Workspace::new());
+static WINDOW: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
+static SWEEP: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
+static LINES: ConstStaticCell<[Line; 2]> = ConstStaticCell::new([[0; LINE_BYTES]; 2]);
+
+bind_interrupts!(struct Interrupts {
+    PIO0_IRQ_0 => pio::InterruptHandler<PIO0>;
+    DMA_IRQ_0 => dma::InterruptHandler<DMA_CH0>;
+});
+
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    let chip = embassy_rp::init(embassy_rp::config::Config::default());
+    let button = Input::new(chip.PIN_22, Pull::Up);
+    let mut led = Output::new(chip.PIN_25, Level::Low);
+
+    let mut pio = Pio::new(chip.PIO0, Interrupts);
+    let data = [
+        pio.common.make_pio_pin(chip.PIN_6),
+        pio.common.make_pio_pin(chip.PIN_7),
+        pio.common.make_pio_pin(chip.PIN_8),
+        pio.common.make_pio_pin(chip.PIN_9),
+        pio.common.make_pio_pin(chip.PIN_10),
+        pio.common.make_pio_pin(chip.PIN_11),
+        pio.common.make_pio_pin(chip.PIN_12),
+        pio.common.make_pio_pin(chip.PIN_13),
+    ];
+    let clocks = [pio.common.make_pio_pin(chip.PIN_14), pio.common.make_pio_pin(chip.PIN_15)];
+    // While HREF (GP15) is high, a byte at each rising edge of PCLK (GP14).
+    let program = pio_asm!(".wrap_target", "wait 1 gpio 15", "wait 1 gpio 14", "in pins, 8", "wait 0 gpio 14", ".wrap");
+    let mut config = pio::Config::default();
+    config.use_program(&pio.common.load_program(&program.program), &[]);
+    config.set_in_pins(&data.each_ref());
+    // Each byte is pushed at once, as the low byte of a word. The DMA takes that byte only.
+    config.shift_in = ShiftConfig { auto_fill: true, threshold: 8, direction: ShiftDirection::Left };
+    config.fifo_join = FifoJoin::RxOnly;
+    pio.sm0.set_config(&config);
+    pio.sm0.set_pin_dirs(Direction::In, &data.each_ref());
+    pio.sm0.set_pin_dirs(Direction::In, &clocks.each_ref());
+    let mut camera = Camera {
+        machine: pio.sm0,
+        dma: dma::Channel::new(chip.DMA_CH0, Interrupts),
+        vsync: Input::new(chip.PIN_16, Pull::None),
+        lines: LINES.take(),
+    };
+
+    let (target, workspace) = (TARGET.take(), WORKSPACE.take());
+    let (window_pixels, sweep_pixels) = (WINDOW.take(), SWEEP.take());
+    loop {
+        let is_lock = button.is_low();
+        let window = match target.window() {
+            Some(window) if !is_lock => window,
+            _ => target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START),
+        };
+        let sweep = target.sweep_window().filter(|_| !is_lock);
+        // Until the end of this round the gray pixels belong to the read-out and its frame.
+        let readout = Readout::new(FORMAT, (WIDTH, HEIGHT), window, &mut *window_pixels);
+        let readout = match sweep {
+            Some(window) => readout.and_then(|readout| readout.and_window(window, &mut *sweep_pixels)),
+            None => readout,
+        };
+        let Ok(mut readout) = readout else { continue };
+        camera.read(&mut readout).await;
+        let Ok(frame) = readout.frame() else { continue };
+        if is_lock {
+            let _ = target.lock(workspace, &frame, START);
+        } else if target.window().is_some() {
+            let is_tracking = target.update(workspace, &frame).is_ok_and(|answer| answer.state == State::Tracking);
+            led.set_level(Level::from(is_tracking));
+        }
+    }
+}
+
+/// A streaming camera.
+struct Camera {
+    machine: StateMachine<'static, PIO0, 0>,
+    dma: dma::Channel<'static>,
+    vsync: Input<'static>,
+    lines: &'static mut [Line; 2],
+}
+
+impl Camera {
+    /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a line, the frame stays
+    /// incomplete.
+    async fn read(&mut self, readout: &mut Readout<'_>) {
+        let [mut filling, mut full] = self.lines.each_mut();
+        self.machine.set_enable(false);
+        self.vsync.wait_for_falling_edge().await;
+        // Forgets the rest of the last frame.
+        self.machine.clear_fifos();
+        self.machine.restart();
+        self.machine.set_enable(true);
+        for y in 0..=HEIGHT {
+            if readout.frame().is_ok() {
+                break;
+            }
+            // `filling` is borrowed by the DMA until both are done. `full` is line y - 1: its pixels go to the window meanwhile.
+            let fill = async {
+                if y < HEIGHT {
+                    self.machine.rx().dma_pull(&mut self.dma, &mut filling[..], false).await;
+                }
+            };
+            let push = async {
+                if let Some(y) = y.checked_sub(1) {
+                    let _ = readout.push_line(y, full);
+                }
+            };
+            join(fill, push).await;
+            (filling, full) = (full, filling);
+        }
+    }
+}

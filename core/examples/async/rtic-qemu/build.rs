@@ -1,0 +1,7 @@
+//! Gives the linker script of cortex-m-rt to the linker. The memory map comes with the crate lm3s6965.
+
+fn main() {
+    println!("cargo::rustc-link-arg-bins=--nmagic");
+    println!("cargo::rustc-link-arg-bins=-Tlink.x");
+    println!("cargo::rerun-if-changed=build.rs");
+}

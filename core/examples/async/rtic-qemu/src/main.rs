@@ -1,0 +1,220 @@
+//! The paper's tracker with RTIC: an interrupt takes each line of the camera at once, a task of low priority updates. Runs in QEMU.
+//!
+//! There is one buffer for pixels. It goes round: the task hands an [`Order`] for the next window to the interrupt, the interrupt fills
+//! it line by line and hands it back as a [`Picture`]. So the tracker never waits for a lock, and no pixel is copied.
+
+#![no_std]
+#![no_main]
+
+#[path = "../../embassy-qemu/src/camera.rs"]
+mod camera;
+
+use camera::{HEIGHT, PIXELS, WIDTH};
+use smr_core::Rect;
+use smr_core::paper::{self, Config};
+use smr_core::readout::{Format, Readout, ReadoutError};
+
+/// Room for a template of 256 pixels and a window of +-12.
+type Target = smr_core::Paper<256, 25>;
+type Workspace = paper::Workspace<256, 25>;
+const CONFIG: Config = Config::camera_within(12);
+
+/// What the tracker reads of the next frame, and the buffer for it. Belongs to the task, then to the interrupt.
+pub struct Order {
+    window: Rect,
+    pixels: &'static mut [u8; PIXELS],
+}
+
+impl Order {
+    /// The read-out of this order, whose next line is `line`.
+    fn readout(&mut self, line: u16) -> Result<Readout<'_>, ReadoutError> {
+        Ok(Readout::new(Format::Gray8, (WIDTH, HEIGHT), self.window, self.pixels)?.resume(line))
+    }
+}
+
+/// An order that the interrupt is filling, or has filled.
+pub struct Picture {
+    order: Order,
+    frame: u16,
+    next_line: u16,
+}
+
+#[rtic::app(device = lm3s6965, peripherals = false, dispatchers = [GPIOA])]
+mod app {
+    use crate::camera::{self, FRAMES, HEIGHT, PIXELS, START, WIDTH};
+    use crate::{CONFIG, Order, Picture, Target, Workspace};
+    use core::arch::asm;
+    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+    use cortex_m::peripheral::{SYST, syst::SystClkSource};
+    use semihosting::println;
+    use semihosting::process::exit;
+    use smr_core::{Answer, Frame, Image, Rect, Target as _};
+
+    /// Cycles of the core from line to line. An update takes those of several lines.
+    const LINE_CYCLES: u32 = 2000;
+
+    type Answers = [Option<Answer>; FRAMES as usize];
+
+    static LINES_WHILE_UPDATING: AtomicU32 = AtomicU32::new(0);
+    static LARGEST_DELAY_CYCLES: AtomicU32 = AtomicU32::new(0);
+    static IS_UPDATING: AtomicBool = AtomicBool::new(false);
+
+    #[shared]
+    struct Shared {
+        /// On its way from the task to the interrupt.
+        order: Option<Order>,
+    }
+
+    #[local]
+    struct Local {
+        // Of the interrupt:
+        frame: u16,
+        y: u16,
+        picture: Option<Picture>,
+        // Of the task:
+        target: &'static mut Target,
+        workspace: &'static mut Workspace,
+        whole: Answers,
+        updates: u32,
+        differ: u32,
+        instructions_a_cycle: u32,
+    }
+
+    #[init(local = [
+        target_place: Target = Target::const_new(CONFIG),
+        workspace_place: Workspace = Workspace::new(),
+        pixels: [u8; PIXELS] = [0; PIXELS],
+    ])]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let init::LocalResources { target_place: target, workspace_place: workspace, pixels, .. } = context.local;
+        let mut timer = context.core.SYST;
+        let instructions_a_cycle = instructions_a_cycle(&mut timer);
+        let Some(whole) = whole_frames(target, workspace, pixels) else {
+            fail("cannot follow the target in whole frames")
+        };
+        // The first order: what a lock reads.
+        let window = target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START);
+        start(&mut timer, LINE_CYCLES);
+        timer.enable_interrupt();
+        let local = Local {
+            frame: 0,
+            y: 0,
+            picture: None,
+            target,
+            workspace,
+            whole,
+            updates: 0,
+            differ: 0,
+            instructions_a_cycle,
+        };
+        (Shared { order: Some(Order { window, pixels }) }, local)
+    }
+
+    /// A line has come: here from a timer, on a board when the DMA has completed a line.
+    #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y, picture])]
+    fn line(mut context: line::Context) {
+        let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // it counts down, and requests at 0
+        LARGEST_DELAY_CYCLES.fetch_max(late, Ordering::Relaxed);
+        if IS_UPDATING.load(Ordering::Relaxed) {
+            LINES_WHILE_UPDATING.fetch_add(1, Ordering::Relaxed);
+        }
+        let line::LocalResources { frame, y, picture, .. } = context.local;
+        // An order that comes in the middle of a frame is taken if its first line is still to come.
+        let is_ahead = |order: &mut Order| order.window.y >= i32::from(*y);
+        if let Some(order) = context.shared.order.lock(|order| order.take_if(is_ahead)) {
+            *picture = Some(Picture { order, frame: *frame, next_line: *y });
+        }
+        if let Some(mut filling) = picture.take() {
+            let last = filling.order.window.bottom() - 1;
+            let pushed = filling.order.readout(filling.next_line).and_then(|mut readout| {
+                readout.push_line(*y, &camera::line(*frame, *y))?;
+                Ok(readout.next_line())
+            });
+            let Ok(next_line) = pushed else { fail("the read-out refuses a line") };
+            filling.next_line = next_line;
+            if i32::from(*y) < last {
+                *picture = Some(filling);
+            } else if update::spawn(filling).is_err() {
+                fail("an update while one is running");
+            }
+        }
+        *y = (*y + 1) % HEIGHT;
+        *frame += u16::from(*y == 0);
+    }
+
+    /// The window is complete, and the pixels belong to this task until it orders the next one.
+    #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
+    async fn update(mut context: update::Context, mut picture: Picture) {
+        let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } =
+            context.local;
+        IS_UPDATING.store(true, Ordering::Relaxed);
+        let number = picture.frame;
+        let answer = picture.order.readout(picture.next_line).ok().and_then(|readout| {
+            let frame = readout.frame().ok()?;
+            if number == 0 {
+                target.lock(workspace, &frame, START).ok().map(|_| None)
+            } else {
+                target.update(workspace, &frame).ok().map(Some)
+            }
+        });
+        IS_UPDATING.store(false, Ordering::Relaxed);
+        let Some(answer) = answer else { fail("cannot lock on the box or search the frame") };
+        // If an update takes too long, a frame is left out. Then the answers differ.
+        *differ += u32::from(whole.get(usize::from(number)) != Some(&answer));
+        *updates += u32::from(number > 0);
+        if number + 1 >= FRAMES {
+            let instructions = *instructions_a_cycle;
+            println!("updates: {updates}");
+            println!("answers that differ: {differ}");
+            println!("lines while updating: {}", LINES_WHILE_UPDATING.load(Ordering::Relaxed));
+            println!("largest delay of a line: {}", LARGEST_DELAY_CYCLES.load(Ordering::Relaxed) * instructions);
+            println!("from line to line: {}", LINE_CYCLES * instructions);
+            exit(0);
+        }
+        let Some(window) = target.window() else { fail("no target") };
+        let order = Order { window, pixels: picture.order.pixels };
+        context.shared.order.lock(|next| *next = Some(order));
+    }
+
+    /// The answers for whole frames, without interrupts: what those of `update` must be.
+    fn whole_frames(target: &mut Target, workspace: &mut Workspace, pixels: &mut [u8; PIXELS]) -> Option<Answers> {
+        let mut answers = [None; FRAMES as usize];
+        for (number, answer) in (0..).zip(&mut answers) {
+            for (y, row) in (0..).zip(pixels.chunks_exact_mut(WIDTH.into())) {
+                row.copy_from_slice(&camera::line(number, y));
+            }
+            let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
+            if number == 0 {
+                target.lock(workspace, &frame, START).ok()?;
+            } else {
+                *answer = Some(target.update(workspace, &frame).ok()?);
+            }
+        }
+        Some(answers)
+    }
+
+    /// In QEMU with `-icount` a cycle of the timer is a fixed number of instructions. Measures how many.
+    fn instructions_a_cycle(timer: &mut SYST) -> u32 {
+        const INSTRUCTIONS: u32 = 2_000_000;
+        start(timer, 1 << 24);
+        let before = SYST::get_current();
+        // SAFETY: two instructions a round count down a register.
+        unsafe {
+            asm!("2:", "subs {rounds}, #1", "bne 2b", rounds = inout(reg) INSTRUCTIONS / 2 => _, options(nomem, nostack));
+        }
+        let cycles = (before.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF).max(1);
+        (INSTRUCTIONS + cycles / 2) / cycles
+    }
+
+    fn start(timer: &mut SYST, cycles: u32) {
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(cycles - 1);
+        timer.clear_current();
+        timer.enable_counter();
+    }
+
+    fn fail(what: &str) -> ! {
+        println!("error: {what}");
+        exit(1)
+    }
+}
