@@ -180,8 +180,9 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     if (sizes[1] > 0) {
         check(smr_readout_add_window(&readout, &windows[1], gray + sizes[0], sizes[1]));
     }
-    check_line(smr_readout_lines(&readout, bytes.buf, bytes.len, picture->stride), readout.line);
-    check_line(smr_readout_frame(&readout, &frame), readout.line);
+    const smr_status status = smr_readout_lines(&readout, bytes.buf, bytes.len, picture->stride);
+    check_line(status, readout.line);
+    check(smr_readout_frame(&readout, &frame));
     return frame;
 }
 
@@ -432,9 +433,13 @@ MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, mak
 
 // The module
 
-// At the first import after a reset: what the root pointer held is gone then. At any other import the trackers keep their own workspace.
+extern const mp_obj_module_t smr_module;
+
+// Every import of a module that is not in sys.modules calls this. A soft reset empties sys.modules, and with it the heap that the root pointer
+// is about. After `del sys.modules['smr']` the old trackers keep their own workspace.
 static mp_obj_t init(void) {
     MP_STATE_VM(smr_shared) = m_new0(shared_t, 1);
+    mp_obj_dict_store(MP_OBJ_FROM_PTR(&MP_STATE_VM(mp_loaded_modules_dict)), MP_OBJ_NEW_QSTR(MP_QSTR_smr), MP_OBJ_FROM_PTR(&smr_module));
     return mp_const_none;
 }
 static MP_DEFINE_CONST_FUN_OBJ_0(init_obj, init);
