@@ -274,7 +274,8 @@ static mp_obj_t make_new(const mp_obj_type_t *type, size_t n_args, size_t n_kw, 
     if (*workspace == NULL) {
         *workspace = m_new(uint8_t, room);
     }
-    tracker_t *self = mp_obj_malloc_var(tracker_t, storage, uint8_t, size, type);
+    tracker_t *self = m_malloc(offsetof(tracker_t, storage) + size);
+    self->base.type = type;
     self->workspace = *workspace;
     self->width = self->height = 0;
     check(smr_init(self->storage, size, self->workspace, room, &config, &self->tracker));

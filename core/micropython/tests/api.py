@@ -34,6 +34,7 @@ def picture(right=0, width=WIDTH, height=HEIGHT):
 FRAMES = [picture(right) for right in (0, 2, 3, 5)]
 still = FRAMES[0]
 KINDS = smr.Paper, smr.Robust
+LARGE = 0x3fffffff
 
 
 def follow(tracker, frames=FRAMES, collect=False, **how):
@@ -256,6 +257,70 @@ for frame in FRAMES:
         list.append((tracker.window(), tracker.sweep_window()))
 same(answers, 4 * alone, "trackers beside each other")
 del many, answers, list
+
+# The second tracker of a kind takes only its own memory.
+for kind, most in zip(KINDS, (4500, 11700)):
+    gc.collect()
+    before = gc.mem_alloc()
+    tracker, second = kind(), None
+    gc.collect()
+    between = gc.mem_alloc()
+    second = kind()
+    gc.collect()
+    same(gc.mem_alloc() - between <= most and between - before <= most, True, "memory of %d and %d bytes" % (between - before, gc.mem_alloc() - between))
+del tracker, second
+
+
+# A class of the user's own.
+class Counting(smr.Robust):
+    updates = 0
+
+    def update(self, frame):
+        self.updates += 1
+        return super().update(frame)
+
+
+tracker = Counting(size=False)
+same(follow(tracker), follow(smr.Robust(size=False)), "a class of the user's own")
+same(tracker.updates, len(FRAMES), "a class of the user's own")
+
+# Any numbers: an answer or one of the three exceptions, and after it the tracker still works.
+seed = 1
+
+
+def chosen(*values):
+    global seed
+    seed = seed * 1103515245 + 12345 & 0x7fffffff
+    return values[(seed >> 12) % len(values)]
+
+
+def side():
+    return chosen(0, 1, 2, 3, 20, 59, 60, 61, 79, 80, 81, 160, 65535, 65536, -1, 1 << 40)
+
+
+trackers = [smr.Paper(), smr.Robust(reach=4), smr.Paper(preset="paper")]
+accepted = refused = 0
+for _ in range(1500):
+    tracker = chosen(*trackers)
+    buffer = memoryview(still)[:chosen(0, 1, 79, 80, 2400, 4799, 4800)]
+    how = {"format": chosen(0, 1, 2, 3, 4, 5, 6, 6, 7, -1, 1 << 40), "stride": chosen(0, 0, 0, 40, 80, 100, 160, LARGE, -1)} if chosen(0, 1) else {}
+    try:
+        call = chosen(0, 0, 1, 1, 1, 1, 2, 3)
+        if call == 0:
+            tracker.lock(buffer, chosen(WIDTH, WIDTH // 2, side()), chosen(HEIGHT, HEIGHT // 2, side()), (side(), side(), side(), side()), **how)
+        elif call == 1:
+            tracker.update(buffer, **how)
+        elif call == 2:
+            tracker.moved(chosen(0, 300, -300, LARGE, -LARGE), chosen(0, 300, -300, LARGE, -LARGE))
+        else:
+            chosen(*trackers).restore(tracker.save(), side(), side())
+        accepted += 1
+    except (ValueError, RuntimeError) as error:
+        same("SMR_" in str(error), False, str(error))
+        refused += 1
+same(accepted > 100 and refused > 100, True, "%d calls accepted, %d refused" % (accepted, refused))
+same(follow(trackers[0]), alone[0], "after all these calls")
+del trackers, tracker, buffer
 
 # Garbage collection between any two calls, and at every allocation.
 for kind, expected in zip(KINDS, alone):
