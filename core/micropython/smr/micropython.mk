@@ -9,7 +9,8 @@ SMR_INCLUDE ?= $(USERMOD_DIR)/../../c/include
 
 ifeq ($(filter clean submodules,$(MAKECMDGOALS)),)
 ifeq ($(wildcard $(SMR_LIB)),)
-$(error smr: there is no library SMR_LIB=$(SMR_LIB). Build one in the folder of smr: core/c/install.sh PREFIX TARGET, with a target of Rust as thumbv7em-none-eabihf for a Cortex-M4 or M7 with FPU. Then SMR_LIB=PREFIX/lib/libsmr.a)
+$(error smr: there is no library SMR_LIB=$(SMR_LIB). Build one in the folder of smr: core/c/install.sh PREFIX TARGET, with a target of Rust as \
+  thumbv7em-none-eabihf for a Cortex-M4 or M7 with FPU. Then SMR_LIB=PREFIX/lib/libsmr.a)
 endif
 endif
 
