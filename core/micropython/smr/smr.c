@@ -76,7 +76,11 @@ static void check_line(smr_status status, uint16_t line) {
     if (text == NULL) {
         mp_raise_msg_varg(&mp_type_RuntimeError, MP_ERROR_TEXT("%s"), smr_status_name(status));
     }
-    mp_raise_msg_varg(status == SMR_ERROR_NOT_LOCKED ? &mp_type_RuntimeError : &mp_type_ValueError, text, (int)line);
+    // No other text is formatted: the buffer in which MicroPython 1.29 formats is a byte too short for the longest text of the firmware.
+    if (status == SMR_ERROR_LINE_TOO_SHORT) {
+        mp_raise_msg_varg(&mp_type_ValueError, text, (int)line);
+    }
+    mp_raise_msg(status == SMR_ERROR_NOT_LOCKED ? &mp_type_RuntimeError : &mp_type_ValueError, text);
 }
 
 static void check(smr_status status) {
