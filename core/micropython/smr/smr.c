@@ -1,0 +1,476 @@
+// The module `smr` of MicroPython: the trackers of libsmr.a as two classes, Paper and Robust. It holds conversions only; README.md describes
+// it for users, smr.h says what each call does.
+//
+// Memory is on MicroPython's heap. What a tracker remembers is in its Python object, because the garbage collector moves nothing. The scratch
+// memory of each kind of tracker, and the gray pixels of a camera in color, are allocated once and shared; a root pointer keeps them.
+
+#include "py/objtuple.h"
+#include "py/runtime.h"
+#include "smr.h"
+
+#if !MICROPY_MODULE_BUILTIN_INIT
+#error "the module smr needs MICROPY_MODULE_BUILTIN_INIT: after a soft reset it must forget its memory"
+#endif
+
+// The largest number that every board holds without a heap object.
+#define LARGEST 0x3fffffff
+
+typedef struct {
+    mp_obj_base_t base;
+    smr_tracker *tracker; // in `storage`
+    void *workspace; // keeps it from the garbage collector
+    uint16_t width, height; // of the buffers, as `lock` or `restore` had them
+    uint8_t storage[] __attribute__((aligned(SMR_ALIGNMENT)));
+} tracker_t;
+
+// What all trackers share.
+typedef struct {
+    void *workspaces[2]; // of Paper and of Robust
+    uint8_t *pixels; // gray pixels of the windows
+    size_t size; // bytes there
+} shared_t;
+
+MP_REGISTER_ROOT_POINTER(void *smr_shared);
+#define SHARED ((shared_t *)MP_STATE_VM(smr_shared))
+
+extern const mp_obj_type_t smr_type_paper, smr_type_robust;
+
+// Errors
+
+// The words of Rust's errors. tests/tests/micropython.rs compares them.
+static mp_rom_error_text_t words(smr_status status) {
+    switch (status) {
+        case SMR_ERROR_NOTHING_COUNTS: return MP_ERROR_TEXT("k and the first threshold must be more than 0, or no pixel counts");
+        case SMR_ERROR_LIMIT_BELOW_WINDOW: return MP_ERROR_TEXT("the window's limit is smaller than the window");
+        case SMR_ERROR_CONFIG_OUT_OF_RANGE: return MP_ERROR_TEXT("a number of the configuration is outside its range");
+        case SMR_ERROR_FRAME_EMPTY: return MP_ERROR_TEXT("the image has no pixels: width and height must be at least 1");
+        case SMR_ERROR_STRIDE_TOO_SMALL: return MP_ERROR_TEXT("the stride is smaller than the width");
+        case SMR_ERROR_FRAME_TOO_SHORT: return MP_ERROR_TEXT("the slice is shorter than (height - 1) * stride + width bytes");
+        case SMR_ERROR_OUTSIDE_FRAME: return MP_ERROR_TEXT("the window has no pixels, or is not wholly inside the frame");
+        case SMR_ERROR_BOX_EMPTY: return MP_ERROR_TEXT("the box has no pixels: width and height must be at least 1");
+        case SMR_ERROR_BOX_OUTSIDE_FRAME: return MP_ERROR_TEXT("the box is not wholly inside the frame");
+        case SMR_ERROR_BOX_TOO_LARGE: return MP_ERROR_TEXT("the box has more pixels than this tracker's template has room for");
+        case SMR_ERROR_WINDOW_TOO_LARGE: return MP_ERROR_TEXT("the window can grow to more offsets on an axis than this tracker has room for");
+        case SMR_ERROR_NOT_LOCKED: return MP_ERROR_TEXT("there is no target yet: lock first");
+        case SMR_ERROR_FRAME_SIZE_CHANGED: return MP_ERROR_TEXT("the frame has another size than the one that was locked on");
+        case SMR_ERROR_NOT_SAVED: return MP_ERROR_TEXT("these are not the bytes of a saved target");
+        case SMR_ERROR_OTHER_VERSION: return MP_ERROR_TEXT("the target was saved by another version");
+        case SMR_ERROR_TRUNCATED: return MP_ERROR_TEXT("the saved target ends too early");
+        case SMR_ERROR_DAMAGED: return MP_ERROR_TEXT("the saved target is damaged: its checksum is wrong");
+        case SMR_ERROR_OTHER_METHOD: return MP_ERROR_TEXT("the target was saved by the other tracker");
+        case SMR_ERROR_OTHER_CONFIG: return MP_ERROR_TEXT("the target was saved with another configuration");
+        case SMR_ERROR_SAVED_TOO_LARGE: return MP_ERROR_TEXT("the saved target is too large for this tracker");
+        case SMR_ERROR_LINE_TOO_SHORT: return MP_ERROR_TEXT("line %d has fewer bytes than its format needs");
+        // Rust's formats are a type, so it has no words for these.
+        case SMR_ERROR_FORMAT_UNKNOWN: return MP_ERROR_TEXT("the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10");
+        default: return NULL;
+    }
+}
+
+// Raises an exception unless the status is SMR_OK. `line`: of the frame, if the status is about one.
+static void check_line(smr_status status, uint16_t line) {
+    if (status == SMR_OK) {
+        return;
+    }
+    mp_rom_error_text_t text = words(status);
+    if (text == NULL) {
+        mp_raise_msg_varg(&mp_type_RuntimeError, MP_ERROR_TEXT("%s"), smr_status_name(status));
+    }
+    // No other text is formatted: the buffer in which MicroPython 1.29 formats is a byte too short for the longest text of the firmware.
+    if (status == SMR_ERROR_LINE_TOO_SHORT) {
+        mp_raise_msg_varg(&mp_type_ValueError, text, (int)line);
+    }
+    mp_raise_msg(status == SMR_ERROR_NOT_LOCKED ? &mp_type_RuntimeError : &mp_type_ValueError, text);
+}
+
+static void check(smr_status status) {
+    check_line(status, 0);
+}
+
+// Arguments
+
+static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, qstr name) {
+    // An int that is an object is larger than LARGEST.
+    const bool is_large = mp_obj_is_exact_type(value, &mp_type_int);
+    const mp_int_t number = is_large ? 0 : mp_obj_get_int(value);
+    if (is_large || number < least || number > most) {
+        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%q must be %d to %d"), name, (int)least, (int)most);
+    }
+    return number;
+}
+
+static smr_rect box_of(mp_obj_t value) {
+    mp_obj_t *items;
+    mp_obj_get_array_fixed_n(value, 4, &items);
+    return (smr_rect) {
+        number(items[0], -LARGEST, LARGEST, MP_QSTR_x), number(items[1], -LARGEST, LARGEST, MP_QSTR_y),
+        number(items[2], 0, UINT16_MAX, MP_QSTR_width), number(items[3], 0, UINT16_MAX, MP_QSTR_height),
+    };
+}
+
+static smr_radius radius_of(mp_obj_t value) {
+    mp_obj_t *items;
+    mp_obj_get_array_fixed_n(value, 2, &items);
+    return (smr_radius) { number(items[0], 0, UINT16_MAX, MP_QSTR_x), number(items[1], 0, UINT16_MAX, MP_QSTR_y) };
+}
+
+static mp_obj_t rect(mp_int_t x, mp_int_t y, mp_int_t width, mp_int_t height) {
+    const mp_obj_t items[] = { mp_obj_new_int(x), mp_obj_new_int(y), mp_obj_new_int(width), mp_obj_new_int(height) };
+    return mp_obj_new_tuple(4, items);
+}
+
+// Frames
+
+// A buffer as Python gives it.
+typedef struct {
+    mp_obj_t buffer;
+    int32_t format;
+    uint16_t width, height;
+    size_t stride;
+} picture_t;
+
+// Bytes of a line without padding.
+static size_t line_bytes(const picture_t *picture) {
+    switch (picture->format) {
+        case SMR_YUYV: case SMR_UYVY: case SMR_RGB565_BE: case SMR_RGB565_LE: return 2 * (size_t)picture->width;
+        case SMR_GRAY10: return ((size_t)picture->width + 3) / 4 * 5;
+        default: return picture->width;
+    }
+}
+
+static picture_t picture_of(mp_obj_t buffer, uint16_t width, uint16_t height, mp_obj_t format, mp_obj_t stride) {
+    picture_t picture = { buffer, number(format, -LARGEST, LARGEST, MP_QSTR_format), width, height, number(stride, 0, LARGEST, MP_QSTR_stride) };
+    const size_t least = line_bytes(&picture);
+    if (picture.stride == 0) {
+        picture.stride = least;
+    } else if (picture.stride < least) {
+        check(SMR_ERROR_STRIDE_TOO_SMALL);
+    }
+    return picture;
+}
+
+static size_t area(const smr_rect *window) {
+    return (size_t)window->width * window->height;
+}
+
+// Memory for gray pixels, until the next call.
+static uint8_t *pixels(size_t size) {
+    if (SHARED->size < size) {
+        m_del(uint8_t, SHARED->pixels, SHARED->size);
+        SHARED->pixels = NULL;
+        SHARED->size = 0;
+        SHARED->pixels = m_new0(uint8_t, size);
+        SHARED->size = size;
+    }
+    return SHARED->pixels;
+}
+
+// The frame for a call. A gray picture is read where it is; of another one the pixels of the windows are converted.
+static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
+    const bool is_gray = picture->format == SMR_GRAY8;
+    const size_t sizes[] = { area(&windows[0]), area(&windows[1]) };
+    uint8_t *gray = is_gray ? NULL : pixels(sizes[0] + sizes[1]);
+    // After the allocation: a finaliser could change the buffer.
+    mp_buffer_info_t bytes;
+    mp_get_buffer_raise(picture->buffer, &bytes, MP_BUFFER_READ);
+    if (is_gray) {
+        return (smr_frame) { picture->width, picture->height, {
+            { bytes.buf, bytes.len, picture->stride, picture->width, picture->height, 0, 0 },
+        } };
+    }
+    smr_readout readout;
+    smr_frame frame;
+    check(smr_readout_begin(&readout, picture->format, picture->width, picture->height, &windows[0], gray, sizes[0]));
+    if (sizes[1] > 0) {
+        check(smr_readout_add_window(&readout, &windows[1], gray + sizes[0], sizes[1]));
+    }
+    const smr_status status = smr_readout_lines(&readout, bytes.buf, bytes.len, picture->stride);
+    check_line(status, readout.line);
+    check(smr_readout_frame(&readout, &frame));
+    return frame;
+}
+
+// Trackers
+
+// Numbers of the configuration: the name of the argument, the tracker that has it, and its place.
+static const struct {
+    qstr name;
+    const mp_obj_type_t *type; // NULL: both
+    uint16_t place;
+    uint8_t bytes;
+} options[] = {
+    #define OPTION(name, type, field) { MP_QSTR_##name, type, offsetof(smr_config, field), sizeof(((smr_config *)NULL)->field) }
+    OPTION(plain_loop, NULL, plain_loop),
+    OPTION(first_threshold, &smr_type_paper, paper.first_threshold),
+    OPTION(least_threshold, &smr_type_paper, paper.least_threshold),
+    OPTION(padding, &smr_type_paper, paper.padding),
+    OPTION(growth, &smr_type_paper, paper.growth),
+    OPTION(neighbourhood, &smr_type_paper, paper.neighbourhood),
+    OPTION(least_ratio, &smr_type_paper, paper.gate.least_ratio),
+    OPTION(runner_up_always, &smr_type_paper, paper.runner_up_always),
+    OPTION(reach, &smr_type_robust, robust.reach),
+    OPTION(size, &smr_type_robust, robust.size),
+    OPTION(sweep, &smr_type_robust, robust.sweep),
+    OPTION(patience, &smr_type_robust, robust.patience),
+    OPTION(lost_below, &smr_type_robust, robust.lost_below),
+    OPTION(uncertain_below, &smr_type_robust, robust.uncertain_below),
+    OPTION(learning_rate, &smr_type_robust, robust.learning_rate),
+    OPTION(early_rate, &smr_type_robust, robust.early_rate),
+    #undef OPTION
+};
+
+static void set_option(smr_config *config, const mp_obj_type_t *type, qstr name, mp_obj_t value) {
+    for (size_t i = 0; i < MP_ARRAY_SIZE(options); i++) {
+        if (options[i].name != name || (options[i].type != NULL && options[i].type != type)) {
+            continue;
+        }
+        uint8_t *place = (uint8_t *)config + options[i].place;
+        if (options[i].bytes == 1) {
+            *place = number(value, 0, UINT8_MAX, name);
+        } else {
+            *(uint16_t *)place = number(value, 0, UINT16_MAX, name);
+        }
+        return;
+    }
+    mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %q"), type->name, name);
+}
+
+static void set_preset(smr_config *config, mp_obj_t value) {
+    const qstr name = mp_obj_is_str(value) ? mp_obj_str_get_qstr(value) : MP_QSTRnull;
+    if (name == MP_QSTR_camera) {
+        check(smr_config_camera(config));
+    } else if (name == MP_QSTR_paper) {
+        check(smr_config_paper(config));
+    } else {
+        mp_raise_ValueError(MP_ERROR_TEXT("preset must be 'camera' or 'paper'"));
+    }
+}
+
+// The configuration of the keyword arguments: the preset first, whatever their order.
+static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_obj_t *keywords) {
+    const bool is_paper = type == &smr_type_paper;
+    smr_config config;
+    check(is_paper ? smr_config_camera(&config) : smr_config_robust(&config));
+    for (size_t i = 0; is_paper && i < count; i++) {
+        if (keywords[2 * i] == MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
+            set_preset(&config, keywords[2 * i + 1]);
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        const qstr name = mp_obj_str_get_qstr(keywords[2 * i]);
+        const mp_obj_t value = keywords[2 * i + 1];
+        if (is_paper && name == MP_QSTR_window) {
+            config.paper.window = radius_of(value);
+        } else if (is_paper && name == MP_QSTR_window_limit) {
+            config.paper.window_limit = radius_of(value);
+        } else if (!is_paper || name != MP_QSTR_preset) {
+            set_option(&config, type, name, value);
+        }
+    }
+    return config;
+}
+
+static mp_obj_t make_new(const mp_obj_type_t *type, size_t n_args, size_t n_kw, const mp_obj_t *args) {
+    mp_arg_check_num(n_args, n_kw, 0, 0, true);
+    const smr_config config = config_of(type, n_kw, args);
+    const size_t size = smr_target_size(&config), room = smr_workspace_size(&config);
+    void **workspace = &SHARED->workspaces[type == &smr_type_robust];
+    if (*workspace == NULL) {
+        *workspace = m_new(uint8_t, room);
+    }
+    tracker_t *self = m_malloc(offsetof(tracker_t, storage) + size);
+    self->base.type = type;
+    self->workspace = *workspace;
+    self->width = self->height = 0;
+    check(smr_init(self->storage, size, self->workspace, room, &config, &self->tracker));
+    return MP_OBJ_FROM_PTR(self);
+}
+
+// lock(buffer, width, height, box, format=GRAY8, stride=0) -> quality
+static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
+    enum { BUFFER, WIDTH, HEIGHT, BOX, FORMAT, STRIDE };
+    static const mp_arg_t allowed[] = {
+        { MP_QSTR_buffer, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
+        { MP_QSTR_width, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
+        { MP_QSTR_height, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
+        { MP_QSTR_box, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
+        { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(SMR_GRAY8) } },
+        { MP_QSTR_stride, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
+    };
+    mp_arg_val_t values[MP_ARRAY_SIZE(allowed)];
+    mp_arg_parse_all(n_args - 1, args + 1, keywords, MP_ARRAY_SIZE(allowed), allowed, values);
+    tracker_t *self = MP_OBJ_TO_PTR(args[0]);
+    const uint16_t width = number(values[WIDTH].u_obj, 0, UINT16_MAX, MP_QSTR_width);
+    const uint16_t height = number(values[HEIGHT].u_obj, 0, UINT16_MAX, MP_QSTR_height);
+    const smr_rect target = box_of(values[BOX].u_obj);
+    const picture_t picture = picture_of(values[BUFFER].u_obj, width, height, values[FORMAT].u_obj, values[STRIDE].u_obj);
+    smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
+    if (picture.format != SMR_GRAY8) {
+        // Of a mosaic, 2x2 pixels are one of the frame.
+        const uint16_t side = picture.format == SMR_BAYER8 ? 2 : 1;
+        check(smr_lock_window(self->tracker, width / side, height / side, &target, &windows[0]));
+    }
+    const smr_frame frame = frame_of(&picture, windows);
+    check(smr_lock(self->tracker, &frame, &target));
+    self->width = width;
+    self->height = height;
+    uint16_t quality;
+    check(smr_quality(self->tracker, &quality));
+    return MP_OBJ_NEW_SMALL_INT(quality);
+}
+static MP_DEFINE_CONST_FUN_OBJ_KW(lock_obj, 1, lock);
+
+static mp_obj_t answer_of(const smr_answer *answer) {
+    static const qstr names[] = {
+        MP_QSTR_box, MP_QSTR_fine_box, MP_QSTR_state, MP_QSTR_confidence, MP_QSTR_ratio, MP_QSTR_runner_up_ratio, MP_QSTR_alpha,
+        MP_QSTR_scale, MP_QSTR_found_again,
+    };
+    const mp_obj_t items[] = {
+        rect(answer->bbox.x, answer->bbox.y, answer->bbox.width, answer->bbox.height),
+        rect(answer->fine.x, answer->fine.y, answer->fine.width, answer->fine.height),
+        MP_OBJ_NEW_SMALL_INT(answer->state),
+        MP_OBJ_NEW_SMALL_INT(answer->confidence),
+        MP_OBJ_NEW_SMALL_INT(answer->ratio),
+        answer->has_runner_up ? MP_OBJ_NEW_SMALL_INT(answer->runner_up_ratio) : mp_const_none,
+        answer->alpha > 0 ? MP_OBJ_NEW_SMALL_INT(answer->alpha) : mp_const_none,
+        mp_obj_new_int_from_uint(answer->scale),
+        mp_obj_new_bool(answer->found_again),
+    };
+    return mp_obj_new_attrtuple(names, MP_ARRAY_SIZE(items), items);
+}
+
+// update(buffer, format=GRAY8, stride=0) -> answer
+static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
+    enum { BUFFER, FORMAT, STRIDE };
+    static const mp_arg_t allowed[] = {
+        { MP_QSTR_buffer, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
+        { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(SMR_GRAY8) } },
+        { MP_QSTR_stride, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
+    };
+    mp_arg_val_t values[MP_ARRAY_SIZE(allowed)];
+    mp_arg_parse_all(n_args - 1, args + 1, keywords, MP_ARRAY_SIZE(allowed), allowed, values);
+    tracker_t *self = MP_OBJ_TO_PTR(args[0]);
+    smr_rect windows[2];
+    check(smr_window(self->tracker, &windows[0]));
+    check(smr_sweep_window(self->tracker, &windows[1]));
+    const picture_t picture = picture_of(values[BUFFER].u_obj, self->width, self->height, values[FORMAT].u_obj, values[STRIDE].u_obj);
+    const smr_frame frame = frame_of(&picture, windows);
+    smr_answer answer;
+    check(smr_update(self->tracker, &frame, &answer));
+    return answer_of(&answer);
+}
+static MP_DEFINE_CONST_FUN_OBJ_KW(update_obj, 1, update);
+
+// moved(right, down), in 1/256 pixel
+static mp_obj_t moved(mp_obj_t self_in, mp_obj_t right, mp_obj_t down) {
+    tracker_t *self = MP_OBJ_TO_PTR(self_in);
+    check(smr_moved(self->tracker, number(right, -LARGEST, LARGEST, MP_QSTR_right), number(down, -LARGEST, LARGEST, MP_QSTR_down)));
+    return mp_const_none;
+}
+static MP_DEFINE_CONST_FUN_OBJ_3(moved_obj, moved);
+
+// save() -> bytes
+static mp_obj_t save(mp_obj_t self_in) {
+    tracker_t *self = MP_OBJ_TO_PTR(self_in);
+    vstr_t bytes;
+    size_t size;
+    check(smr_saved_size(self->tracker, &size));
+    vstr_init_len(&bytes, size);
+    check(smr_save(self->tracker, (uint8_t *)bytes.buf, size, &bytes.len));
+    return mp_obj_new_bytes_from_vstr(&bytes);
+}
+static MP_DEFINE_CONST_FUN_OBJ_1(save_obj, save);
+
+// restore(saved, width=0, height=0): the size of the coming buffers; 0: as before
+static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
+    tracker_t *self = MP_OBJ_TO_PTR(args[0]);
+    const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, MP_QSTR_width) : 0;
+    const uint16_t height = n_args > 3 ? number(args[3], 0, UINT16_MAX, MP_QSTR_height) : 0;
+    if ((width == 0 && self->width == 0) || (height == 0 && self->height == 0)) {
+        mp_raise_ValueError(MP_ERROR_TEXT("this tracker has seen no frame: restore needs width and height"));
+    }
+    mp_buffer_info_t bytes;
+    mp_get_buffer_raise(args[1], &bytes, MP_BUFFER_READ);
+    check(smr_restore(self->tracker, bytes.buf, bytes.len));
+    self->width = width > 0 ? width : self->width;
+    self->height = height > 0 ? height : self->height;
+    return mp_const_none;
+}
+static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(restore_obj, 2, 4, restore);
+
+typedef smr_status (*ask_window)(const smr_tracker *, smr_rect *);
+
+// None if there is no target yet, or the window is empty.
+static mp_obj_t window_of(mp_obj_t self_in, ask_window ask) {
+    tracker_t *self = MP_OBJ_TO_PTR(self_in);
+    smr_rect window;
+    const smr_status status = ask(self->tracker, &window);
+    if (status == SMR_ERROR_NOT_LOCKED) {
+        return mp_const_none;
+    }
+    check(status);
+    return area(&window) == 0 ? mp_const_none : rect(window.x, window.y, window.width, window.height);
+}
+
+static mp_obj_t window(mp_obj_t self_in) {
+    return window_of(self_in, smr_window);
+}
+static MP_DEFINE_CONST_FUN_OBJ_1(window_obj, window);
+
+static mp_obj_t sweep_window(mp_obj_t self_in) {
+    return window_of(self_in, smr_sweep_window);
+}
+static MP_DEFINE_CONST_FUN_OBJ_1(sweep_window_obj, sweep_window);
+
+static const mp_rom_map_elem_t methods_table[] = {
+    { MP_ROM_QSTR(MP_QSTR_lock), MP_ROM_PTR(&lock_obj) },
+    { MP_ROM_QSTR(MP_QSTR_update), MP_ROM_PTR(&update_obj) },
+    { MP_ROM_QSTR(MP_QSTR_moved), MP_ROM_PTR(&moved_obj) },
+    { MP_ROM_QSTR(MP_QSTR_save), MP_ROM_PTR(&save_obj) },
+    { MP_ROM_QSTR(MP_QSTR_restore), MP_ROM_PTR(&restore_obj) },
+    { MP_ROM_QSTR(MP_QSTR_window), MP_ROM_PTR(&window_obj) },
+    { MP_ROM_QSTR(MP_QSTR_sweep_window), MP_ROM_PTR(&sweep_window_obj) },
+};
+static MP_DEFINE_CONST_DICT(methods, methods_table);
+
+MP_DEFINE_CONST_OBJ_TYPE(smr_type_paper, MP_QSTR_Paper, MP_TYPE_FLAG_NONE, make_new, make_new, locals_dict, &methods);
+MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, make_new, make_new, locals_dict, &methods);
+
+// The module
+
+extern const mp_obj_module_t smr_module;
+
+// Every import of a module that is not in sys.modules calls this. A soft reset empties sys.modules, and with it the heap that the root pointer
+// is about. After `del sys.modules['smr']` the old trackers keep their own workspace.
+static mp_obj_t init(void) {
+    MP_STATE_VM(smr_shared) = m_new0(shared_t, 1);
+    mp_obj_dict_store(MP_OBJ_FROM_PTR(&MP_STATE_VM(mp_loaded_modules_dict)), MP_OBJ_NEW_QSTR(MP_QSTR_smr), MP_OBJ_FROM_PTR(&smr_module));
+    return mp_const_none;
+}
+static MP_DEFINE_CONST_FUN_OBJ_0(init_obj, init);
+
+static const mp_rom_map_elem_t globals_table[] = {
+    { MP_ROM_QSTR(MP_QSTR___name__), MP_ROM_QSTR(MP_QSTR_smr) },
+    { MP_ROM_QSTR(MP_QSTR___init__), MP_ROM_PTR(&init_obj) },
+    { MP_ROM_QSTR(MP_QSTR_Paper), MP_ROM_PTR(&smr_type_paper) },
+    { MP_ROM_QSTR(MP_QSTR_Robust), MP_ROM_PTR(&smr_type_robust) },
+    { MP_ROM_QSTR(MP_QSTR_TRACKING), MP_ROM_INT(SMR_TRACKING) },
+    { MP_ROM_QSTR(MP_QSTR_LEAVING), MP_ROM_INT(SMR_LEAVING) },
+    { MP_ROM_QSTR(MP_QSTR_UNCERTAIN), MP_ROM_INT(SMR_UNCERTAIN) },
+    { MP_ROM_QSTR(MP_QSTR_LOST), MP_ROM_INT(SMR_LOST) },
+    { MP_ROM_QSTR(MP_QSTR_GRAY8), MP_ROM_INT(SMR_GRAY8) },
+    { MP_ROM_QSTR(MP_QSTR_YUYV), MP_ROM_INT(SMR_YUYV) },
+    { MP_ROM_QSTR(MP_QSTR_UYVY), MP_ROM_INT(SMR_UYVY) },
+    { MP_ROM_QSTR(MP_QSTR_RGB565_BE), MP_ROM_INT(SMR_RGB565_BE) },
+    { MP_ROM_QSTR(MP_QSTR_RGB565_LE), MP_ROM_INT(SMR_RGB565_LE) },
+    { MP_ROM_QSTR(MP_QSTR_BAYER8), MP_ROM_INT(SMR_BAYER8) },
+    { MP_ROM_QSTR(MP_QSTR_GRAY10), MP_ROM_INT(SMR_GRAY10) },
+    { MP_ROM_QSTR(MP_QSTR_POOR_QUALITY), MP_ROM_INT(SMR_POOR_QUALITY) },
+};
+static MP_DEFINE_CONST_DICT(globals, globals_table);
+
+const mp_obj_module_t smr_module = {
+    .base = { &mp_type_module },
+    .globals = (mp_obj_dict_t *)&globals,
+};
+MP_REGISTER_MODULE(MP_QSTR_smr, smr_module);

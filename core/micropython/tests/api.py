@@ -1,0 +1,380 @@
+# Tests of the module smr, on any board: calls, errors, buffers, pixel formats, saved targets, memory. Prints the number of checks.
+import array
+import gc
+import smr
+
+WIDTH, HEIGHT, BOX = 80, 60, (24, 20, 20, 16)
+checks = 0
+
+
+def same(found, expected, what):
+    global checks
+    checks += 1
+    if found != expected:
+        raise AssertionError("%s: %r, expected %r" % (what, found, expected))
+
+
+def raises(kind, words, call):
+    global checks
+    checks += 1
+    try:
+        found = call()
+    except Exception as error:
+        if type(error) is not kind or words not in str(error):
+            raise AssertionError("%r, expected %s %r" % (error, kind.__name__, words))
+    else:
+        raise AssertionError("%r, expected %s %r" % (found, kind.__name__, words))
+
+
+def picture(right=0, width=WIDTH, height=HEIGHT):
+    # A pattern without repetition, which moves to the right.
+    cells = ((y // 3, (x - right) // 3) for y in range(height) for x in range(width))
+    return bytearray((down * 47 + across * 83 + down * across * 29) % 251 for down, across in cells)
+
+
+FRAMES = [picture(right) for right in (0, 2, 3, 5)]
+still = FRAMES[0]
+KINDS = smr.Paper, smr.Robust
+LARGE = 0x3fffffff
+
+
+def follow(tracker, frames=FRAMES, collect=False, **how):
+    collected = gc.collect if collect else lambda: None
+    answers = [tracker.lock(frames[0], how.pop("width", WIDTH), how.pop("height", HEIGHT), how.pop("box", BOX), **how)]
+    for frame in frames:
+        collected()
+        answers.append(tracker.update(frame, **how))
+        collected()
+        answers.append((tracker.window(), tracker.sweep_window()))
+    return answers
+
+
+# Answers
+for kind in KINDS:
+    tracker = kind()
+    same((tracker.window(), tracker.sweep_window()), (None, None), "windows without a target")
+    quality = tracker.lock(still, WIDTH, HEIGHT, BOX)
+    same(smr.POOR_QUALITY < quality <= 65535, True, "quality")
+    answer = tracker.update(still)
+    same((answer.box, answer.state, answer.scale, answer.found_again), (BOX, smr.TRACKING, 65536, False), "answer")
+    same(len(answer), 9, "answer")
+    same((answer[0], answer[2]), (answer.box, answer.state), "answer by index")
+    same(all(abs(fine - 256 * whole) < 256 for fine, whole in zip(answer.fine_box, answer.box)), True, "fine box")
+    same(0 < answer.confidence <= 65535 and 0 < answer.ratio <= 65535, True, "confidence and ratio")
+    same(answer.runner_up_ratio, None, "runner-up")
+    same(answer.alpha is None, kind is smr.Robust, "alpha")
+    x, y, width, height = tracker.window()
+    same(x <= BOX[0] and y <= BOX[1] and x + width <= WIDTH and y + height <= HEIGHT, True, "window")
+    same(tracker.update(FRAMES[1]).box[0], BOX[0] + 2, "the target moves")
+    tracker.moved(5 * 256, 0)
+    same(tracker.window() != (x, y, width, height) or kind is smr.Paper, True, "the window moves along")
+    tracker.moved(-5 * 256, 0)
+    for _ in range(3):
+        answer = tracker.update(bytes(WIDTH * HEIGHT))
+    same(answer.state in (smr.LOST, smr.UNCERTAIN), True, "a black frame")
+    tracker.lock(buffer=still, width=WIDTH, height=HEIGHT, box=list(BOX), format=smr.GRAY8, stride=WIDTH)
+    same(tracker.update(buffer=still, format=smr.GRAY8, stride=WIDTH).box, BOX, "by name")
+tracker = smr.Paper(runner_up_always=True)
+tracker.lock(still, WIDTH, HEIGHT, BOX)
+same(tracker.update(still).runner_up_ratio < 65535, True, "runner-up")
+same(smr.TRACKING == smr.LEAVING or smr.UNCERTAIN == smr.LOST, False, "states")
+
+# Configurations
+tracker = smr.Paper(window=(4, 2))
+tracker.lock(still, WIDTH, HEIGHT, BOX)
+same(tracker.window(), (20, 18, 28, 20), "window=(4, 2)")
+tracker = smr.Paper(window=(100, 90), window_limit=(100, 90), preset="paper")
+large = bytes(400 * 300)
+raises(
+    ValueError,
+    "the window can grow to more offsets on an axis than this tracker has room for",
+    lambda: tracker.lock(large, 400, 300, BOX),
+)
+raises(
+    ValueError,
+    "the box has more pixels than this tracker's template has room for",
+    lambda: tracker.lock(large, 400, 300, (0, 0, 400, 300)),
+)
+del large
+smr.Robust(reach=4, size=False, sweep=False, plain_loop=True)
+raises(ValueError, "k and the first threshold must be more than 0, or no pixel counts", lambda: smr.Paper(first_threshold=0))
+raises(ValueError, "the window's limit is smaller than the window", lambda: smr.Paper(window=(30, 30), window_limit=(29, 30)))
+raises(ValueError, "a number of the configuration is outside its range", lambda: smr.Robust(reach=3))
+raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset="robust"))
+raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset=1))
+raises(ValueError, "reach must be 0 to 255", lambda: smr.Robust(reach=256))
+raises(ValueError, "padding must be 0 to 65535", lambda: smr.Paper(padding=-1))
+raises(TypeError, "Paper has no option reach", lambda: smr.Paper(reach=5))
+raises(TypeError, "Robust has no option preset", lambda: smr.Robust(preset="camera"))
+raises(TypeError, "", lambda: smr.Paper("camera"))
+raises(TypeError, "", lambda: smr.Paper(window=4))
+raises(ValueError, "", lambda: smr.Paper(window=(4, 2, 1)))
+raises(ValueError, "x must be 0 to 65535", lambda: smr.Paper(window=(70000, 2)))
+raises(TypeError, "", lambda: smr.Paper(padding="much"))
+
+# Frames, boxes and buffers
+for kind in KINDS:
+    tracker = kind()
+    lock, update = tracker.lock, tracker.update
+    raises(RuntimeError, "there is no target yet: lock first", lambda: update(still))
+    raises(RuntimeError, "there is no target yet: lock first", tracker.save)
+    raises(ValueError, "the image has no pixels: width and height must be at least 1", lambda: lock(still, 0, 0, BOX))
+    raises(ValueError, "the box has no pixels: width and height must be at least 1", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 0, 16)))
+    raises(ValueError, "the box is not wholly inside the frame", lambda: lock(still, WIDTH, HEIGHT, (-1, 20, 20, 16)))
+    raises(ValueError, "the box is not wholly inside the frame", lambda: lock(still, WIDTH, HEIGHT, (70, 20, 20, 16), format=smr.YUYV))
+    raises(ValueError, "the stride is smaller than the width", lambda: lock(still, WIDTH, HEIGHT, BOX, stride=WIDTH - 1))
+    raises(ValueError, "the stride is smaller than the width", lambda: lock(still, 40, 60, BOX, format=smr.UYVY, stride=79))
+    raises(ValueError, "the slice is shorter than (height - 1) * stride + width bytes", lambda: lock(still[:-1], WIDTH, HEIGHT, BOX))
+    raises(ValueError, "the slice is shorter than (height - 1) * stride + width bytes", lambda: lock(b"", WIDTH, HEIGHT, BOX))
+    # Line 29 ends within the buffer, line 30 does not.
+    raises(ValueError, "line 30 has fewer bytes than its format needs", lambda: lock(still, WIDTH, HEIGHT, BOX, format=smr.RGB565_BE))
+    formats = "the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10"
+    raises(ValueError, formats, lambda: lock(still, WIDTH, HEIGHT, BOX, format=7))
+    raises(ValueError, formats, lambda: lock(still, WIDTH, HEIGHT, BOX, format=-1))
+    raises(ValueError, "width must be 0 to 65535", lambda: lock(still, 65536 + WIDTH, HEIGHT, BOX))
+    raises(ValueError, "height must be 0 to 65535", lambda: lock(still, WIDTH, -1, BOX))
+    raises(ValueError, "width must be 0 to 65535", lambda: lock(still, 1 << 80, HEIGHT, BOX))
+    raises(ValueError, "x must be -1073741823 to 1073741823", lambda: lock(still, WIDTH, HEIGHT, (1 << 30, 20, 20, 16)))
+    raises(ValueError, "stride must be 0 to 1073741823", lambda: lock(still, WIDTH, HEIGHT, BOX, stride=-1))
+    raises(ValueError, "right must be -1073741823 to 1073741823", lambda: tracker.moved(1 << 31, 0))
+    raises(ValueError, "", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 20)))
+    raises(TypeError, "", lambda: lock(still, WIDTH, HEIGHT, 24))
+    raises(TypeError, "", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 20, "16")))
+    raises(TypeError, "", lambda: lock(still, WIDTH, 60.0, BOX))
+    raises(TypeError, "", lambda: lock(None, WIDTH, HEIGHT, BOX))
+    raises(TypeError, "", lambda: lock(still, WIDTH, HEIGHT, BOX, format="gray"))
+    raises(TypeError, "", lambda: lock(still, WIDTH, HEIGHT))
+    raises(TypeError, "", lambda: lock(still, WIDTH, HEIGHT, BOX, size=3))
+    raises(TypeError, "", lambda: tracker.moved(1.5, 0))
+    raises(TypeError, "", lambda: kind.update(3, still))
+    same(tracker.window(), None, "nothing was locked")
+
+    expected = follow(kind())
+    for convert in bytes, memoryview, lambda frame: array.array("B", frame), lambda frame: memoryview(frame)[:]:
+        same(follow(kind(), [convert(frame) for frame in FRAMES]), expected, "another kind of buffer")
+    words = array.array("H", [2 * at + (2 * at + 1 << 8) & 65535 for at in range(WIDTH * HEIGHT // 2)])
+    tracker.lock(words, WIDTH, HEIGHT, BOX)
+    raises(ValueError, "the slice is shorter than (height - 1) * stride + width bytes", lambda: update(still[:-1]))
+    raises(TypeError, "", lambda: update(7))
+    raises(TypeError, "", lambda: update(still, 0, WIDTH, 1))
+    # A longer stride, and a frame that ends after its last pixel.
+    padded = [bytearray(HEIGHT * 100 - 20) for _ in FRAMES]
+    for frame, wide in zip(FRAMES, padded):
+        for y in range(HEIGHT):
+            wide[100 * y:100 * y + WIDTH] = frame[WIDTH * y:WIDTH * y + WIDTH]
+    same(follow(kind(), padded, stride=100), expected, "stride")
+    try:
+        import framebuf
+
+        drawn = bytearray(still)
+        framebuf.FrameBuffer(drawn, WIDTH, HEIGHT, framebuf.GS8).fill_rect(30, 24, 4, 4, 255)
+        tracker.lock(framebuf.FrameBuffer(drawn, WIDTH, HEIGHT, framebuf.GS8), WIDTH, HEIGHT, BOX)
+        same(tracker.update(drawn).box, BOX, "a frame buffer")
+    except ImportError:
+        pass
+
+
+# Pixel formats: each gives the answers of the gray frames that it stands for. The other bytes are noise.
+def interleaved(frame, first):
+    wide = bytearray(at * 77 % 256 for at in range(2 * len(frame)))
+    for at, gray in enumerate(frame):
+        wide[2 * at + first] = gray
+    return wide
+
+
+def packed(frame):
+    lines = bytearray()
+    for at in range(0, len(frame), 4):
+        lines += frame[at:at + 4]
+        lines.append(at * 31 % 256)
+    return lines
+
+
+def luma(high, low):
+    rgb = high << 8 | low
+    red, green, blue = rgb >> 11, rgb >> 5 & 63, rgb & 31
+    red, green, blue = red << 3 | red >> 2, green << 2 | green >> 4, blue << 3 | blue >> 2
+    return (19595 * red + 38470 * green + 7471 * blue + 32768) >> 16
+
+
+def mean(frame, width, height):
+    gray = bytearray()
+    for y in range(0, height, 2):
+        for x in range(0, width, 2):
+            a, b = frame[y * width + x], frame[y * width + x + 1]
+            c, d = frame[(y + 1) * width + x], frame[(y + 1) * width + x + 1]
+            gray.append(((a + b) // 2 + (c + d + 1) // 2) // 2)
+    return gray
+
+
+for kind in KINDS:
+    expected = follow(kind())
+    for format, convert in (
+        (smr.YUYV, lambda frame: interleaved(frame, 0)),
+        (smr.UYVY, lambda frame: interleaved(frame, 1)),
+        (smr.GRAY10, packed),
+    ):
+        same(follow(kind(), [convert(frame) for frame in FRAMES], format=format), expected, "format %d" % format)
+    color = [interleaved(frame, 0) for frame in FRAMES]
+    gray = [bytearray(luma(frame[at], frame[at + 1]) for at in range(0, len(frame), 2)) for frame in color]
+    same(follow(kind(), color, format=smr.RGB565_BE), follow(kind(), gray), "RGB565_BE")
+    gray = [bytearray(luma(frame[at + 1], frame[at]) for at in range(0, len(frame), 2)) for frame in color]
+    same(follow(kind(), color, format=smr.RGB565_LE), follow(kind(), gray), "RGB565_LE")
+    del color, gray
+    mosaic = [picture(right, 2 * WIDTH, 2 * HEIGHT) for right in (0, 4)]
+    half = [mean(frame, 2 * WIDTH, 2 * HEIGHT) for frame in mosaic]
+    same(follow(kind(), mosaic, width=2 * WIDTH, height=2 * HEIGHT, format=smr.BAYER8), follow(kind(), half), "BAYER8")
+    tracker = kind()
+    tracker.lock(mosaic[0], 2 * WIDTH, 2 * HEIGHT, BOX, format=smr.BAYER8)
+    raises(ValueError, "the frame has another size than the one that was locked on", lambda: tracker.update(mosaic[0]))
+    tracker.lock(still, WIDTH, HEIGHT, (60, 44, 20, 16))
+    raises(ValueError, "the window has no pixels, or is not wholly inside the frame", lambda: tracker.update(still, format=smr.BAYER8))
+    raises(ValueError, "line 30 has fewer bytes than its format needs", lambda: tracker.update(still, smr.YUYV))
+    del mosaic, half
+
+# Saved targets
+for kind, other in ((smr.Paper, smr.Robust), (smr.Robust, smr.Paper)):
+    tracker = kind()
+    expected = follow(tracker)
+    tracker.lock(still, WIDTH, HEIGHT, BOX)
+    saved = tracker.save()
+    same(type(saved), bytes, "saved")
+    again = kind()
+    raises(ValueError, "this tracker has seen no frame: restore needs width and height", lambda: again.restore(saved))
+    raises(ValueError, "this tracker has seen no frame: restore needs width and height", lambda: again.restore(saved, WIDTH))
+    again.restore(bytearray(saved), WIDTH, HEIGHT)
+    same(again.save(), saved, "saved again")
+    same([again.update(frame) for frame in FRAMES], expected[1::2], "restored")
+    again.restore(saved)
+    same([again.update(frame) for frame in FRAMES], expected[1::2], "restored once more")
+    raises(ValueError, "these are not the bytes of a saved target", lambda: again.restore(b"SMT" + saved[3:]))
+    raises(ValueError, "the target was saved by another version", lambda: again.restore(saved[:4] + b"\xff\xff" + saved[6:]))
+    raises(ValueError, "the saved target ends too early", lambda: again.restore(saved[:-1]))
+    raises(ValueError, "the saved target is damaged: its checksum is wrong", lambda: again.restore(saved[:-1] + bytes([saved[-1] ^ 1])))
+    raises(ValueError, "the target was saved by the other tracker", lambda: other().restore(saved, WIDTH, HEIGHT))
+    changed = smr.Paper(growth=3) if kind is smr.Paper else smr.Robust(patience=9)
+    raises(ValueError, "the target was saved with another configuration", lambda: changed.restore(saved, WIDTH, HEIGHT))
+    raises(TypeError, "", lambda: again.restore(saved, WIDTH, HEIGHT, 1))
+    raises(TypeError, "", lambda: again.restore(5, WIDTH, HEIGHT))
+    raises(ValueError, "height must be 0 to 65535", lambda: again.restore(saved, WIDTH, -1))
+    again.restore(saved, WIDTH + 1, HEIGHT)
+    raises(ValueError, "the frame has another size than the one that was locked on", lambda: again.update(picture(0, WIDTH + 1)))
+
+# Many trackers of both kinds share their workspaces: each answers as one alone.
+alone = [follow(kind()) for kind in KINDS]
+many = [kind() for _ in range(4) for kind in KINDS]
+answers = [[tracker.lock(still, WIDTH, HEIGHT, BOX)] for tracker in many]
+for frame in FRAMES:
+    for tracker, list in zip(many, answers):
+        list.append(tracker.update(frame))
+        list.append((tracker.window(), tracker.sweep_window()))
+same(answers, 4 * alone, "trackers beside each other")
+del many, answers, list
+
+# The second tracker of a kind takes only its own memory.
+for kind, most in zip(KINDS, (4500, 11700)):
+    gc.collect()
+    before = gc.mem_alloc()
+    tracker, second = kind(), None
+    gc.collect()
+    between = gc.mem_alloc()
+    second = kind()
+    gc.collect()
+    after = gc.mem_alloc()
+    same(max(between - before, after - between) <= most, True, "memory of %d and %d bytes" % (between - before, after - between))
+del tracker, second
+
+
+# A class of the user's own.
+class Counting(smr.Robust):
+    updates = 0
+
+    def update(self, frame):
+        self.updates += 1
+        return super().update(frame)
+
+
+tracker = Counting(size=False)
+same(follow(tracker), follow(smr.Robust(size=False)), "a class of the user's own")
+same(tracker.updates, len(FRAMES), "a class of the user's own")
+
+# Any numbers: an answer or one of the three exceptions, and after it the tracker still works.
+seed = 1
+
+
+def chosen(*values):
+    global seed
+    seed = seed * 1103515245 + 12345 & 0x7fffffff
+    return values[(seed >> 16) % len(values)]
+
+
+def side():
+    return chosen(0, 1, 2, 3, 20, 59, 60, 61, 79, 80, 81, 160, 65535, 65536, -1, 1 << 40)
+
+
+trackers = [smr.Paper(), smr.Robust(reach=4), smr.Paper(preset="paper")]
+accepted, refused = [0, 0, 0, 0], 0
+for _ in range(1500):
+    tracker = chosen(*trackers)
+    buffer = memoryview(still)[:chosen(0, 1, 79, 80, 2400, 4799, 4800, 4800, 4800, 4800)]
+    how = {}
+    if chosen(False, True):
+        how["format"] = chosen(0, 1, 2, 3, 4, 5, 6, 6, 7, -1, 1 << 40)
+        how["stride"] = chosen(0, 0, 0, 0, 40, 80, 100, 160, LARGE, -1)
+    try:
+        call = chosen(0, 0, 0, 1, 1, 1, 1, 2, 3)
+        if call == 0:
+            width, height = chosen(WIDTH, WIDTH, WIDTH // 2, side()), chosen(HEIGHT, HEIGHT, HEIGHT // 2, side())
+            tracker.lock(buffer, width, height, chosen(BOX, (3, 20, 20, 3), (side(), side(), side(), side())), **how)
+        elif call == 1:
+            tracker.update(buffer, **how)
+        elif call == 2:
+            tracker.moved(chosen(0, 300, -300, LARGE, -LARGE), chosen(0, 300, -300, LARGE, -LARGE))
+        else:
+            chosen(*trackers).restore(tracker.save(), chosen(WIDTH, 0, side()), chosen(HEIGHT, 0, side()))
+        accepted[call] += 1
+    except (ValueError, RuntimeError) as error:
+        same("SMR_" in str(error), False, str(error))
+        refused += 1
+same(min(accepted) > 20 and refused > 100, True, "%r calls accepted, %d refused" % (accepted, refused))
+same(follow(trackers[0]), alone[0], "after all these calls")
+del trackers, tracker, buffer
+
+# Garbage collection between any two calls, and at every allocation.
+for kind, expected in zip(KINDS, alone):
+    same(follow(kind(), collect=True), expected, "garbage collected between two calls")
+    color = [interleaved(frame, 1) for frame in FRAMES]
+    threshold = gc.threshold()
+    gc.threshold(1)
+    same(follow(kind()), expected, "garbage collected at every allocation")
+    same(follow(kind(), color, format=smr.UYVY), expected, "garbage collected at every allocation, in color")
+    gc.threshold(threshold)
+    del color
+
+# The module imported anew: a new workspace; the old trackers keep theirs.
+import sys
+
+old = [kind() for kind in KINDS]
+for tracker in old:
+    tracker.lock(still, WIDTH, HEIGHT, BOX)
+del sys.modules["smr"]
+import smr
+
+gc.collect()
+filled = [bytearray(b"\x55" * 1000) for _ in range(10)]
+same([[tracker.update(frame) for frame in FRAMES] for tracker in old], [answers[1::2] for answers in alone], "trackers of the former import")
+same([follow(kind()) for kind in (smr.Paper, smr.Robust)], alone, "the module imported anew")
+del old, filled
+
+# A thousand trackers take no memory in the end.
+for kind in KINDS:
+    for count in range(1000):
+        tracker = kind()
+        tracker.lock(still, WIDTH, HEIGHT, BOX) if count % 50 == 0 else None
+        if count in (9, 999):
+            del tracker
+            gc.collect()
+            allocated = gc.mem_alloc() - (0 if count == 9 else allocated)
+    same(abs(allocated) < 1000, True, "growth of %d bytes over 990 trackers" % allocated)
+
+print("api: %d checks" % checks)

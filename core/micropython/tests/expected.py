@@ -1,0 +1,40 @@
+# Prints what track.py must print, from the lines of `host-sim track --json` in files: expected.py NAME FILE ...
+# host-sim prints fractions, rounded to six digits. That is enough for all the numbers behind them.
+import json
+import sys
+
+STATES = ("tracking", "leaving", "uncertain", "lost")
+NOTHING = "-"
+
+
+def units(fraction, one):
+    return NOTHING if fraction is None else int(fraction * one + (0.5 if fraction >= 0 else -0.5))
+
+
+def box(box, one):
+    if box is None:
+        return NOTHING
+    return " ".join(str(units(box[side], one)) for side in ("x", "y", "width", "height"))
+
+
+def line(answer):
+    if answer["quality"] is not None:
+        return "%s %d" % (box(answer["box"], 1), units(answer["quality"], 65535))
+    return " ".join(str(value) for value in (
+        STATES.index(answer["state"]),
+        box(answer["box"], 1),
+        box(answer["fine"], 256),
+        units(answer["confidence"], 65535),
+        units(answer["ratio"], 65535),
+        units(answer["runner_up_ratio"], 65535),
+        NOTHING if answer["alpha"] is None else answer["alpha"],
+        units(answer["scale"], 65536),
+        int(answer["found_again"]),
+    ))
+
+
+for at in range(1, len(sys.argv), 2):
+    with open(sys.argv[at + 1]) as answers:
+        for text in answers:
+            answer = json.loads(text)
+            print("|", sys.argv[at], answer["frame"], line(answer))
