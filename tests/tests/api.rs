@@ -37,7 +37,7 @@ fn listed() -> String {
 #[test]
 fn smr_core_has_the_interface_that_is_listed() {
     if !compiler_is_read() {
-        println!("skipped: interface of smr-core: it is listed by Rust {} only", COMPILER);
+        println!("skipped: interface of smr-core: it is listed by Rust {COMPILER} only");
         return;
     }
     let (file, now) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("api/smr-core.txt"), listed());
