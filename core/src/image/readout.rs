@@ -128,7 +128,8 @@ impl Format {
             Self::Gray10 => {
                 // The rest of the group of four that `x` is in, then whole groups.
                 let (within, groups) = (x % 4, from(x / 4 * 5).as_chunks::<5>().0);
-                let (start, rest) = gray.split_at_mut(if within == 0 { 0 } else { gray.len().min(4 - within) });
+                let lead = if within == 0 { 0 } else { gray.len().min(4 - within) };
+                let (start, rest) = gray.split_at_mut_checked(lead).unwrap_or_default();
                 let (first, others) = groups.split_at_checked(usize::from(within > 0)).unwrap_or_default();
                 let first = first.iter().flat_map(|[high @ .., _low]| high);
                 start.iter_mut().zip(first.skip(within)).for_each(|(gray, &byte)| *gray = byte);
@@ -354,7 +355,8 @@ impl<'a> Area<'a> {
         }
         let (line, lines) = (y - start, format.lines_a_row());
         let width = usize::from(self.window.width);
-        let row = self.pixels.chunks_exact_mut(width).nth(usize::from(line / lines)).unwrap_or_default();
+        let start = usize::from(line / lines) * width;
+        let row = self.pixels.get_mut(start..start + width).unwrap_or_default();
         format.convert(bytes, usize::try_from(self.window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
