@@ -1306,7 +1306,8 @@ smr_status smr_readout_begin(struct smr_readout *readout,
  * @param window   The window, not empty and inside the gray frame.
  * @param pixels   As for #smr_readout_begin; other memory than that of the first window.
  * @param size     Bytes there.
- * @return         As #smr_readout_begin; #SMR_ERROR_LINE_OUT_OF_ORDER after the first line.
+ * @return         As #smr_readout_begin; #SMR_ERROR_OVERLAPS_TRACKER if it is memory of the first window;
+ *                 #SMR_ERROR_LINE_OUT_OF_ORDER after the first line.
  */
 smr_status smr_readout_add_window(struct smr_readout *readout,
                                   const struct smr_rect *window,
@@ -1323,8 +1324,9 @@ smr_status smr_readout_add_window(struct smr_readout *readout,
  * @param bytes    The line.
  * @param size     Bytes there; more than the line has are ignored.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_LINE_OUT_OF_ORDER,
- *                 #SMR_ERROR_LINE_TOO_SHORT, #SMR_ERROR_LINE_OUTSIDE_FRAME, #SMR_ERROR_LINE_MISSING, or an error of
- *                 #smr_readout_begin if the readout was changed.
+ *                 #SMR_ERROR_LINE_TOO_SHORT, #SMR_ERROR_LINE_OUTSIDE_FRAME, #SMR_ERROR_LINE_MISSING,
+ *                 #SMR_ERROR_OVERLAPS_TRACKER if the line lies in the memory of a window, or an error of #smr_readout_begin
+ *                 if the readout was changed.
  */
 smr_status smr_readout_line(struct smr_readout *readout,
                             uint16_t y,

@@ -102,7 +102,7 @@ impl Frame {
         let output = Output::create(&self.out)?;
         let Sequence { name, mut frames, init, length, first, colors, .. } =
             self.recording.in_own_size().open(&self.sequence)?;
-        // The first frame says what is wrong with the recording, and how large it is.
+        // The first frame tells the size. Damage in later frames is reported by the commands that follow the target, not here.
         let gray = frames.next().with_context(|| format!("{name} holds no frame"))??;
         let size = (gray.width, gray.height);
         let bbox = self.target(init);

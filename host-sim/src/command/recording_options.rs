@@ -18,7 +18,7 @@ pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
     ///
     /// `X,Y,W,H@FRAME` lies in a later frame. `track` and `report` take several targets, each with its name (--init car=150,100,40,48 --init
-    /// man=20,80,15,40@120), and further boxes of a target, at which it is locked on anew (--init car=170,90,40,48@300).
+    /// man=20,80,15,40@120), and further boxes of a target, at which the tracker locks again (--init car=170,90,40,48@300).
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
     /// Count the right and lower edges as part of each box to start from: it is one pixel wider and higher

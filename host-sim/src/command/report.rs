@@ -108,7 +108,7 @@ impl Report {
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
-        // What nobody asked for fails nobody.
+        // A method that was not asked for is left out instead of being an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (choice, several) = (self.choice(sequence.first)?, targets.len() > 1);

@@ -7,7 +7,7 @@ use crate::sequence::{GrayFrame, Target};
 use anyhow::{Context, Result, anyhow};
 use smr_core::{Quality, Rect};
 
-/// A target that is locked on at its first box, and anew at each further one.
+/// A target. The tracker locks on it at its first box, and again at each further one.
 pub struct Followed {
     /// `None` if it is the only one, and was given none.
     pub name: Option<String>,
@@ -19,7 +19,7 @@ pub struct Followed {
 
 impl Followed {
     /// A target for each of `targets`, all followed by `variant` with one workspace.
-    /// Errors: A box has less than a pixel, or the tracker's.
+    /// Errors: A box has less than one pixel, or the configuration is invalid.
     pub fn all(targets: Vec<Target>, variant: &Variant) -> Result<Vec<Self>> {
         let methods = variant.build_all(targets.len())?;
         targets.into_iter().zip(methods).map(|(target, method)| Self::new(target, method)).collect()

@@ -81,7 +81,7 @@ fn gif_size(overlay: &Overlay) -> (u16, u16) {
     (side(overlay.size().0), side(overlay.size().1))
 }
 
-/// What the disk says is told as it is.
+/// Errors of the disk are passed on as they are.
 fn of_gif(error: EncodingError) -> Error {
     match error {
         EncodingError::Io(error) => error.into(),

@@ -89,10 +89,10 @@ impl Ffmpeg {
         command.args(["-v", "error", "-f", "matroska", "-i", "-"]);
         if let Some((recording, start)) = sound {
             command.args(["-ss", &format!("{start:.6}"), "-i"]).arg(ffmpeg_input(recording));
-            // Sound that ends early goes on in silence, so that the picture is the shorter one, and all of it is kept.
+            // Silence behind the sound, so that -shortest cuts the sound and never the picture.
             command.args(["-map", "0:v", "-map", "1:a:0?", "-c:a", "aac", "-af", "apad", "-shortest"]);
         }
-        // Players want half as many columns and rows of color, take HD for BT.709, and find what is there to scroll through at the beginning.
+        // Players want color at half the size, BT.709, and the index at the beginning of the file.
         let filter =
             format!("pad=ceil(iw/2)*2:ceil(ih/2)*2,setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
         command.args(["-vf", &filter, "-pix_fmt", "yuv420p", "-movflags", "+faststart"]);
