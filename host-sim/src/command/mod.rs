@@ -48,6 +48,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(not(feature = "bench"))]
 use not_built::NotBuilt;
 use places::Places;
+pub use recordings::recordings;
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, ErrorKind, StdoutLock, Write};

@@ -76,6 +76,15 @@ fn flat(value: &Value) -> Value {
 }
 
 impl Tables {
+    /// The columns of the table `name`, each with its values; none if there is no such table.
+    pub fn columns(&self, name: TableName) -> impl Iterator<Item = (&str, Vec<&Value>)> {
+        let table = self.0.iter().find(move |table| table.name == name);
+        table.into_iter().flat_map(|table| {
+            let values = |column: usize| table.rows.iter().map(|row| &row[column]).collect();
+            table.columns.iter().enumerate().map(move |(column, name)| (name.as_str(), values(column)))
+        })
+    }
+
     /// The table `name` as CSV, by RFC 4180 but with the line ends of all other output; `None` if there is no such table.
     #[must_use]
     pub fn csv(&self, name: TableName) -> Option<String> {

@@ -1,0 +1,35 @@
+"""Follows one target, or several, through 8-bit frames by the Similarity Matching Ratio.
+
+    tracker = smr.Robust()
+    tracker.init(frame, (x, y, width, height))
+    ok, box = tracker.update(next_frame)
+
+Frames are numpy arrays of uint8: gray (height, width), or BGR (height, width, 3) as OpenCV gives them. The answers are those of the Rust crate
+smr-core, bit for bit.
+"""
+
+from ._answer import Answer, Box, State
+from ._evaluate import evaluate
+from ._group import Group
+from ._smr import Paper, Recording, Robust, Tracker, recordings
+
+__all__ = [
+    "Answer", "Box", "Group", "Paper", "Recording", "Robust", "State", "Tracker", "evaluate", "recordings", "restore",
+]  # fmt: skip
+
+
+def restore(saved):
+    """A tracker with the target that `Tracker.save` wrote, for trackers with usual options.
+
+    A saved target does not hold the options. For a tracker with other options call `restore` of a tracker that has them.
+    """
+    error = None
+    for tracker in (Robust(), Paper(), Paper(preset="paper")):
+        try:
+            tracker.restore(saved)
+            return tracker
+        except ValueError as refusal:
+            # The tracker that wrote it gives the reason that helps.
+            if error is None or "by the other tracker" in str(error):
+                error = refusal
+    raise error

@@ -1,0 +1,50 @@
+"""What trackers answer."""
+
+import enum
+from typing import NamedTuple, Optional
+
+
+class State(str, enum.Enum):
+    """What the tracker believes about its target after a frame. Its value is the word that host-sim prints."""
+
+    TRACKING = "tracking"
+    LEAVING = "leaving"
+    UNCERTAIN = "uncertain"
+    LOST = "lost"
+
+    __str__ = str.__str__
+
+
+# In the order of the codes of the core.
+STATES = tuple(State)
+
+
+class Box(NamedTuple):
+    """A box in pixels: the left and the top edge, the width and the height."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+class Answer(NamedTuple):
+    """Where the target is, and how reliable that is. Confidence and ratios are 0 to 1."""
+
+    box: Box
+    """In whole pixels. Of a lost target: `Paper` gives the last box that it accepted, `Robust` its best guess."""
+    fine_box: Box
+    """The same box in steps of 1/256 pixel. `Paper` always gives whole pixels."""
+    state: State
+    confidence: float
+    """How sure the tracker is of the box."""
+    ratio: float
+    """How similar the target in the box is to the template: `Paper` gives the similarity matching ratio."""
+    runner_up_ratio: Optional[float]
+    """The ratio of the runner-up, or None if no decision depended on it. Always None from `Robust`."""
+    alpha: Optional[int]
+    """The threshold of the frame in gray levels. None from `Robust`."""
+    scale: float
+    """The size of the target divided by its size at `init`. Always 1 from `Paper`."""
+    found_again: bool
+    """True in the frame in which a lost target was found."""

@@ -1,0 +1,53 @@
+"""Figures of host-sim over many recordings."""
+
+import os
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+
+from ._smr import Robust, Tracker, measure, recordings
+
+
+def evaluate(paths, trackers=None, *, starts="given", executor=None):
+    """Runs trackers over recordings with ground truth and returns the figures of `host-sim eval --robustness`.
+
+    `paths` is a recording, a folder of recordings, or a list of them. `trackers` is a tracker, or a dict of trackers by name; their options
+    count, not their targets. `starts` is "given" (the first box), "near" (five boxes around it), or a number N (every N-th frame).
+
+    `executor` is any `concurrent.futures` executor with a `submit`, such as Dask's `Client.get_executor()`. Each recording is one task. Paths
+    must be valid where the tasks run. Without it, there is one thread for each core.
+
+    Returns a dict of lists, one row for each tracker and recording: `pandas.DataFrame(smr.evaluate(...))`. A recording that cannot be measured
+    causes a warning and has no rows. Raises ValueError if none could be measured.
+    """
+    if isinstance(paths, (str, os.PathLike)):
+        paths = [paths]
+    if trackers is None:
+        trackers = Robust()
+    if isinstance(trackers, Tracker):
+        trackers = {type(trackers).__name__.lower(): trackers}
+    found = recordings(paths)
+    if executor is not None:
+        return _rows(executor, found, trackers, starts)
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        try:
+            return _rows(threads, found, trackers, starts)
+        except KeyboardInterrupt:
+            threads.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _rows(executor, found, trackers, starts):
+    futures = [executor.submit(measure, path, trackers, starts) for path in found]
+    tables, failures = [], []
+    for future in futures:
+        try:
+            tables.append(future.result())
+        except ValueError as error:
+            failures.append(str(error))
+    if not tables:
+        raise ValueError("; ".join(failures))
+    for failure in failures:
+        warnings.warn(failure, stacklevel=3)
+    # Tracker by tracker, as host-sim has them.
+    order = [(number, row) for row in range(len(trackers)) for number in range(len(tables))]
+    return {name: [tables[number][name][row] for number, row in order] for name in tables[0]}

@@ -1,0 +1,55 @@
+"""Several targets in one frame."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+from ._answer import State
+
+
+class Group:
+    """Follows several targets in the same frames, like `cv2.legacy.MultiTracker`. Trackers of different kinds may be mixed.
+
+    `threads` is the number of threads that work on a frame, at most; without it, there is one for each core. A thread has one workspace for
+    all its targets, so a target takes little memory.
+    """
+
+    def __init__(self, threads=None):
+        if threads is not None and threads < 1:
+            raise ValueError(f"threads: expected 1 or more, found {threads}")
+        self._threads = threads or os.cpu_count() or 1
+        self._executor = ThreadPoolExecutor(self._threads)
+        self.trackers = []
+
+    def add(self, tracker, frame, box):
+        """Starts `tracker` on the target in `box` and makes it a member."""
+        if any(member is tracker for member in self.trackers):
+            raise ValueError("this tracker is in the group already")
+        tracker.init(frame, box)
+        self.trackers.append(tracker)
+
+    def remove(self, tracker):
+        """Follows this target no longer. The tracker keeps it."""
+        self.trackers.remove(tracker)
+
+    def follow(self, frame):
+        """The answer for each target in the next frame, in the order of `trackers`."""
+        trackers, threads = tuple(self.trackers), min(self._threads, len(self.trackers))
+        if threads <= 1:
+            return [tracker.follow(frame) for tracker in trackers]
+        shares = self._executor.map(_follow, (trackers[first::threads] for first in range(threads)), [frame] * threads)
+        answers = [None] * len(trackers)
+        for first, share in enumerate(shares):
+            answers[first::threads] = share
+        return answers
+
+    def update(self, frame):
+        """`(True, boxes)` as `cv2.legacy.MultiTracker` gives them; False if a target is lost."""
+        answers = self.follow(frame)
+        return all(answer.state != State.LOST for answer in answers), [answer.box for answer in answers]
+
+    def __len__(self):
+        return len(self.trackers)
+
+
+def _follow(trackers, frame):
+    return [tracker.follow(frame) for tracker in trackers]

@@ -1,0 +1,74 @@
+//! What Python gets back: boxes, answers and values of JSON.
+
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple};
+use serde_json::Value;
+use smr_core::{Answer, FineRect, Rect};
+
+/// A class of the package.
+fn class<'py>(py: Python<'py>, cell: &'static PyOnceLock<Py<PyAny>>, name: &str) -> PyResult<&'py Bound<'py, PyAny>> {
+    let found = cell.get_or_try_init(py, || PyResult::Ok(py.import("smr._answer")?.getattr(name)?.unbind()))?;
+    Ok(found.bind(py))
+}
+
+/// A `Box` in whole pixels.
+pub fn whole<'py>(py: Python<'py>, rect: Rect) -> PyResult<Bound<'py, PyAny>> {
+    static BOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    class(py, &BOX, "Box")?.call1((rect.x, rect.y, rect.width, rect.height))
+}
+
+/// A `Box` in fractions of a pixel.
+fn fine<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
+    static BOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let pixels = |number: i32| f64::from(number) / 256.0;
+    let size = |number: u32| f64::from(number) / 256.0;
+    class(py, &BOX, "Box")?.call1((pixels(rect.x), pixels(rect.y), size(rect.width), size(rect.height)))
+}
+
+/// 65535 as 1.0.
+pub fn of_one(ratio: u16) -> f64 {
+    f64::from(ratio) / f64::from(u16::MAX)
+}
+
+/// An `Answer`, with 1.0 as 1.0.
+pub fn answer<'py>(py: Python<'py>, answer: &Answer) -> PyResult<Bound<'py, PyAny>> {
+    static ANSWER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static STATES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let state = class(py, &STATES, "STATES")?.get_item(answer.state.code())?;
+    class(py, &ANSWER, "Answer")?.call1((
+        whole(py, answer.bbox)?,
+        fine(py, answer.fine)?,
+        state,
+        of_one(answer.confidence),
+        of_one(answer.ratio),
+        answer.runner_up_ratio.map(of_one),
+        answer.alpha,
+        f64::from(answer.scale) / 65536.0,
+        answer.found_again,
+    ))
+}
+
+/// A value of JSON: an object becomes a `dict`, an array a `tuple`.
+pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Null => py.None().into_bound(py),
+        Value::Bool(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
+        Value::String(text) => text.into_pyobject(py)?.into_any(),
+        Value::Number(number) => match number.as_i64() {
+            Some(whole) => whole.into_pyobject(py)?.into_any(),
+            None => number.as_f64().into_pyobject(py)?,
+        },
+        Value::Array(values) => {
+            let values: PyResult<Vec<_>> = values.iter().map(|value| to_python(py, value)).collect();
+            PyTuple::new(py, values?)?.into_any()
+        }
+        Value::Object(map) => {
+            let dict = PyDict::new(py);
+            for (key, value) in map {
+                dict.set_item(key, to_python(py, value)?)?;
+            }
+            dict.into_any()
+        }
+    })
+}

@@ -1,0 +1,122 @@
+//! A numpy array as a frame. Rows of gray pixels are read where they are. Of every other layout the pixels that the tracker reads are
+//! converted to gray rows first.
+
+use crate::target::refused;
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use smr_core::{Frame, Image, Rect};
+
+/// Keeps the array while its pixels are read.
+pub struct Borrowed<'py>(PyReadonlyArrayDyn<'py, u8>);
+
+/// The pixels of an array: shape and strides are numpy's. Strides may be negative.
+#[derive(Clone, Copy)]
+pub struct Pixels<'a> {
+    /// From the pixel with the lowest address to the one with the highest.
+    bytes: &'a [u8],
+    /// The place of pixel (0, 0) in `bytes`.
+    first: isize,
+    row: isize,
+    column: isize,
+    /// From blue to green, and from green to red; `None` of gray pixels.
+    color: Option<isize>,
+    width: u16,
+    height: u16,
+}
+
+impl<'py> Borrowed<'py> {
+    /// Errors: not an array of `uint8`, or not of a shape that frames have.
+    pub fn new(array: &Bound<'py, PyAny>) -> PyResult<Self> {
+        const EXPECTED: &str = "expected a numpy array of uint8, gray (height, width) or BGR (height, width, 3)";
+        let Ok(untyped) = array.cast::<PyUntypedArray>() else {
+            return Err(PyTypeError::new_err(format!("frame: {EXPECTED}, found {}", array.get_type().name()?)));
+        };
+        let found = || format!("frame: {EXPECTED}, found {} of shape {:?}", untyped.dtype(), untyped.shape());
+        let Ok(bytes) = array.cast::<PyArrayDyn<u8>>() else { return Err(PyTypeError::new_err(found())) };
+        if !matches!(untyped.shape(), [_, _] | [_, _, 1 | 3]) {
+            return Err(PyValueError::new_err(found()));
+        }
+        if !untyped.shape()[..2].iter().all(|side| (1..=usize::from(u16::MAX)).contains(side)) {
+            return Err(PyValueError::new_err(format!("{}: each side must be 1 to 65535", found())));
+        }
+        bytes.try_readonly().map(Self).map_err(|error| PyValueError::new_err(format!("frame: {error}")))
+    }
+
+    pub fn pixels(&self) -> Pixels<'_> {
+        let (shape, strides) = (self.0.shape(), self.0.strides());
+        let ends = shape.iter().zip(strides).map(|(&count, &stride)| (count.cast_signed() - 1) * stride);
+        let lowest: isize = ends.clone().map(|end| end.min(0)).sum();
+        let highest: isize = ends.map(|end| end.max(0)).sum();
+        // SAFETY: The array has at least one element, and they lie from `lowest` to `highest` around the first one. The array is borrowed for
+        // as long as the slice lives.
+        #[allow(unsafe_code)]
+        let bytes =
+            unsafe { std::slice::from_raw_parts(self.0.data().offset(lowest), (highest - lowest).cast_unsigned() + 1) };
+        let side = |axis: usize| u16::try_from(shape[axis]).unwrap_or(u16::MAX); // checked by `new`
+        let color = (shape.get(2) == Some(&3)).then(|| strides[2]);
+        let (row, column) = (strides[0], strides[1]);
+        Pixels { bytes, first: -lowest, row, column, color, width: side(1), height: side(0) }
+    }
+}
+
+impl<'a> Pixels<'a> {
+    /// Of the frame.
+    pub fn bounds(&self) -> Rect {
+        Rect::new(0, 0, self.width, self.height)
+    }
+
+    /// The frame for a call that reads `windows`. `gray` holds the pixels that are converted.
+    pub fn frame<'b>(&self, windows: [Option<Rect>; 2], gray: &'b mut Vec<u8>) -> PyResult<Frame<'b>>
+    where
+        'a: 'b,
+    {
+        if let (None, 1, Ok(stride)) = (self.color, self.column, usize::try_from(self.row))
+            && stride >= usize::from(self.width)
+        {
+            let image = Image::with_stride(self.bytes, self.width, self.height, stride);
+            return Ok(Frame::whole(image.map_err(refused)?));
+        }
+        // A box or a frame that the core will refuse has no windows. It reads no pixel then.
+        let inside = |window: &Rect| self.bounds().contains(*window) && !window.is_empty();
+        let [first, second] = windows.map(|window| window.filter(inside));
+        let first = first.unwrap_or(Rect::new(0, 0, 1, 1));
+        gray.clear();
+        self.gather(first, gray);
+        let end = gray.len();
+        second.inspect(|window| self.gather(*window, gray));
+        let image = |window: Rect, pixels| Image::new(pixels, window.width, window.height);
+        let at = |place: i32| u16::try_from(place).unwrap_or(u16::MAX); // inside the frame
+        let of_first = image(first, &gray[..end]).map_err(refused)?;
+        let frame = Frame::part(of_first, at(first.x), at(first.y), self.width, self.height);
+        let frame = frame.map_err(refused)?;
+        let Some(window) = second else { return Ok(frame) };
+        let of_second = image(window, &gray[end..]).map_err(refused)?;
+        frame.and_part(of_second, at(window.x), at(window.y)).map_err(refused)
+    }
+
+    /// Appends the gray pixels of `window`.
+    fn gather(&self, window: Rect, gray: &mut Vec<u8>) {
+        for y in window.y..window.bottom() {
+            let place = |x: i32| (self.first + y as isize * self.row + x as isize * self.column).cast_unsigned();
+            match self.color {
+                None => gray.extend((window.x..window.right()).map(|x| self.bytes[place(x)])),
+                // Without gaps, as almost all pictures are.
+                Some(1) if self.column == 3 => {
+                    let pixels = self.bytes[place(window.x)..place(window.right() - 1) + 3].as_chunks().0;
+                    gray.extend(pixels.iter().map(|&bgr| luma(bgr)));
+                }
+                Some(next) => gray.extend(
+                    (window.x..window.right())
+                        .map(|x| luma([0, 1, 2].map(|color| self.bytes[place(x).wrapping_add_signed(color * next)]))),
+                ),
+            }
+        }
+    }
+}
+
+/// Blue, green and red to gray, as `cv2.cvtColor` rounds.
+fn luma([blue, green, red]: [u8; 3]) -> u8 {
+    let sum = 3735 * u32::from(blue) + 19235 * u32::from(green) + 9798 * u32::from(red) + (1 << 14);
+    u8::try_from(sum >> 15).unwrap_or(u8::MAX) // the weights are 1 << 15 together
+}

@@ -1,0 +1,122 @@
+//! Either tracker of smr-core behind one type, and the scratch memory that it needs.
+
+use crate::frame::Pixels;
+use crate::options;
+use host_sim::evaluate::{MethodKind, Refused};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, paper, robust};
+use std::cell::RefCell;
+use std::fmt::Display;
+
+/// As large as host-sim follows it.
+type Paper = host_sim::Paper;
+type PaperWorkspace = paper::Workspace<{ host_sim::MOST_PIXELS }, { host_sim::MOST_OFFSETS }>;
+
+/// A target, on the heap.
+pub enum Target {
+    Paper(Box<Paper>),
+    Robust(Box<Robust>),
+}
+
+/// Scratch memory for any number of targets, one call at a time: each thread has its own.
+#[derive(Default)]
+struct Scratch {
+    paper: Option<Box<PaperWorkspace>>,
+    robust: Option<Box<robust::Workspace>>,
+    /// Pixels of frames that are not gray.
+    gray: Vec<u8>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// What the core refuses, in its words.
+pub fn refused(error: impl Display) -> PyErr {
+    PyValueError::new_err(format!("{error:#}"))
+}
+
+fn not_updated(error: UpdateError) -> PyErr {
+    match error {
+        UpdateError::NotLocked => PyRuntimeError::new_err("there is no target yet: call init first"),
+        error => refused(error),
+    }
+}
+
+/// The same with either target.
+macro_rules! each {
+    ($target:expr, $of:ident => $result:expr) => {
+        match $target {
+            Target::Paper($of) => $result,
+            Target::Robust($of) => $result,
+        }
+    };
+}
+pub(crate) use each;
+
+impl Target {
+    pub fn paper(config: paper::Config) -> Result<Self, ConfigError> {
+        Ok(Self::Paper(Box::new(Paper::new(config)?)))
+    }
+
+    pub fn robust(config: robust::Config) -> Result<Self, ConfigError> {
+        Ok(Self::Robust(Box::new(Robust::new(config)?)))
+    }
+
+    pub fn kind(&self) -> MethodKind {
+        match self {
+            Self::Paper(_) => MethodKind::Smr,
+            Self::Robust(_) => MethodKind::Robust,
+        }
+    }
+
+    pub fn lock(&mut self, pixels: &Pixels<'_>, target: Rect) -> PyResult<()> {
+        let (bounds, kind) = (pixels.bounds(), self.kind());
+        let window = each!(self, of => of.lock_window(bounds, target));
+        SCRATCH.with_borrow_mut(|Scratch { paper, robust, gray }| {
+            let frame = pixels.frame([Some(window), None], gray)?;
+            let locked = match self {
+                Self::Paper(of) => of.lock(paper.get_or_insert_default(), &frame, target),
+                Self::Robust(of) => of.lock(robust.get_or_insert_default(), &frame, target),
+            };
+            locked.map(drop).map_err(|error| refused(Refused::or(error.into(), kind, target, bounds)))
+        })
+    }
+
+    pub fn update(&mut self, pixels: &Pixels<'_>) -> PyResult<Answer> {
+        let windows = each!(self, of => [of.window(), of.sweep_window()]);
+        SCRATCH.with_borrow_mut(|Scratch { paper, robust, gray }| {
+            let frame = pixels.frame(windows, gray)?;
+            let answer = match self {
+                Self::Paper(of) => of.update(paper.get_or_insert_default(), &frame),
+                Self::Robust(of) => of.update(robust.get_or_insert_default(), &frame),
+            };
+            answer.map_err(not_updated)
+        })
+    }
+
+    /// `None` without a target.
+    pub fn saved(&self) -> Option<Vec<u8>> {
+        each!(self, of => {
+            let mut bytes = vec![0; of.saved_size().ok()?];
+            of.save(&mut bytes).ok()?;
+            Some(bytes)
+        })
+    }
+
+    /// Without a target.
+    pub fn forget(&mut self) -> Result<(), ConfigError> {
+        *self = match self {
+            Self::Paper(of) => Self::paper(*of.config())?,
+            Self::Robust(of) => Self::robust(*of.config())?,
+        };
+        Ok(())
+    }
+
+    /// The configuration as keyword arguments.
+    pub fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        each!(self, of => options::keywords(py, of.config()))
+    }
+}

@@ -1,0 +1,169 @@
+//! The classes `Tracker`, `Paper` and `Robust`.
+
+use crate::answer;
+use crate::frame::Borrowed;
+use crate::options::{of_range, with};
+use crate::target::{Target, each, refused};
+use host_sim::sequence::BoundingBox;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use smr_core::{Answer, Rect, State, Target as _, paper, robust};
+use std::sync::{Mutex, MutexGuard};
+
+/// Follows one target. `Paper` and `Robust` are its kinds.
+#[pyclass(frozen, subclass, module = "smr")]
+pub struct Tracker(Mutex<Target>);
+
+/// The tracker of the paper.
+#[pyclass(frozen, extends = Tracker, module = "smr")]
+pub struct Paper;
+
+/// The robust tracker.
+#[pyclass(frozen, extends = Tracker, module = "smr")]
+pub struct Robust;
+
+/// A box as the core takes it: four numbers, which are rounded to whole pixels.
+fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
+    bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
+}
+
+pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
+    let numbers: PyResult<Vec<f64>> = value.try_iter().and_then(|items| items.map(|item| item?.extract()).collect());
+    match numbers.as_deref() {
+        Ok(&[x, y, width, height]) if [x, y, width, height].iter().all(|number| number.is_finite()) => {
+            Ok(BoundingBox { x, y, width, height })
+        }
+        Ok([_, _, _, _]) => Err(PyValueError::new_err(format!("box: expected finite numbers, found {value}"))),
+        _ => Err(PyTypeError::new_err(format!("box: expected four numbers (x, y, width, height), found {value}"))),
+    }
+}
+
+impl Tracker {
+    fn new(target: Target) -> Self {
+        Self(Mutex::new(target))
+    }
+
+    /// Errors: another thread uses the tracker.
+    pub fn target(&self) -> PyResult<MutexGuard<'_, Target>> {
+        let busy = "this tracker is in use by another thread: give each thread a tracker of its own";
+        self.0.try_lock().map_err(|_| PyRuntimeError::new_err(busy))
+    }
+
+    fn next(&self, frame: &Bound<'_, PyAny>) -> PyResult<Answer> {
+        let (py, frame) = (frame.py(), Borrowed::new(frame)?);
+        let (pixels, target) = (frame.pixels(), &mut *self.target()?);
+        py.detach(|| target.update(&pixels))
+    }
+}
+
+#[pymethods]
+impl Tracker {
+    fn init(&self, frame: &Bound<'_, PyAny>, r#box: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (py, frame) = (frame.py(), Borrowed::new(frame)?);
+        let (pixels, place, target) = (frame.pixels(), rect(r#box)?, &mut *self.target()?);
+        py.detach(|| target.lock(&pixels, place))
+    }
+
+    fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
+        let answer = self.next(frame)?;
+        Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
+    }
+
+    fn follow<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        answer::answer(py, &self.next(frame)?)
+    }
+
+    #[getter]
+    fn quality(&self) -> PyResult<Option<f64>> {
+        let quality = each!(&*self.target()?, of => of.quality());
+        Ok(quality.map(|quality| answer::of_one(quality.value())))
+    }
+
+    fn window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        each!(&*self.target()?, of => of.window()).map(|window| answer::whole(py, window)).transpose()
+    }
+
+    fn sweep_window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
+    }
+
+    /// Pixels; the core has units of 1/256.
+    fn moved(&self, right: f64, down: f64) -> PyResult<()> {
+        let units = |pixels: f64| (pixels * 256.0).round();
+        let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
+        if !fits(right) || !fits(down) {
+            return Err(PyValueError::new_err(format!(
+                "moved: expected pixels of -8388607 to 8388607, found {right}, {down}"
+            )));
+        }
+        #[allow(clippy::cast_possible_truncation)] // checked
+        let [right, down] = [right, down].map(|pixels| units(pixels) as i32);
+        each!(&mut *self.target()?, of => of.moved(right, down));
+        Ok(())
+    }
+
+    fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let saved = self.target()?.saved();
+        let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
+        Ok(PyBytes::new(py, &saved))
+    }
+
+    fn restore(&self, saved: &[u8]) -> PyResult<()> {
+        each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
+    }
+
+    #[getter]
+    fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.target()?.keywords(py)
+    }
+
+    // Pickling and copying: the class is called with the options, and gets the saved target.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        Ok((PyTuple::empty(py), self.options(py)?))
+    }
+
+    fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<(Option<Bound<'py, PyBytes>>,)> {
+        Ok((self.target()?.saved().map(|saved| PyBytes::new(py, &saved)),))
+    }
+
+    fn __setstate__(&self, state: (Option<Vec<u8>>,)) -> PyResult<()> {
+        match state.0 {
+            Some(saved) => self.restore(&saved),
+            None => self.target()?.forget().map_err(refused),
+        }
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        let name = slf.get_type().name()?;
+        let options = slf.get().options(slf.py())?;
+        let options: PyResult<Vec<String>> =
+            options.iter().map(|(name, value)| Ok(format!("{name}={}", value.repr()?))).collect();
+        Ok(format!("smr.{name}({})", options?.join(", ")))
+    }
+}
+
+#[pymethods]
+impl Paper {
+    #[new]
+    #[pyo3(signature = (preset = "camera", **options))]
+    fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
+        let config = match preset {
+            "camera" => paper::Config::camera(),
+            "paper" => paper::Config::paper(),
+            _ => return Err(PyValueError::new_err(format!("preset: expected 'camera' or 'paper', found '{preset}'"))),
+        };
+        Ok(PyClassInitializer::from(Tracker::new(of_range(Target::paper(with(config, options)?), options)?))
+            .add_subclass(Self))
+    }
+}
+
+#[pymethods]
+impl Robust {
+    #[new]
+    #[pyo3(signature = (**options))]
+    fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
+        let config = with(robust::Config::robust(), options)?;
+        Ok(PyClassInitializer::from(Tracker::new(of_range(Target::robust(config), options)?)).add_subclass(Self))
+    }
+}
