@@ -11,7 +11,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use smr_core::{Target as _, paper, robust};
+use smr_core::Target as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -26,9 +26,13 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
+/// A recording as host-sim reads it: a folder of pictures, a video (if ffmpeg is installed), Y4M, or a built-in one such as "synthetic".
+///
+/// Iterating over it decodes its frames, gray (height, width) arrays, one at a time.
 #[pyclass(frozen, module = "smr")]
 pub struct Recording {
     path: PathBuf,
+    /// The name of the folder or file.
     #[pyo3(get)]
     name: String,
     start: Option<BoundingBox>,
@@ -43,11 +47,13 @@ impl Recording {
         Ok(Self { path, name, start: init, truth })
     }
 
+    /// The box to start from, which lies beside the recording: (x, y, width, height), or None.
     #[getter]
     fn start(&self) -> Option<Four> {
         self.start.map(four)
     }
 
+    /// The box of each frame, None where the target is hidden; None without ground truth.
     #[getter]
     fn truth(&self) -> Option<Vec<Option<Four>>> {
         let truth = self.truth.as_ref()?;
@@ -58,7 +64,7 @@ impl Recording {
         Ok(GrayFrames(Mutex::new(open(&self.path).map_err(refused)?.frames)))
     }
 
-    /// What `host-sim eval` says of boxes, one a frame; `None` where there is no answer.
+    /// The figures of `host-sim eval` for any tracker's boxes: one for each frame, or None where it has no answer.
     fn score<'py>(&self, py: Python<'py>, boxes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let truth = self.truth.as_ref();
         let truth = truth.ok_or_else(|| PyValueError::new_err(format!("{}: no ground truth beside it", self.name)))?;
@@ -99,15 +105,12 @@ pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
 
 /// What is measured: a tracker of this configuration, under this name.
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
-    fn changed<C: options::Options>(config: &C, usual: &C) -> serde_json::Map<String, serde_json::Value> {
-        let usual = options::all(usual);
-        options::all(config).into_iter().filter(|(name, value)| usual.get(name) != Some(value)).collect()
-    }
     let target = &*tracker.target()?;
-    let (configs, options): (Configs, _) = match target {
-        Target::Paper(of) => ((*of.config()).into(), changed(of.config(), &paper::Config::camera())),
-        Target::Robust(of) => ((*of.config()).into(), changed(of.config(), &robust::Config::robust())),
+    let (configs, mut options): (Configs, _) = match target {
+        Target::Paper(of) => ((*of.config()).into(), options::all(of.config())),
+        Target::Robust(of) => ((*of.config()).into(), options::all(of.config())),
     };
+    options.extend(tracker.preset.map(|preset| ("preset".to_owned(), preset.into())));
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 

@@ -12,14 +12,28 @@ use smr_core::{Answer, Rect, State, Target as _, paper, robust};
 use std::sync::{Mutex, MutexGuard};
 
 /// Follows one target. `Paper` and `Robust` are its kinds.
+///
+/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides will do. The lock of
+/// Python is free while a call works; do not write to the frame then.
 #[pyclass(frozen, subclass, module = "smr")]
-pub struct Tracker(Mutex<Target>);
+pub struct Tracker {
+    target: Mutex<Target>,
+    /// That the options of `Paper` are changes of.
+    pub preset: Option<&'static str>,
+}
 
-/// The tracker of the paper.
+/// The tracker of the paper: fast, for a target that keeps its size.
+///
+/// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and `window_limit` as (x, y) in
+/// pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`, `padding`, `growth`, `neighbourhood`, `least_ratio` (of
+/// 65535), `runner_up_always`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
-/// The robust tracker.
+/// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
+///
+/// The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `patience`, `lost_below`, `uncertain_below`,
+/// `learning_rate`, `early_rate`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
@@ -40,14 +54,14 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 }
 
 impl Tracker {
-    fn new(target: Target) -> Self {
-        Self(Mutex::new(target))
+    fn new(target: Target, preset: Option<&'static str>) -> Self {
+        Self { target: Mutex::new(target), preset }
     }
 
     /// Errors: another thread uses the tracker.
     pub fn target(&self) -> PyResult<MutexGuard<'_, Target>> {
         let busy = "this tracker is in use by another thread: give each thread a tracker of its own";
-        self.0.try_lock().map_err(|_| PyRuntimeError::new_err(busy))
+        self.target.try_lock().map_err(|_| PyRuntimeError::new_err(busy))
     }
 
     fn next(&self, frame: &Bound<'_, PyAny>) -> PyResult<Answer> {
@@ -59,36 +73,44 @@ impl Tracker {
 
 #[pymethods]
 impl Tracker {
+    /// Starts to follow what is in `box`, (x, y, width, height) in pixels, which must lie inside the frame.
+    ///
+    /// Forgets any target before. May be called at any time. Fractions are rounded to whole pixels.
     fn init(&self, frame: &Bound<'_, PyAny>, r#box: &Bound<'_, PyAny>) -> PyResult<()> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, place, target) = (frame.pixels(), rect(r#box)?, &mut *self.target()?);
         py.detach(|| target.lock(&pixels, place))
     }
 
+    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is lost.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
         Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
     }
 
+    /// Looks for the target in the next frame: the whole `Answer`.
     fn follow<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         answer::answer(py, &self.next(frame)?)
     }
 
+    /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {
         let quality = each!(&*self.target()?, of => of.quality());
         Ok(quality.map(|quality| answer::of_one(quality.value())))
     }
 
+    /// The part of the frame that the next update reads, or None without a target.
     fn window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.window()).map(|window| answer::whole(py, window)).transpose()
     }
 
+    /// A second part that the next update reads to search for a lost target, or None.
     fn sweep_window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Pixels; the core has units of 1/256.
+    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. Pixels, and fractions of 1/256.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
@@ -103,19 +125,24 @@ impl Tracker {
         Ok(())
     }
 
+    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine. The options are not among them.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.target()?.saved();
         let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
         Ok(PyBytes::new(py, &saved))
     }
 
+    /// Continues with a saved target. The tracker must have the options of the one that saved it.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
     }
 
+    /// The options by their names.
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.target()?.keywords(py)
+        let options = self.target()?.keywords(py)?;
+        self.preset.map_or(Ok(()), |preset| options.set_item("preset", preset))?;
+        Ok(options)
     }
 
     // Pickling and copying: the class is called with the options, and gets the saved target.
@@ -148,13 +175,13 @@ impl Paper {
     #[new]
     #[pyo3(signature = (preset = "camera", **options))]
     fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
-        let config = match preset {
-            "camera" => paper::Config::camera(),
-            "paper" => paper::Config::paper(),
+        let (preset, config) = match preset {
+            "camera" => ("camera", paper::Config::camera()),
+            "paper" => ("paper", paper::Config::paper()),
             _ => return Err(PyValueError::new_err(format!("preset: expected 'camera' or 'paper', found '{preset}'"))),
         };
-        Ok(PyClassInitializer::from(Tracker::new(of_range(Target::paper(with(config, options)?), options)?))
-            .add_subclass(Self))
+        let target = of_range(Target::paper(with(config, options)?), options)?;
+        Ok(PyClassInitializer::from(Tracker::new(target, Some(preset))).add_subclass(Self))
     }
 }
 
@@ -163,7 +190,7 @@ impl Robust {
     #[new]
     #[pyo3(signature = (**options))]
     fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
-        let config = with(robust::Config::robust(), options)?;
-        Ok(PyClassInitializer::from(Tracker::new(of_range(Target::robust(config), options)?)).add_subclass(Self))
+        let target = of_range(Target::robust(with(robust::Config::robust(), options)?), options)?;
+        Ok(PyClassInitializer::from(Tracker::new(target, None)).add_subclass(Self))
     }
 }

@@ -18,7 +18,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-def restore(saved):
+def restore(saved: bytes) -> Tracker:
     """A tracker with the target that `Tracker.save` wrote, for trackers with usual options.
 
     A saved target does not hold the options. For a tracker with other options call `restore` of a tracker that has them.

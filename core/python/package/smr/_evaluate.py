@@ -2,12 +2,22 @@
 
 import os
 import warnings
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from typing import Optional, Union
 
 from ._smr import Robust, Tracker, measure, recordings
 
+Path = Union[str, os.PathLike]
 
-def evaluate(paths, trackers=None, *, starts="given", executor=None):
+
+def evaluate(
+    paths: Union[Path, Sequence[Path]],
+    trackers: Union[Tracker, Mapping[str, Tracker], None] = None,
+    *,
+    starts: Union[str, int] = "given",
+    executor: Optional[Executor] = None,
+) -> dict[str, list]:
     """Runs trackers over recordings with ground truth and returns the figures of `host-sim eval --robustness`.
 
     `paths` is a recording, a folder of recordings, or a list of them. `trackers` is a tracker, or a dict of trackers by name; their options

@@ -2,8 +2,10 @@
 
 import os
 from concurrent.futures import ThreadPoolExecutor
+from typing import Optional
 
-from ._answer import State
+from ._answer import Answer, Box, State
+from ._smr import Tracker
 
 
 class Group:
@@ -13,25 +15,25 @@ class Group:
     all its targets, so a target takes little memory.
     """
 
-    def __init__(self, threads=None):
+    def __init__(self, threads: Optional[int] = None) -> None:
         if threads is not None and threads < 1:
             raise ValueError(f"threads: expected 1 or more, found {threads}")
         self._threads = threads or os.cpu_count() or 1
         self._executor = ThreadPoolExecutor(self._threads)
-        self.trackers = []
+        self.trackers: list[Tracker] = []
 
-    def add(self, tracker, frame, box):
+    def add(self, tracker: Tracker, frame, box) -> None:
         """Starts `tracker` on the target in `box` and makes it a member."""
         if any(member is tracker for member in self.trackers):
             raise ValueError("this tracker is in the group already")
         tracker.init(frame, box)
         self.trackers.append(tracker)
 
-    def remove(self, tracker):
+    def remove(self, tracker: Tracker) -> None:
         """Follows this target no longer. The tracker keeps it."""
         self.trackers.remove(tracker)
 
-    def follow(self, frame):
+    def follow(self, frame) -> list[Answer]:
         """The answer for each target in the next frame, in the order of `trackers`."""
         trackers, threads = tuple(self.trackers), min(self._threads, len(self.trackers))
         if threads <= 1:
@@ -42,12 +44,12 @@ class Group:
             answers[first::threads] = share
         return answers
 
-    def update(self, frame):
+    def update(self, frame) -> tuple[bool, list[Box]]:
         """`(True, boxes)` as `cv2.legacy.MultiTracker` gives them; False if a target is lost."""
         answers = self.follow(frame)
         return all(answer.state != State.LOST for answer in answers), [answer.box for answer in answers]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.trackers)
 
 

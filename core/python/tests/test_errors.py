@@ -1,0 +1,179 @@
+"""Bad calls are exceptions that say what was expected, and change nothing."""
+
+import random
+import threading
+
+import numpy as np
+import pytest
+import smr
+
+FRAME = np.random.default_rng(7).integers(0, 256, (60, 80), np.uint8)
+BOX = (20, 10, 24, 20)
+EXPECTED = r"expected a numpy array of uint8, gray \(height, width\) or BGR \(height, width, 3\), found "
+
+
+@pytest.mark.parametrize(
+    "frame, kind, words",
+    [
+        (None, TypeError, "NoneType"),
+        ([[1, 2], [3, 4]], TypeError, "list"),
+        (FRAME.tobytes(), TypeError, "bytes"),
+        (FRAME.astype(np.float32), TypeError, r"float32 of shape \[60, 80\]"),
+        (FRAME.astype(np.int8), TypeError, "int8"),
+        (FRAME.astype(object), TypeError, "object"),
+        (FRAME[0], ValueError, r"uint8 of shape \[80\]"),
+        (np.zeros((60, 80, 4), np.uint8), ValueError, r"uint8 of shape \[60, 80, 4\]"),
+        (np.zeros((1, 60, 80, 3), np.uint8), ValueError, r"uint8 of shape \[1, 60, 80, 3\]"),
+        (np.zeros((0, 80), np.uint8), ValueError, r"uint8 of shape \[0, 80\]: each side must be 1 to 65535"),
+        (np.zeros((1, 65536), np.uint8), ValueError, r"uint8 of shape \[1, 65536\]: each side must be 1 to 65535"),
+    ],
+)
+def test_frames(frame, kind, words):
+    for call in (lambda: smr.Robust().init(frame, BOX), lambda: locked(smr.Paper).update(frame)):
+        with pytest.raises(kind, match="frame: " + EXPECTED + words):
+            call()
+
+
+def locked(make):
+    tracker = make()
+    tracker.init(FRAME, BOX)
+    return tracker
+
+
+@pytest.mark.parametrize("make", [smr.Robust, smr.Paper])
+def test_boxes_and_options(make):
+    for box, kind, words in [
+        ((1, 2, 3), TypeError, r"expected four numbers \(x, y, width, height\), found \(1, 2, 3\)"),
+        ("abcd", TypeError, "expected four numbers"),
+        (None, TypeError, "expected four numbers"),
+        ((float("nan"), 2, 3, 4), ValueError, "expected finite numbers"),
+        ((0, 0, 10, float("inf")), ValueError, "expected finite numbers"),
+        ((1, 2, 0, 4), ValueError, "the box has no pixels"),
+        ((1, 2, 3, -4), ValueError, "the box has no pixels"),
+        ((1e12, 2, 3, 4), ValueError, "the box is too large or too far away"),
+        ((70, 10, 24, 20), ValueError, r"the box 70,10,24,20 \(x,y,width,height\) is not wholly inside the frame of 80x60 pixels"),
+    ]:  # fmt: skip
+        tracker = locked(make)
+        saved = tracker.save()
+        with pytest.raises(kind, match=words):
+            tracker.init(FRAME, box)
+        assert tracker.save() == saved
+    tracker = make()
+    for call in (lambda: tracker.update(FRAME), tracker.save):
+        with pytest.raises(RuntimeError, match="there is no target yet: call init first"):
+            call()
+    for frame in (FRAME[:50], FRAME[:, :50], FRAME[:1, :1], np.zeros((61, 80, 3), np.uint8)):
+        with pytest.raises(ValueError, match="the frame has another size than the one that was locked on"):
+            locked(make).update(frame)
+    with pytest.raises(TypeError, match="no option rich: expected "):
+        make(rich=1)
+    for saved in (b"", b"SMR", locked(make).save()[:-1], bytes(200)):
+        with pytest.raises(ValueError):
+            smr.restore(saved)
+    with pytest.raises(ValueError, match="pixels of -8388607 to 8388607"):
+        tracker.moved(float("nan"), 0)
+
+
+def test_options_have_ranges():
+    for make, words in [
+        (lambda: smr.Robust(reach=9), "outside its range: {'reach': 9}"),
+        (lambda: smr.Robust(reach=256), "reach: expected a whole number of 0 to 255, found 256"),
+        (lambda: smr.Robust(lost_below=-1), "lost_below: expected a whole number of 0 to 65535, found -1"),
+        (lambda: smr.Robust(size=1), "size: expected True or False, found 1"),
+        (lambda: smr.Paper(window=4), "window: expected a tuple of two whole numbers of 0 to 65535, found 4"),
+        (lambda: smr.Paper(window=(200, 4)), "the window's limit is smaller than the window: {'window'"),
+        (lambda: smr.Paper(k=(1, 0)), "denominator of 0"),
+        (lambda: smr.Paper("best"), "preset: expected 'camera' or 'paper', found 'best'"),
+        (lambda: smr.Group(0), "threads: expected 1 or more, found 0"),
+    ]:
+        with pytest.raises(ValueError, match=words.replace("{", r"\{")):
+            make()
+
+
+def test_recordings(tmp_path):
+    (tmp_path / "1.png").write_bytes(b"no picture")
+    for call, words in [
+        (lambda: smr.Recording(tmp_path / "none"), "cannot open .*none: expected a folder, a file"),
+        (lambda: smr.evaluate(tmp_path / "none"), "neither a recording nor a folder"),
+        (lambda: smr.evaluate("noise", starts="some"), "starts: expected 'given', 'near' or the number of frames"),
+        (lambda: smr.evaluate("noise", starts=0), "starts: expected"),
+        (lambda: smr.Recording("synthetic").score([(1, 2, 3, 4)]), "there are 1 frames, but the ground truth has 240 boxes"),
+        (lambda: smr.Recording(tmp_path).score([None]), "no ground truth beside it"),
+    ]:  # fmt: skip
+        with pytest.raises(ValueError, match=words):
+            call()
+    with pytest.raises(OSError, match="1.png"):
+        list(smr.Recording(tmp_path))
+
+
+def test_a_tracker_is_for_one_thread_at_a_time():
+    large = np.random.default_rng(3).integers(0, 256, (1200, 1600), np.uint8)
+    tracker = smr.Robust()
+    tracker.init(large, (300, 300, 700, 600))
+    refused, barrier = [], threading.Barrier(4)
+
+    def follow():
+        barrier.wait()
+        for _ in range(50):
+            try:
+                tracker.update(large)
+            except RuntimeError as error:
+                refused.append(str(error))
+
+    threads = [threading.Thread(target=follow) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    # While one thread works, the lock of Python is free, and the others are refused.
+    assert refused and set(refused) == {
+        "this tracker is in use by another thread: give each thread a tracker of its own"
+    }
+    assert tracker.follow(large).state == smr.State.TRACKING
+
+
+def test_a_thousand_bad_calls():
+    """Values of any kind in any place: exceptions of the documented kinds, and the tracker goes on."""
+    pick = random.Random(27).choice
+    values = [
+        None, True, 0, -1, 2**40, 1.5, float("nan"), float("inf"), "", "x", b"", b"SMRR", (), (1,), (1, 2, 3, 4), (20, 10, 24, 20),
+        [0, 0, 80, 60], (0, 0, float("nan"), 1), {}, {"x": 1}, object(), FRAME, FRAME[::-2, ::3], FRAME.astype(float), FRAME[:0], FRAME[0],
+        np.zeros((2, 2, 3), np.uint8), np.zeros((60, 80, 2), np.uint8), np.array(3, np.uint8), np.ma.masked_array(FRAME), range(4),
+        np.lib.stride_tricks.as_strided(FRAME, (60, 80), (0, 0)), smr.Robust, smr.Robust(), iter([1, 2, 3, 4]),
+    ]  # fmt: skip
+    trackers = [locked(smr.Robust), locked(smr.Paper)]
+    raised = 0
+    for _ in range(1000):
+        tracker = pick(trackers)
+        name = pick(["init", "update", "follow", "moved", "restore", "new", "restored", "state", "score", "add", "evaluate"])
+        call = {
+            "new": lambda *values: pick([smr.Robust, smr.Paper])(**{pick(["reach", "window", "preset", "k"]): values[0]}),
+            "restored": smr.restore,
+            "state": lambda *values: tracker.__setstate__(values[:1]),
+            "score": lambda *values: smr.Recording("noise").score(values[0]),
+            "add": lambda *values: smr.Group().add(*values),
+            "evaluate": lambda *values: smr.evaluate(pick(["", None, 3, "nowhere"]), starts=values[0]),
+        }.get(name) or getattr(tracker, name)
+        try:
+            call(*(pick(values) for _ in range(pick([0, 1, 1, 2, 2, 2, 3]))))
+        except (TypeError, ValueError, RuntimeError, OverflowError, AttributeError, IndexError, OSError):
+            raised += 1
+    assert raised > 700
+    for tracker in trackers:
+        tracker.init(FRAME, BOX)
+        assert tracker.follow(FRAME).box == BOX
+
+
+def test_an_array_is_kept_while_it_is_read():
+    """The only reference to the frame goes while another thread works on it."""
+    tracker = smr.Robust()
+    frames = [np.random.default_rng(5).integers(0, 256, (1200, 1600), np.uint8)]
+    tracker.init(frames[0], (300, 300, 700, 600))
+    answers = []
+    thread = threading.Thread(target=lambda: answers.append(tracker.follow(frames.pop())))
+    thread.start()
+    while frames:
+        pass
+    np.zeros((1200, 1600), np.uint8)
+    thread.join()
+    assert answers[0].box == (300, 300, 700, 600)
