@@ -1,8 +1,6 @@
 //! `host-sim` with bad input: damaged files, options that do not fit, files that cannot be written.
 
-mod program;
-
-use program::{PROGRAM, host_sim, recordings, utf8};
+use crate::program::{PROGRAM, host_sim, recordings, utf8};
 use serde_json::Value;
 use std::fs;
 use std::io::Write;

@@ -1,15 +1,13 @@
 //! The page of `host-sim frame`, with and without a browser: a box that is dragged is in the command line.
 
-mod browser;
-mod program;
-
-use program::{host_sim, utf8};
+use crate::browser;
+use crate::program::{host_sim, utf8};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pick").join(test);
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
     folder

@@ -1,8 +1,6 @@
 //! Several targets in one pass, and videos that keep what the recording has: colors, times, shape and sound.
 
-mod program;
-
-use program::{host_sim, utf8};
+use crate::program::{host_sim, utf8};
 use std::fs;
 use std::io::Write;
 use std::path::Path;

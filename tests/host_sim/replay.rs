@@ -1,13 +1,11 @@
 //! Flight records: `host-sim replay` runs what `smr_core::record` writes, also if it is damaged, cut off, appended to, or in a log.
 
-mod program;
-
+use crate::program::{PROGRAM, host_sim, utf8};
 use host_sim::emulator::firmware;
 use host_sim::emulator::qemu::Machine;
 use host_sim::evaluate::CoreKind;
 use host_sim::replay::{Report, replay};
 use host_sim::sequence::synthetic;
-use program::{PROGRAM, host_sim, utf8};
 use smr_core::paper::{self, Fraction, Radius};
 use smr_core::record::{Recorded, Recorder};
 use smr_core::similarity::Table;

@@ -1,8 +1,6 @@
 //! The outputs for the user: conversions, videos, live input, settings, completions and the manual.
 
-mod program;
-
-use program::{PROGRAM, host_sim, utf8};
+use crate::program::{PROGRAM, host_sim, utf8};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};

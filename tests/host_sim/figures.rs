@@ -1,8 +1,6 @@
 //! `host-sim figures` from its user's view.
 
-mod program;
-
-use program::{host_sim, utf8};
+use crate::program::{host_sim, utf8};
 use serde_json::json;
 use std::fs;
 use std::path::Path;

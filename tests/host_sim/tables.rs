@@ -1,8 +1,6 @@
 //! What the commands that measure print as JSON and CSV goes into a data frame as it is: flat rows, equal columns, one type a column.
 
-mod program;
-
-use program::{host_sim, utf8};
+use crate::program::{host_sim, utf8};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

@@ -2,11 +2,7 @@
 //!
 //! Small scripts replace QEMU and imitate its failures. `.ci/targets` checks that the real QEMU runs the real firmware.
 
-#![cfg(unix)]
-
-mod program;
-
-use program::PROGRAM;
+use crate::program::PROGRAM;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,8 @@
 //! The commands of the READMEs run as they stand there. Each line of a block ```sh that calls host-sim is run in a folder that has the files that
 //! the READMEs speak of: `clip.mp4`, `video.mp4`, `sequences`, a flight record. A line that is not run stands in `NOT_RUN`, with the reason.
 
-mod program;
-
+use crate::program::{PROGRAM, host_sim, utf8};
 use host_sim::sequence::synthetic;
-use program::{PROGRAM, host_sim, utf8};
 use smr_core::record::Recorder;
 use smr_core::{Robust, Tracker, robust};
 use std::convert::Infallible;

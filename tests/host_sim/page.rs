@@ -1,14 +1,12 @@
 //! The page of `host-sim report` in a browser: no error, the player steps, the curves follow.
 
-mod browser;
-mod program;
-
-use program::{host_sim, utf8};
+use crate::browser;
+use crate::program::{host_sim, utf8};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page").join(test);
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
     folder

@@ -1,8 +1,6 @@
 //! `host-sim` from its user's view: exit codes, one clear line on errors, JSON, complete output.
 
-mod program;
-
-use program::{PROGRAM, host_sim, recordings, utf8};
+use crate::program::{PROGRAM, host_sim, recordings, utf8};
 use serde_json::{Value, json};
 use std::fs;
 use std::process::Command;
@@ -307,7 +305,7 @@ fn the_robust_tracker_is_a_method_like_the_others() {
 
 #[test]
 fn steps_change_no_answer() {
-    let without_work = |said: program::Said| -> Vec<Value> {
+    let without_work = |said: crate::program::Said| -> Vec<Value> {
         let mut lines = said.json_lines();
         for line in &mut lines {
             (line["work"], line["options"]) = (Value::Null, Value::Null);

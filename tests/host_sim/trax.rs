@@ -3,9 +3,7 @@
 //! `SMR_TRAX_PYTHON` names a Python that has it; the default is `python3`. `.ci/run` makes one in `target/trax-python`; `host-sim/README.md` says how by hand.
 //! If `vot-toolkit` is installed, the tests also run the VOT toolkit.
 
-mod program;
-
-use program::{PROGRAM, host_sim, utf8};
+use crate::program::{PROGRAM, host_sim, utf8};
 use serde_json::Value;
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -49,7 +47,7 @@ fn the_real_client_gets_the_boxes_of_track_twice() {
             fs::rename(out.join(&name), pictures.join(&name)).unwrap();
         }
     }
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests/trax/client.py");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/host_sim/trax/client.py");
     for method in ["smr", "robust"] {
         let tracked = host_sim(&["track", "synthetic", "--method", method, "--json"]).json_lines();
         let init = &tracked[0]["box"];

@@ -1,0 +1,20 @@
+//! The program host-sim as its users run it. One test program, so that all of its tests run side by side.
+
+mod browser;
+mod program;
+
+mod command_line;
+mod command_line_input;
+#[cfg(unix)]
+mod endurance;
+mod figures;
+mod page;
+mod pick;
+mod readme_commands;
+mod replay;
+mod session;
+mod tables;
+#[cfg(unix)]
+mod target;
+mod targets;
+mod trax;
