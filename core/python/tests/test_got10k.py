@@ -107,6 +107,6 @@ def test_a_box_that_reaches_out_of_the_picture_is_cut():
     frame = numpy.zeros((12, 20), numpy.uint8)
     assert inside((-5, 2.4, 10, 30), frame) == (0, 2, 5, 10)
     assert inside((1.5, 2, 3, 4), frame) == (2, 2, 3, 4)
-    for outside in [(30, 2, 3, 3), (1, 1, 0, 5), (-3, 1, 3, 4), (1, 1, 0.2, 5)]:
+    for outside in [(30, 2, 3, 3), (1, 1, 0, 5), (-3, 1, 3, 4), (1, 1, 0.2, 5), (float("nan"), 1, 2, 3)]:
         with pytest.raises(ValueError, match=r"^the box .* has no pixel in the frame of 20x12 pixels$"):
             inside(outside, frame)

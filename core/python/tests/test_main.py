@@ -35,7 +35,7 @@ def test_json_lines_are_those_of_host_sim(options, method):
 
 
 def test_text_has_a_line_for_each_frame():
-    ran = run("synthetic", "--box", "36,24,24,28")
+    ran = run("synthetic", "--box", "35.5,24.4,24,28")
     assert (ran.returncode, ran.stderr) == (0, "")
     printed = ran.stdout.splitlines()
     assert len(printed) == 240

@@ -20,14 +20,15 @@ START = (36.0, 24.0, 24.0, 28.0)
 needs_host_sim = pytest.mark.skipif(not HOST_SIM, reason="skipped: VOT beside host-sim: HOST_SIM names no program")
 
 
-def session(command, images, starts):
-    """The answers of one tracker for each frame: (x, y, width, height, confidence) of each object."""
+def session(command, images, starts, length=1000):
+    """The answers of one tracker for each frame: (x, y, width, height, confidence) of each object. It begins again after `length` frames."""
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as server:
         client = Client((server.stdin.fileno(), server.stdout.fileno()), log=os.devnull)
         answers = []
         for number, image in enumerate(images):
             channels = {"color": image}
-            found, _ = client.frame(channels, {}, []) if number else client.initialize(channels, [(start, {}) for start in starts], {})
+            begin = number % length == 0
+            found, _ = client.initialize(channels, [(start, {}) for start in starts], {}) if begin else client.frame(channels, {}, [])
             answers.append([(*region.bounds(), properties["confidence"]) for region, properties in found])
         client.quit()
         server.stdin.close()
@@ -111,9 +112,10 @@ def test_a_target_that_the_paper_loses_stays_where_it_was_seen_last():
 def test_two_objects_and_a_second_session():
     images = list(as_images("memory", frames(6), None)) * 2
     starts = [rectangle(), trax.Rectangle.create(-4, 70.4, 40, 30)]
-    found = session(OWN, images, starts)
-    assert found == session([HOST_SIM, "trax", "--method", "robust"], images, starts)
+    found = session(OWN, images, starts, 6)
+    assert found == session([HOST_SIM, "trax", "--method", "robust"], images, starts, 6)
     assert [len(answers) for answers in found] == [2] * 12
+    assert found[6:] == found[:6]
 
 
 def test_a_mask_is_followed_by_the_box_around_it():
@@ -131,10 +133,15 @@ def test_a_mask_is_followed_by_the_box_around_it():
 
 @pytest.mark.parametrize("messages, reason", [
     ('@@TRAX:frame "file:///1.png"\n', "frame before initialize: there is nothing to follow"),
+    ('@@TRAX:initialize "0"\n@@TRAX:frame "file://PICTURE"\n', "a region without a place: expected a rectangle, a polygon or a mask"),
+    ('@@TRAX:initialize "500,1,9,9"\n@@TRAX:frame "file://PICTURE"\n', "the box 500,1,9,9 (x,y,width,height) has no pixel in the frame"),
     ('@@TRAX:initialize "1,1,9,9"\n@@TRAX:frame "file:///no/such.png"\n', "cannot open /no/such.png: "),
     (f'@@TRAX:initialize "1,1,9,9"\n@@TRAX:frame "file://{__file__}"\n', "ffmpeg "),
 ])  # fmt: skip
-def test_the_client_hears_what_is_wrong(messages, reason):
+def test_the_client_hears_what_is_wrong(tmp_path, messages, reason):
+    picture = tmp_path / "1.png"
+    picture.write_bytes(encoded(frames(1)[0], "PNG"))
+    messages = messages.replace("PICTURE", str(picture))
     ran = subprocess.run(OWN, input=messages, capture_output=True, text=True, timeout=20)
     assert ran.returncode == 2
     assert ran.stderr.startswith(f"error: {reason}") and ran.stderr.count("\n") == 1

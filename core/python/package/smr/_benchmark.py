@@ -12,7 +12,8 @@ def inside(box, frame):
     """
     height, width = frame.shape[:2]
     left, top, right, bottom = (
-        math.floor(min(max(edge, 0), side) + 0.5)
+        # NaN becomes 0.
+        math.floor(min(max(0, edge), side) + 0.5)
         for edge, side in zip((box[0], box[1], box[0] + box[2], box[1] + box[3]), (width, height, width, height))
     )
     if left >= right or top >= bottom:

@@ -61,8 +61,10 @@ def box(region):
         (left, top), (rows, columns) = region.offset(), numpy.nonzero(region.array())
         points = numpy.column_stack([columns, rows])
         points = numpy.concatenate([points, points + 1]) + (left, top)
-    else:
+    elif isinstance(region, trax.Polygon):
         points = numpy.array(list(region))
+    else:
+        raise ValueError("a region without a place: expected a rectangle, a polygon or a mask")
     if len(points) == 0:
         raise ValueError("the mask has no pixel")
     low, high = points.min(axis=0), points.max(axis=0)
