@@ -137,10 +137,12 @@ def test_the_window_draws_into_a_copy(monkeypatch, shape):
 
 
 @pytest.mark.parametrize("drawn, expected", [((0, 0, 0, 0), None), ((3, 4, 5, 6), (3, 4, 5, 6))])
-def test_a_selection_that_is_given_up_is_none(monkeypatch, drawn, expected):
+def test_a_selection_that_is_given_up_is_none(monkeypatch, capsys, drawn, expected):
     cv2 = pytest.importorskip("cv2", reason="skipped: window of python -m smr: no OpenCV")
-    monkeypatch.setattr(cv2, "selectROI", lambda _name, _frame, showCrosshair: drawn)
+    monkeypatch.setattr(cv2, "selectROI", lambda _name, _frame, showCrosshair, printNotice: drawn)
     assert program.Window(1).select(numpy.zeros((9, 9), numpy.uint8)) == expected
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
 
 
 def test_a_video_file_is_followed_in_color(tmp_path):

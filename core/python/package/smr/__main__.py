@@ -14,8 +14,7 @@ try:
 except ImportError:
     cv2 = None
 
-# Blue, green, red.
-COLORS = {State.TRACKING: (80, 220, 60), State.LEAVING: (0, 200, 255), State.UNCERTAIN: (0, 140, 255), State.LOST: (60, 60, 255)}
+COLORS = {State.TRACKING: (80, 220, 60), State.LEAVING: (0, 200, 255), State.UNCERTAIN: (0, 140, 255), State.LOST: (60, 60, 255)}  # BGR
 
 
 class Window:
@@ -26,7 +25,9 @@ class Window:
 
     def select(self, frame):
         """The box that the user draws, or None."""
-        box = cv2.selectROI("smr", frame, showCrosshair=False)
+        print("draw a box, then press space; c selects nothing", file=sys.stderr)
+        # OpenCV's own notice would be among the lines of standard output.
+        box = cv2.selectROI("smr", frame, showCrosshair=False, printNotice=False)
         return box if box[2] and box[3] else None
 
     def show(self, frame, answer):
@@ -37,12 +38,11 @@ class Window:
         cv2.rectangle(picture, (x, y), (x + width, y + height), COLORS[answer.state], 2)
         cv2.putText(picture, text, (8, 24), cv2.FONT_HERSHEY_SIMPLEX, 0.7, COLORS[answer.state], 2)
         cv2.imshow("smr", picture)
-        key = chr(cv2.waitKey(self.pause) & 255)
-        return key if cv2.getWindowProperty("smr", cv2.WND_PROP_VISIBLE) > 0 else "q"
+        key = cv2.waitKey(self.pause) & 255
+        return chr(key) if cv2.getWindowProperty("smr", cv2.WND_PROP_VISIBLE) > 0 else "q"
 
 
-def has_window():
-    # On Linux, OpenCV ends the process where it finds no display.
+def has_window():  # On Linux, OpenCV ends the process where it finds no display.
     return cv2 is not None and cv2.currentUIFramework() != "" and (sys.platform != "linux" or "DISPLAY" in os.environ)
 
 
