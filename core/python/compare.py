@@ -49,7 +49,11 @@ class OfOpenCV:
         self.tracker.init(frame, tuple(math.floor(side + 0.5) for side in box))
 
     def update(self, frame):
-        ok, box = self.tracker.update(frame)
+        try:
+            ok, box = self.tracker.update(frame)
+        except cv2.error:
+            # Some throw when their box leaves the frame.
+            return None
         return box if ok else None
 
 
@@ -67,6 +71,10 @@ def networks(folder):
         for parameter, files in found.items():
             setattr(parameters, parameter, min(files))
         create = getattr(cv2, f"Tracker{name}_create")
+        try:
+            create(parameters)
+        except cv2.error:
+            raise ValueError(f"{name}: OpenCV cannot read {', '.join(map(min, found.values()))}") from None
         makers[name] = lambda create=create, parameters=parameters: OfOpenCV(create(parameters))
     return makers, skipped
 
@@ -97,24 +105,25 @@ def run(tracker, frames, start):
         box = tracker.update(frame)
         spent += time.process_time() - before
         boxes.append(box)
-    return boxes, 1000 * spent / (len(frames) - 1)
+    return boxes, 1000 * spent / max(1, len(frames) - 1)
 
 
 def measure(path, makers):
     """One row for each tracker, with the keys of `host-sim eval --json`."""
     recording = smr.Recording(path)
+    if recording.truth is None or recording.start is None:
+        raise ValueError(f"{path}: no ground truth beside it")
     frames = list(recording)
-    start = recording.start or recording.truth[0]
     for name, make in makers.items():
-        boxes, milliseconds = run(make(), frames, start)
+        boxes, milliseconds = run(make(), frames, recording.start)
         score = recording.score(boxes)
         started = boxes[0] is not None
         yield {"tracker": name, "sequence": recording.name, "started": started, "milliseconds": milliseconds, **score}
 
 
 def mean(values):
-    """The mean and its standard error."""
-    return statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else math.nan
+    """The mean and its standard error, which one value does not have."""
+    return statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
 
 
 def means(rows):
@@ -130,19 +139,25 @@ def means(rows):
             "behind": [robust[row["sequence"]] - row["recall"] for row in own],
         }.items():
             line[key], line[f"{key}_standard_error"] = mean(values)
-        line["milliseconds"] = statistics.median([row["milliseconds"] for row in own if row["started"]] or [math.nan])
+        times = [row["milliseconds"] for row in own if row["started"]]
+        line["milliseconds"] = statistics.median(times) if times else None
         table.append(line)
     return table
+
+
+def with_error(row, key):
+    error = row[f"{key}_standard_error"]
+    return f"{row[key]:.3f}" + (f" ± {error:.3f}" if error is not None else "")
 
 
 def markdown(table, skipped):
     lines = ["| tracker | accuracy | behind smr.Robust | F | ms a frame | recordings |", "|---|---|---|---|---|---|"]
     for row in table:
-        figure = {key: f"{row[key]:.3f} ± {row[f'{key}_standard_error']:.3f}" for key in ("recall", "behind", "f")}
-        behind = "" if row["tracker"] == "smr.Robust" else figure["behind"]
+        behind = "" if row["tracker"] == "smr.Robust" else with_error(row, "behind")
         # Three significant digits: the trackers are a factor of 100 apart.
-        speed = f"{row['milliseconds']:#.3g}".rstrip(".")
-        lines.append(f"| {row['tracker']} | {figure['recall']} | {behind} | {figure['f']} | {speed} | {row['sequences']} |")
+        speed = "" if row["milliseconds"] is None else f"{row['milliseconds']:#.3g}".rstrip(".")
+        figures = [with_error(row, "recall"), behind, with_error(row, "f"), speed, str(row["sequences"])]
+        lines.append(f"| {row['tracker']} | {' | '.join(figures)} |")
     most = max(row["sequences"] for row in table)
     notes = [f"{row['tracker']}: measured on {row['sequences']} of the {most} recordings" for row in table if row["sequences"] < most]
     notes += [f"{row['tracker']}: refused the box of {row['refused']} recordings (accuracy 0)" for row in table if row["refused"]]
@@ -178,12 +193,17 @@ def main():
     steps = dict(options.every)
     if unknown := steps.keys() - makers.keys():
         raise ValueError(f"--every: no tracker {min(unknown)}: expected {', '.join(makers)}")
-    paths, rows = smr.recordings(options.paths), []
+    paths, rows, failures = smr.recordings(options.paths), [], []
     for number, path in enumerate(paths):
         progress(number, len(paths), path)
-        rows += measure(path, {name: make for name, make in makers.items() if number % steps.get(name, 1) == 0})
+        try:
+            rows += list(measure(path, {name: make for name, make in makers.items() if number % steps.get(name, 1) == 0}))
+        except (ValueError, OSError) as error:
+            failures.append(str(error))
     progress(len(paths), len(paths), "recordings")
-    table = means(rows)
+    if not rows:
+        raise ValueError("; ".join(failures))
+    table, skipped = means(rows), skipped + failures
     print(markdown(table, skipped))
     if options.json:
         with open(options.json, "w", encoding="utf-8") as file:
