@@ -1,0 +1,117 @@
+"""`python -m smr.vot`: a tracker for the VOT toolkit. A section of its `trackers.ini`:
+
+    [smr_python]
+    label = smr robust
+    protocol = trax
+    command = python -m smr.vot
+
+It speaks the TraX protocol (`pip install vot-trax`) and gives the answers of `host-sim trax --method robust`; with `--paper` those of
+`host-sim trax --method smr --config camera`.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+
+import numpy
+
+from . import Paper, Recording, Robust
+from ._benchmark import Target
+
+try:
+    import trax
+except ImportError:
+    print("error: there is no module trax: pip install vot-trax", file=sys.stderr)
+    sys.exit(2)
+
+
+def pixels(image):
+    """The gray pixels of an image of the protocol, as host-sim decodes them."""
+    if isinstance(image, trax.MemoryImage):
+        return gray(image.array())
+    if isinstance(image, trax.FileImage):
+        return picture(image.path())
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "buffer.png")  # A JPEG is known by its first bytes.
+        with open(path, "wb") as file:
+            file.write(image.buffer())
+        return picture(path)
+
+
+def picture(path):
+    [frame] = Recording(path)
+    return frame
+
+
+def gray(array):
+    """Of gray pixels of 16 bits the high byte. Colors as host-sim rounds them."""
+    if array.dtype == numpy.uint16:
+        array = array >> 8
+    elif array.shape[2] == 3:
+        array = (array @ numpy.array([19595, 38470, 7471]) + 32768) >> 16
+    return array.astype(numpy.uint8)
+
+
+def box(region):
+    """The box of a region, or around it. Raises ValueError if it has no area."""
+    if isinstance(region, trax.Rectangle):
+        return region.bounds()
+    if isinstance(region, trax.Mask):
+        (left, top), (rows, columns) = region.offset(), numpy.nonzero(region.array())
+        points = numpy.column_stack([columns, rows])
+        points = numpy.concatenate([points, points + 1]) + (left, top)
+    elif isinstance(region, trax.Polygon):
+        points = numpy.array(list(region))
+    else:
+        raise ValueError("a region without a place: expected a rectangle, a polygon or a mask")
+    if len(points) == 0:
+        raise ValueError("the mask has no pixel")
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (*low.tolist(), *(high - low).tolist())
+
+
+def serve(server, create):
+    """Answers each frame with the places of all targets, until the client ends the session. `create` makes a tracker."""
+    targets = []
+    while (request := server.wait()).type != trax.TraxStatus.QUIT:
+        if request.type == trax.TraxStatus.INITIALIZE:
+            targets = []
+        elif not targets:
+            raise ValueError("frame before initialize: there is nothing to follow")
+        frame = pixels(request.image["color"])
+        for target in targets:
+            target.follow(frame)
+        targets += [Target(create(), frame, box(region)) for region, _ in request.objects or []]
+        server.status([state(target) for target in targets])
+
+
+def state(target):
+    return trax.Rectangle.create(*target.box), {"confidence": f"{target.confidence:.6f}"}
+
+
+def failed(what):
+    print(f"error: {what}", file=sys.stderr)
+    sys.exit(2)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m smr.vot", description="A tracker for the VOT toolkit, over the TraX protocol.")
+    parser.add_argument("--paper", action="store_true", help="the tracker of the paper instead of the robust one")
+    create = Paper if parser.parse_args().paper else Robust
+    regions, images = ["rectangle", "polygon", "mask"], ["path", "memory", "buffer"]
+    server = trax.Server(regions, images, tracker_name=f"smr-{create.__name__.lower()}", multiobject=True)
+    try:
+        serve(server, create)
+    except (ValueError, OSError) as error:
+        # The client hears why.
+        server.quit(str(error))
+        failed(error)
+    except trax.TraxException:
+        failed("the client has gone without quit, or does not speak TraX")
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

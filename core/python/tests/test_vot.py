@@ -1,0 +1,164 @@
+"""`python -m smr.vot` with the client of the TraX protocol: its answers against those of `host-sim trax`."""
+
+import io
+import os
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+import smr
+
+trax = pytest.importorskip("trax", reason="skipped: tracker of the VOT toolkit: no vot-trax")
+Image = pytest.importorskip("PIL.Image", reason="skipped: tracker of the VOT toolkit: no pillow")
+from trax.client import Client  # noqa: E402
+
+HOST_SIM = os.environ.get("HOST_SIM")
+OWN = [sys.executable, "-m", "smr.vot"]
+START = (36.0, 24.0, 24.0, 28.0)
+needs_host_sim = pytest.mark.skipif(not HOST_SIM, reason="skipped: VOT beside host-sim: HOST_SIM names no program")
+
+
+def session(command, images, starts, length=1000):
+    """The answers of one tracker for each frame: (x, y, width, height, confidence) of each object. It begins again after `length` frames."""
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as server:
+        client = Client((server.stdin.fileno(), server.stdout.fileno()), log=os.devnull)
+        answers = []
+        for number, image in enumerate(images):
+            channels = {"color": image}
+            begin = number % length == 0
+            found, _ = client.initialize(channels, [(start, {}) for start in starts], {}) if begin else client.frame(channels, {}, [])
+            answers.append([(*region.bounds(), properties["confidence"]) for region, properties in found])
+        client.quit()
+        server.stdin.close()
+        assert server.wait(timeout=20) == 0
+    return answers
+
+
+def frames(count):
+    return list(smr.Recording("synthetic"))[:count]
+
+
+def colored(frame):
+    """Colors whose rounding to gray matters."""
+    shifted = frame.astype(int)[:, :, None] + numpy.array([3, 0, 7])
+    return shifted.clip(0, 255).astype(numpy.uint8)
+
+
+def encoded(pixels, form):
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, format=form)
+    return file.getvalue()
+
+
+def as_images(way, pictures, folder):
+    """`way` is `memory`, or how a picture in a format comes: `path png`, `buffer jpeg`."""
+    way, _, form = way.partition(" ")
+    for number, pixels in enumerate(pictures):
+        if way == "memory":
+            yield trax.MemoryImage.create(pixels)
+        elif way == "buffer":
+            yield trax.BufferImage.create(encoded(pixels, form))
+        else:
+            file = folder / f"{number}.{form}"
+            file.write_bytes(encoded(pixels, form))
+            yield trax.FileImage.create(str(file))
+
+
+def rectangle():
+    return trax.Rectangle.create(*START)
+
+
+def polygon():
+    x, y, width, height = START
+    return trax.Polygon.create([(x, y + 3), (x + width, y), (x + width, y + height), (x + 5, y + height)])
+
+
+def mask():
+    pixels = numpy.zeros((40, 30), numpy.uint8)
+    pixels[4:32, 6:30] = 1
+    return trax.Mask.create(pixels, 30, 20)
+
+
+@needs_host_sim
+@pytest.mark.parametrize("way, change, region", [
+    ("path png", colored, rectangle),
+    ("path jpeg", colored, polygon),
+    ("memory", colored, polygon),
+    ("memory", lambda frame: frame, rectangle),
+    ("memory", lambda frame: frame.astype(numpy.uint16) * 256 + 200, rectangle),
+    ("buffer png", lambda frame: frame, polygon),
+    ("buffer jpeg", lambda frame: frame, rectangle),
+])  # fmt: skip
+def test_answers_are_those_of_host_sim(tmp_path, way, change, region):
+    images = list(as_images(way, map(change, frames(12)), tmp_path))
+    expected = session([HOST_SIM, "trax", "--method", "robust"], images, [region()])
+    assert session(OWN, images, [region()]) == expected
+    assert len({answer for [answer] in expected}) > 5
+
+
+@needs_host_sim
+def test_a_target_that_the_paper_loses_stays_where_it_was_seen_last():
+    images = list(as_images("memory", frames(200), None))
+    found = session([*OWN, "--paper"], images, [rectangle()])
+    assert found == session([HOST_SIM, "trax", "--method", "smr", "--config", "camera"], images, [rectangle()])
+    confidences = [float(answer[4]) for [answer] in found]
+    lost = confidences.index(0.0)
+    assert found[lost][0][:4] == found[lost - 1][0][:4]
+
+
+@needs_host_sim
+def test_two_objects_and_a_second_session():
+    images = list(as_images("memory", frames(6), None)) * 2
+    starts = [rectangle(), trax.Rectangle.create(-4, 70.4, 40, 30)]
+    found = session(OWN, images, starts, 6)
+    assert found == session([HOST_SIM, "trax", "--method", "robust"], images, starts, 6)
+    assert [len(answers) for answers in found] == [2] * 12
+    assert found[6:] == found[:6]
+
+
+def test_a_mask_is_followed_by_the_box_around_it():
+    images = list(as_images("memory", frames(5), None))
+    found = session(OWN, images, [mask()])
+    assert found == session(OWN, images, [rectangle()])
+    assert found[0] == [(*START, "1.000000")]
+    tracker, pictures = smr.Robust(), frames(5)
+    tracker.init(pictures[0], START)
+    for [(*place, confidence)], picture in zip(found[1:], pictures[1:]):
+        answer = tracker.follow(picture)
+        assert place == pytest.approx(answer.fine_box, abs=1e-3)
+        assert confidence == f"{answer.confidence:.6f}"
+
+
+@pytest.mark.parametrize("messages, reason", [
+    ('@@TRAX:frame "file:///1.png"\n', "frame before initialize: there is nothing to follow"),
+    ('@@TRAX:initialize "0"\n@@TRAX:frame "file://PICTURE"\n', "a region without a place: expected a rectangle, a polygon or a mask"),
+    ('@@TRAX:initialize "500,1,9,9"\n@@TRAX:frame "file://PICTURE"\n', "the box 500,1,9,9 (x,y,width,height) has no pixel in the frame"),
+    ('@@TRAX:initialize "1,1,9,9"\n@@TRAX:frame "file:///no/such.png"\n', "cannot open /no/such.png: "),
+    (f'@@TRAX:initialize "1,1,9,9"\n@@TRAX:frame "file://{__file__}"\n', "ffmpeg "),
+])  # fmt: skip
+def test_the_client_hears_what_is_wrong(tmp_path, messages, reason):
+    picture = tmp_path / "1.png"
+    picture.write_bytes(encoded(frames(1)[0], "PNG"))
+    messages = messages.replace("PICTURE", str(picture))
+    ran = subprocess.run(OWN, input=messages, capture_output=True, text=True, timeout=20)
+    assert ran.returncode == 2
+    assert ran.stderr.startswith(f"error: {reason}") and ran.stderr.count("\n") == 1
+    assert f'@@TRAX:quit "trax.reason={reason}' in ran.stdout
+
+
+def test_a_client_that_has_gone_is_one_line():
+    ran = subprocess.run(OWN, input="", capture_output=True, text=True, timeout=20)
+    assert (ran.returncode, ran.stderr) == (2, "error: the client has gone without quit, or does not speak TraX\n")
+
+
+def test_the_vot_toolkit_runs_it(tmp_path):
+    pytest.importorskip("vot", reason="skipped: the VOT toolkit itself: no vot-toolkit")
+    (tmp_path / "trackers.ini").write_text(f"[smr]\nlabel = smr\nprotocol = trax\ncommand = {' '.join(OWN)}\n")
+    # The toolkit would ask for a newer version of itself: nobody listens there.
+    environment = {**os.environ, "https_proxy": "http://127.0.0.1:9"}
+    command = [sys.executable, "-m", "vot", "test", "smr"]
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)
+    assert "Test concluded successfuly" in ran.stdout + ran.stderr
+    assert (ran.stdout + ran.stderr).count("@@TRAX:state") >= 50
