@@ -22,6 +22,8 @@ from ._benchmark import Target
 try:
     import trax
 except ImportError:
+    if __name__ != "__main__":
+        raise
     print("error: there is no module trax: pip install vot-trax", file=sys.stderr)
     sys.exit(2)
 
