@@ -40,13 +40,13 @@ class OfSmr:
 
 
 class OfOpenCV:
-    """A tracker of OpenCV, which takes whole pixels."""
+    """A tracker of OpenCV."""
 
     def __init__(self, tracker):
         self.tracker = tracker
 
     def init(self, frame, box):
-        self.tracker.init(frame, tuple(math.floor(side + 0.5) for side in box))
+        self.tracker.init(frame, box)
 
     def update(self, frame):
         try:
@@ -114,8 +114,11 @@ def measure(path, makers):
     if recording.truth is None or recording.start is None:
         raise ValueError(f"{path}: no ground truth beside it")
     frames = list(recording)
+    # In whole pixels, as OpenCV takes it and smr rounds it. The score sets it equal to the first box of the ground truth, and moves and scales
+    # all others alike: it must be the box that the tracker got.
+    start = tuple(math.floor(side + 0.5) for side in recording.start)
     for name, make in makers.items():
-        boxes, milliseconds = run(make(), frames, recording.start)
+        boxes, milliseconds = run(make(), frames, start)
         score = recording.score(boxes)
         started = boxes[0] is not None
         yield {"tracker": name, "sequence": recording.name, "started": started, "milliseconds": milliseconds, **score}
