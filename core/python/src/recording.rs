@@ -7,6 +7,7 @@ use crate::tracker::{Tracker, bounding_box};
 use host_sim::evaluate::robustness::{self, Starts};
 use host_sim::evaluate::{Configs, Score, TableName, Variant};
 use host_sim::sequence::{self, BoundingBox, Frames, OpenOptions, Sequence};
+use host_sim::words;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -89,7 +90,7 @@ impl GrayFrames {
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
         let next = py.detach(|| self.0.lock().map(|mut frames| frames.next()).ok().flatten());
-        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(format!("{error:#}")))? else {
+        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(words::of(&error)))? else {
             return Ok(None);
         };
         let shape = [usize::from(frame.height), usize::from(frame.width)];

@@ -3,12 +3,12 @@
 use crate::frame::Pixels;
 use crate::options;
 use host_sim::evaluate::{MethodKind, Refused};
+use host_sim::words;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, paper, robust};
 use std::cell::RefCell;
-use std::fmt::Display;
 
 /// As large as host-sim follows it.
 type Paper = host_sim::Paper;
@@ -33,9 +33,9 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// What the core refuses, in its words.
-pub fn refused(error: impl Display) -> PyErr {
-    PyValueError::new_err(format!("{error:#}"))
+/// What the core or host-sim refuses, in their words.
+pub fn refused(error: impl Into<anyhow::Error>) -> PyErr {
+    PyValueError::new_err(words::of(&error.into()))
 }
 
 fn not_updated(error: UpdateError) -> PyErr {
