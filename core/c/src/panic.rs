@@ -1,4 +1,4 @@
-//! The panic handler of a build for a microcontroller. The linker needs one, but no call can reach it: `.ci/c` fails if it is in a
+//! The panic handler of a build for a microcontroller or of a WebAssembly module. The linker needs one, but no call can reach it: `.ci/c` fails if it is in a
 //! linked program.
 
 #[panic_handler]
