@@ -18,11 +18,12 @@
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
 //! | `preset`, `init`, `lock`, `update`, `inspect`, `saved`, `readout` | the exported calls |
+//! | `unstable` | calls for the browser's page, which the header does not declare (feature `unstable`) |
 //!
 //! # Linking
 //!
-//! `libsmr.a` does not allocate, has no globals and needs no operating system. For a microcontroller (`target_os = "none"`) it is
-//! `no_std` and contains its own panic handler, which no call can reach.
+//! `libsmr.a` does not allocate, has no globals and needs no operating system. For a microcontroller (`target_os = "none"`) and as
+//! WebAssembly it is `no_std` and contains its own panic handler, which no call can reach.
 //!
 //! For a host, Rust's `core` is compiled for unwinding, which needs the runtime in `std`. The library therefore links `std` there, and
 //! also uses it to detect the processor's instruction sets. A panic would abort at the boundary; it never unwinds into C.
@@ -37,7 +38,7 @@
 // The header says what a pointer must be: each call under `@param`, all calls at its top (cbindgen.toml).
 #![allow(clippy::missing_safety_doc)]
 
-#[cfg(not(target_os = "none"))]
+#[cfg(not(any(target_os = "none", target_family = "wasm")))]
 extern crate std;
 
 mod answer;
@@ -45,7 +46,7 @@ mod capacity;
 mod config;
 mod frame;
 mod method;
-#[cfg(target_os = "none")]
+#[cfg(any(target_os = "none", target_family = "wasm"))]
 mod panic;
 mod pointer;
 mod status;
@@ -67,6 +68,9 @@ mod inspect;
 mod saved;
 
 mod readout;
+
+#[cfg(feature = "unstable")]
+mod unstable;
 
 pub use answer::{smr_answer, smr_state};
 pub use capacity::{

@@ -13,6 +13,8 @@ use crate::status::{
     SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status,
 };
 use crate::tracker::{Tracked, smr_tracker};
+#[cfg(feature = "unstable")]
+use crate::unstable::ResponseMap;
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
@@ -40,6 +42,11 @@ pub(crate) trait Method: Target + 'static {
     /// # Safety
     /// There is memory for `size` bytes at `pixels`.
     unsafe fn early_template(&self, _pixels: *mut u8, _size: usize) -> Result<smr_image, smr_status> {
+        Err(SMR_ERROR_OTHER_METHOD)
+    }
+
+    #[cfg(feature = "unstable")]
+    fn response_map(&self, _: &mut Self::Workspace, _: &Frame<'_>) -> Result<ResponseMap, smr_status> {
         Err(SMR_ERROR_OTHER_METHOD)
     }
 }
@@ -91,6 +98,11 @@ impl Method for Robust {
             unsafe { pixels.add(at).write(pixel) }
         }
         Ok(smr_image { pixels, width: grid.columns, height: grid.rows })
+    }
+
+    #[cfg(feature = "unstable")]
+    fn response_map(&self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
+        Ok(smr_core::unstable::response_map(self, workspace, frame)?)
     }
 }
 
@@ -156,13 +168,19 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
 }
 
 impl<T: Method> Held<T> {
-    /// The target and its workspace, in which an update of another tracker may be under way.
-    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
+    /// The workspace, if the memory still holds one of this type.
+    fn marked(&self) -> Result<*mut Scratch<T>, smr_status> {
         let workspace = self.workspace;
         // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any bytes are a usize.
         if unsafe { (&raw const (*workspace).mark).read() } != Scratch::mark_of(workspace) {
             return Err(SMR_ERROR_NOT_INITIALISED);
         }
+        Ok(workspace)
+    }
+
+    /// The target and its workspace, in which an update of another tracker may be under way.
+    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
+        let workspace = self.marked()?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.
         Ok((&mut self.target, unsafe { &mut (*workspace).workspace }))
     }
@@ -260,5 +278,17 @@ impl<T: Method> Tracked for Held<T> {
     unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status> {
         // SAFETY: as the caller ensures.
         unsafe { Method::early_template(&self.target, pixels, size) }
+    }
+
+    #[cfg(feature = "unstable")]
+    fn work(&self) -> Result<u32, smr_status> {
+        // SAFETY: as for `parts`; nobody writes the workspace while the result lives.
+        Ok(T::work(unsafe { &(*self.marked()?).workspace }))
+    }
+
+    #[cfg(feature = "unstable")]
+    fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
+        let (target, workspace) = self.parts()?;
+        Method::response_map(target, workspace, frame)
     }
 }

@@ -56,6 +56,10 @@ pub(crate) trait Tracked {
     /// # Safety
     /// There is memory for `size` bytes at `pixels`.
     unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status>;
+    #[cfg(feature = "unstable")]
+    fn work(&self) -> Result<u32, smr_status>;
+    #[cfg(feature = "unstable")]
+    fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::unstable::ResponseMap, smr_status>;
 }
 
 /// The tracker that `smr_init` made at this address.

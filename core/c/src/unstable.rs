@@ -1,0 +1,51 @@
+//! What the browser's page shows of the inside of a tracker: the counted work and the robust tracker's response map. The header does not
+//! declare these calls, and they may change in any version.
+
+use crate::frame::smr_frame;
+use crate::pointer::Out;
+use crate::status::{smr_status, status_of};
+use crate::tracker::{ask, smr_tracker, with_frame};
+
+/// Responses on an axis of the largest window of the robust tracker.
+pub(crate) const RESPONSE_SPAN: usize = 17;
+/// See [`smr_response_map`].
+pub(crate) type ResponseMap = [[i32; RESPONSE_SPAN]; RESPONSE_SPAN];
+
+/// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_step`. Another tracker may have
+/// done it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
+    // SAFETY: as every call demands of its caller.
+    status_of(unsafe { ask(tracker, work, |tracker| tracker.work()) })
+}
+
+/// Sets `responses` to the robust tracker's responses for `frame`, as the next update would see them, in units of 1/16384. The first
+/// 2 * `reach` + 1 of the first 2 * `reach` + 1 rows count. It cancels an update under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_response_map(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    responses: *mut ResponseMap,
+) -> smr_status {
+    // SAFETY: as every call demands of its caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::new(responses)?;
+            out.write(tracker.response_map(frame)?);
+            Ok(())
+        })
+    })
+}
+
+/// 1 if the library uses the vectors of WebAssembly (SIMD128), else 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn smr_simd() -> u8 {
+    cfg!(target_feature = "simd128").into()
+}
+
+/// Compares the kernels of a filter with the plain loops at extreme values and in all shapes. Panics if they differ.
+#[cfg(feature = "verify")]
+#[unsafe(no_mangle)]
+pub extern "C" fn smr_verify_filter() {
+    smr_core::similarity::verify_filter();
+}

@@ -1,0 +1,112 @@
+// The memory of the WebAssembly module behind the library's own data: blocks that are taken and given back, and access to their bytes.
+//
+// The library does not allocate. Its callers do: here, first fit in a list of free blocks. The memory grows only if no free block is large
+// enough.
+
+const PAGE = 65536;
+const ALIGNMENT = 8; // SMR_ALIGNMENT of smr.h
+
+const aligned = (size) => Math.ceil(size / ALIGNMENT) * ALIGNMENT;
+
+export class Memory {
+  #memory;
+  #bytes = new Uint8Array(0);
+  #view;
+  #free = []; // { at, size }, by address; never two that touch
+  #taken = new Map(); // sizes, by address
+
+  /** `memory`: a WebAssembly.Memory; `start`: the first address that is free. */
+  constructor(memory, start) {
+    this.#memory = memory;
+    const at = aligned(start);
+    this.#release(at, memory.buffer.byteLength - at);
+  }
+
+  /** All bytes. A call that takes memory replaces them. */
+  get bytes() {
+    this.#look();
+    return this.#bytes;
+  }
+
+  get view() {
+    this.#look();
+    return this.#view;
+  }
+
+  /** The address of a block of at least `size` bytes. */
+  take(size) {
+    const wanted = Math.max(aligned(size), ALIGNMENT);
+    let place = this.#free.findIndex((block) => block.size >= wanted);
+    if (place < 0) {
+      this.#grow(wanted);
+      place = this.#free.findIndex((block) => block.size >= wanted);
+    }
+    const block = this.#free[place];
+    const at = block.at;
+    block.at += wanted;
+    block.size -= wanted;
+    if (block.size === 0) {
+      this.#free.splice(place, 1);
+    }
+    this.#taken.set(at, wanted);
+    return at;
+  }
+
+  /** Gives back the block at `at`; nothing if that is 0. */
+  give(at) {
+    if (at === 0) {
+      return;
+    }
+    this.#release(at, this.#taken.get(at));
+    this.#taken.delete(at);
+  }
+
+  /** A copy of `size` bytes. */
+  copy(at, size) {
+    return this.bytes.slice(at, at + size);
+  }
+
+  /** The text that ends with a zero at `at`. */
+  text(at) {
+    const bytes = this.bytes;
+    return String.fromCharCode(...bytes.subarray(at, bytes.indexOf(0, at)));
+  }
+
+  // A module that grows gets another buffer.
+  #look() {
+    if (this.#bytes.buffer !== this.#memory.buffer) {
+      this.#bytes = new Uint8Array(this.#memory.buffer);
+      this.#view = new DataView(this.#memory.buffer);
+    }
+  }
+
+  #grow(size) {
+    const end = this.#memory.buffer.byteLength;
+    const last = this.#free.at(-1);
+    const free = last !== undefined && last.at + last.size === end ? last.size : 0;
+    const pages = Math.ceil((size - free) / PAGE);
+    try {
+      this.#memory.grow(pages);
+    } catch {
+      throw new RangeError(`no memory for ${size} bytes`);
+    }
+    this.#release(end, pages * PAGE);
+  }
+
+  #release(at, size) {
+    const found = this.#free.findIndex((block) => block.at > at);
+    const place = found < 0 ? this.#free.length : found;
+    this.#free.splice(place, 0, { at, size });
+    this.#join(place);
+    this.#join(place - 1);
+  }
+
+  // Makes one block of two that touch.
+  #join(place) {
+    const [block, next] = [this.#free[place], this.#free[place + 1]];
+    if (block !== undefined && next !== undefined && block.at + block.size === next.at) {
+      block.size += next.size;
+      this.#free.splice(place + 1, 1);
+    }
+  }
+}
