@@ -44,6 +44,9 @@ pub struct Recording {
 impl Recording {
     #[new]
     fn new(path: PathBuf) -> PyResult<Self> {
+        if path == Path::new("-") {
+            return Err(PyValueError::new_err("standard input can be read only once: expected a file or a folder"));
+        }
         let Sequence { name, init, truth, .. } = open(&path).map_err(refused)?;
         Ok(Self { path, name, start: init, truth })
     }

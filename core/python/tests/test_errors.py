@@ -94,6 +94,7 @@ def test_recordings(tmp_path):
     (tmp_path / "1.png").write_bytes(b"no picture")
     for call, words in [
         (lambda: smr.Recording(tmp_path / "none"), "cannot open .*none: expected a folder, a file"),
+        (lambda: smr.Recording("-"), "standard input can be read only once"),
         (lambda: smr.evaluate(tmp_path / "none"), "neither a recording nor a folder"),
         (lambda: smr.evaluate("noise", starts="some"), "starts: expected 'given', 'near' or the number of frames"),
         (lambda: smr.evaluate("noise", starts=0), "starts: expected"),
