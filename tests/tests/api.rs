@@ -1,6 +1,6 @@
 //! The public interface of smr-core, item by item. If it changes, `api/smr-core.txt` must change with it.
 //!
-//! Record it with `SMR_RECORD=1 cargo test -p smr-tests --test api`.
+//! Record it with `SMR_RECORD=1 cargo test -p smr-tests --test crates api`.
 
 use std::fs;
 use std::path::Path;
@@ -55,7 +55,7 @@ fn smr_core_has_the_interface_that_is_listed() {
     let changes = [only(&before, &now, "-"), only(&now, &before, "+")].concat();
     assert!(
         changes.is_empty(),
-        "the interface of smr-core has changed; if that is meant: SMR_RECORD=1 cargo test -p smr-tests --test api\n{}",
+        "the interface of smr-core has changed; if that is meant: SMR_RECORD=1 cargo test -p smr-tests --test crates api\n{}",
         changes.join("\n")
     );
 }

@@ -174,7 +174,7 @@ const TEST_CORE: [&str; 6] = ["test", "--quiet", "--package=smr-core", "--lib", 
 const TEST_ROBUST: [&str; 6] = ["test", "--quiet", "--package=host-sim", "--lib", "--", "check::robust"];
 
 #[test]
-#[ignore = "builds host-sim 50 times: `.ci/run nightly` runs it, or `cargo test -p smr-tests --test mutants -- --ignored`"]
+#[ignore = "builds host-sim 50 times: `.ci/run nightly` runs it, or `cargo test -p smr-tests --test crates mutants -- --ignored`"]
 fn check_fails_on_every_mutant() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ is in the project");
     let copy = project.join("target/mutants/project");

@@ -1,0 +1,11 @@
+//! What holds across the crates. One test program, so that all of its tests run side by side.
+
+mod api;
+mod conformance;
+mod micropython;
+mod mutants;
+mod paper_rows;
+mod pursuit;
+mod readme;
+mod readout;
+mod web;
