@@ -1,0 +1,86 @@
+// The worker: it takes frames and wishes from the page and sends back answers, so that the page never waits for a tracker. follower.js is the
+// other side.
+
+import { hasSimd, load } from "../smr.js";
+import { BUILT_IN, syntheticFrame } from "./synthetic.js";
+import { Targets } from "./targets.js";
+
+let targets = null;
+let last = null; // the last frame, which a lock is on
+let canvas = null;
+
+const WISHES = {
+  async start({ modules, settings }) {
+    const library = await load(await unpacked(hasSimd() ? modules.simd : modules.plain));
+    targets = new Targets(library, settings);
+    return { simd: library.simd, version: library.version };
+  },
+
+  // `picture` is an ImageBitmap, which is sent back to be drawn; or `index` a frame of the built-in recording.
+  frame({ number, picture, index, shown }) {
+    const { frame, image } = picture === undefined ? builtIn(index) : taken(picture);
+    const isOther = last !== null && (last.width !== frame.width || last.height !== frame.height);
+    if (isOther) {
+      targets.restart();
+    }
+    last = { ...frame, number };
+    return { number, image, isOther, width: frame.width, height: frame.height, answers: targets.update(last, shown) };
+  },
+
+  lock({ id, box }) {
+    return { id, box, number: last.number, locked: targets.lock(id, last, box) };
+  },
+
+  remove({ id }) {
+    targets.remove(id);
+  },
+
+  restart({ settings }) {
+    targets.restart(settings);
+    last = null;
+  },
+
+  record({ id, method }) {
+    return { bytes: targets.record(id, method) };
+  },
+};
+
+async function unpacked(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
+function builtIn(index) {
+  const { width, height } = BUILT_IN;
+  const data = syntheticFrame(index);
+  const rgba = new Uint8ClampedArray(4 * data.length).fill(255);
+  data.forEach((level, at) => rgba.fill(level, 4 * at, 4 * at + 3));
+  return { frame: { data, width, height }, image: new ImageData(rgba, width, height) };
+}
+
+// The pixels of a picture, in the colors of a canvas.
+function taken(picture) {
+  const { width, height } = picture;
+  if (canvas === null || canvas.width !== width || canvas.height !== height) {
+    canvas = new OffscreenCanvas(width, height);
+  }
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(picture, 0, 0);
+  return { frame: { data: context.getImageData(0, 0, width, height).data, width, height }, image: picture };
+}
+
+// One after the other, each answered with its number.
+let turn = Promise.resolve();
+self.onmessage = ({ data: { wish, ticket, ...of } }) => {
+  turn = turn.then(() => granted(wish, ticket, of));
+};
+
+async function granted(wish, ticket, of) {
+  try {
+    const answer = await WISHES[wish](of);
+    self.postMessage({ ticket, answer }, answer?.image instanceof ImageBitmap ? [answer.image] : []);
+  } catch (error) {
+    self.postMessage({ ticket, error: error.message });
+  }
+}
