@@ -34,6 +34,8 @@ pub enum Backend {
     Avx2,
     /// AArch64 with NEON: 16 pixels at a time.
     Neon,
+    /// SIMD128, the vectors of WebAssembly: 16 pixels at a time.
+    Simd128,
     /// The DSP extension of Armv7E-M and Armv8-M (Cortex-M4, M7, M33): 4 pixels at a time.
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
@@ -41,7 +43,7 @@ pub enum Backend {
 }
 
 impl Backend {
-    const ALL: [Self; 6] = [Self::Avx2, Self::Sse2, Self::Neon, Self::Helium, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 7] = [Self::Avx2, Self::Sse2, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -66,6 +68,7 @@ impl Backend {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::is_available(),
             Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
+            Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
             #[cfg(not(target_arch = "x86_64"))]
             Self::Sse2 | Self::Avx2 => false,
             Self::Dsp => cfg!(smr_dsp),

@@ -1,4 +1,4 @@
-//! The score loops of x86-64 and AArch64, written once over a vector trait.
+//! The score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait.
 //!
 //! The file of an instruction set says what its vector is ([`Vector`], and [`Neighbours`] for ranges) and how it looks up entries of
 //! a table ([`LookUp`]). `scores!` compiles the loops for it.

@@ -8,23 +8,24 @@
 //! | `x86/sse2.rs` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
 //! | `x86/avx2/` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
 //! | `aarch64/neon.rs` | NEON | compiled for | emulated by QEMU (`.ci/neon`), or natively |
+//! | `wasm32/simd128/` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
 //! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
 //!
 //! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that chooses:
 //!
-//! | loop | chosen in | plain | x86 | NEON | DSP, Helium |
-//! |---|---|---|---|---|---|
-//! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` |
-//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | `avx2/products.rs` | (compiler) | `products.rs` |
-//! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | `gradients.rs` |
-//! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | `bilinear.rs` |
-//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | Helium: `weights.rs` |
+//! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium |
+//! |---|---|---|---|---|---|---|
+//! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `scores.rs` |
+//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | `avx2/products.rs` | (compiler) | `products.rs` | `products.rs` |
+//! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` |
+//! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` |
+//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | Helium: `weights.rs` |
 //!
 //! "(compiler)": the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and products; the other
 //! loops follow what the program is compiled for.
 //!
-//! `generic.rs` holds the score loops of x86-64 and AArch64, written once over a vector trait. The file of an instruction set says only
+//! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of an instruction set says only
 //! what a vector is and how it looks up a table. The loops in `arm/` are assembly; `arm/loss.rs` is the bound of scores that both use.
 //! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` compares the other loops with the plain
 //! ones (feature `verify`).
@@ -67,7 +68,11 @@ mod backend;
 mod bilinear;
 mod cells;
 mod cut_table;
-#[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon")))]
+#[cfg(any(
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
 mod generic;
 mod gradients;
 mod layout;
@@ -80,7 +85,13 @@ mod plain {
     pub(super) mod weights;
 }
 mod products;
-#[cfg(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"), smr_dsp, smr_helium))]
+#[cfg(any(
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon"),
+    all(target_arch = "wasm32", target_feature = "simd128"),
+    smr_dsp,
+    smr_helium
+))]
 mod rows;
 mod scorer;
 mod scores;
@@ -90,6 +101,13 @@ mod verify {
     #[cfg(feature = "verify")]
     pub(super) mod filter;
     pub(super) mod scores;
+}
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod wasm32 {
+    pub(super) mod simd128 {
+        pub(in super::super) mod products;
+        pub(in super::super) mod scores;
+    }
 }
 mod weights;
 #[cfg(target_arch = "x86_64")]

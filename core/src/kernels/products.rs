@@ -1,6 +1,6 @@
 //! Chooses the sums of products for a backend: the responses of a filter, and the gradient of its error.
 //!
-//! The DSP extension multiplies two pairs of numbers in an instruction, Helium eight. For AVX2 the plain loops are compiled again. All other
+//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight. For AVX2 the plain loops are compiled again. All other
 //! backends use the plain loops as they are; the compiler vectorizes them for SSE2 and NEON.
 
 #[cfg(smr_dsp)]
@@ -10,6 +10,8 @@ use super::arm::helium::products as helium;
 use super::backend::Backend;
 use super::layout::{Layout, Packed};
 use super::plain::products as plain;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use super::wasm32::simd128::products as simd128;
 #[cfg(target_arch = "x86_64")]
 use super::x86::avx2::products as avx2;
 use core::ops::Range;
@@ -83,6 +85,8 @@ impl Products {
             Backend::Dsp => dsp::responses(parts, room, cells, layout, weights, out),
             #[cfg(smr_helium)]
             Backend::Helium => helium::responses(parts, cells, layout, weights, out),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Backend::Simd128 => simd128::responses(parts, cells, layout, weights, out),
             _ => plain::responses(parts, cells, layout, weights, out),
         }
         #[cfg(feature = "verify")]
@@ -120,6 +124,8 @@ impl Products {
             Backend::Dsp => dsp::gather(parts, room, cells, layout, errors, sums),
             #[cfg(smr_helium)]
             Backend::Helium => helium::gather(parts, room, cells, layout, errors, sums),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Backend::Simd128 => simd128::gather(parts, cells, layout, errors, sums),
             _ => plain::gather(parts, cells, layout, errors, sums),
         }
         #[cfg(feature = "verify")]

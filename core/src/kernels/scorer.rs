@@ -12,6 +12,8 @@ use super::plain::scores::{self as plain, Plain};
 use super::scores::Scores;
 #[cfg(feature = "verify")]
 use super::verify::scores as verify;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use super::wasm32::simd128::scores as simd128;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{avx2::scores as avx2, sse2};
 use crate::image::{Image, Rect};
@@ -56,6 +58,8 @@ enum Ready<'a> {
     Helium(helium::Helium<'a>),
     #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
     Neon(neon::Lookup),
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    Simd128(simd128::Lookup),
 }
 
 /// Calls the backend that a scorer was made for.
@@ -73,6 +77,8 @@ macro_rules! dispatch {
             Ready::Helium($kernels) => $call,
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Ready::Neon($kernels) => $call,
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Ready::Simd128($kernels) => $call,
         }
     };
 }
@@ -94,6 +100,8 @@ impl<'a> Scorer<'a> {
             Backend::Helium => Ready::Helium(helium::Helium::new(table)),
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Backend::Simd128 => Ready::Simd128(simd128::Lookup::new(table)),
             _ => Ready::Scalar(plain),
         };
         Self { plain, ready }

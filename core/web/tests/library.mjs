@@ -30,7 +30,9 @@ export function random(seed) {
 export function* frames({ width = 160, height = 120, side = 24, count = 20, seed = 7 } = {}) {
   const { bytes } = random(seed);
   const background = bytes(width * height).map((byte) => 64 + byte / 4);
-  const target = bytes(side * side);
+  // Blocks of 4x4 pixels: the robust tracker looks at means.
+  const blocks = bytes(side * side);
+  const target = blocks.map((_, at) => blocks[(Math.floor(at / side / 4) * side) / 4 + ((at % side) >> 2)]);
   for (let at = 0; at < count; at++) {
     const box = { x: Math.floor(width / 4) + 2 * at, y: Math.floor(height / 4) + at, width: side, height: side };
     const data = background.slice();

@@ -1,0 +1,156 @@
+//! Sums of products by SIMD128: eight products an instruction. It multiplies eight pairs of 16-bit numbers and adds them two by two.
+
+use crate::kernels::layout::Layout;
+use crate::kernels::plain::products as plain;
+use core::arch::wasm32::*;
+use core::ops::Range;
+
+/// Numbers in a vector.
+const LANES: usize = 8;
+
+/// Offsets whose responses are summed at once: they share the loads of the weights.
+const AT_ONCE: usize = 4;
+
+/// True if the filter of `weights` weights has whole rows of at least a vector, and at every offset lies wholly on the cells: `cells` is
+/// their number of bytes.
+fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
+    let Layout { row, stride, step, span } = layout;
+    let (Some(down), Some(most)) = (weights.checked_div(row), span.checked_sub(1)) else { return false };
+    let last_row = (most + down).saturating_sub(1);
+    let end =
+        last_row.checked_mul(stride).zip(most.checked_mul(step)).and_then(|(y, x)| y.checked_add(x)?.checked_add(row));
+    row >= LANES && weights.is_multiple_of(row) && end.is_some_and(|end| end <= cells)
+}
+
+/// The starts of the vectors of a row, and a mask for each. All but the last are whole. The last one ends with the row; the lanes that
+/// the vector before it has are masked.
+fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
+    let whole = (0..row / LANES).map(|number| (number * LANES, u8x16_splat(u8::MAX)));
+    let rest = row % LANES;
+    whole.chain((rest > 0).then(|| (row - LANES, last_lanes(rest))))
+}
+
+/// All bits set in the last `count` lanes.
+fn last_lanes(count: usize) -> v128 {
+    const LAST: [i16; 2 * LANES] = [0, 0, 0, 0, 0, 0, 0, 0, -1, -1, -1, -1, -1, -1, -1, -1];
+    // SAFETY: the vector begins at most at the ninth number of sixteen.
+    unsafe { v128_load(LAST.as_ptr().wrapping_add(count % LANES).cast()) }
+}
+
+/// See [`plain::responses`].
+pub(crate) fn responses<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    weights: &[i16],
+    out: &mut [[i32; N]],
+) {
+    if !fits(cells.len(), layout, weights.len()) {
+        return plain::responses(parts, cells, layout, weights, out);
+    }
+    let Layout { stride, step, span, .. } = layout;
+    for y in parts.start..parts.end.min(span) {
+        let Some(out) = out.get_mut(y) else { return };
+        let out = out.get_mut(..span.min(N)).unwrap_or_default();
+        let at = |x: usize| cells.as_ptr().wrapping_add(y * stride + x * step);
+        let (groups, rest) = out.as_chunks_mut::<AT_ONCE>();
+        for (number, group) in groups.iter_mut().enumerate() {
+            // SAFETY: y and all x of the group are below the span, so the filter lies on the cells, as `fits` has checked.
+            *group = unsafe { responses_at(at(number * AT_ONCE), layout, weights) };
+        }
+        for (response, x) in rest.iter_mut().zip(groups.len() * AT_ONCE..) {
+            // SAFETY: as above.
+            [*response] = unsafe { responses_at(at(x), layout, weights) };
+        }
+    }
+}
+
+/// The responses at `COUNT` neighbouring offsets, of which `first` is the first one's cell at the top left of the filter.
+///
+/// # Safety
+/// At each offset, all cells under the filter can be read, and its rows have at least a vector each.
+#[inline(always)]
+unsafe fn responses_at<const COUNT: usize>(first: *const i8, layout: Layout, weights: &[i16]) -> [i32; COUNT] {
+    let Layout { row, stride, step, .. } = layout;
+    let mut sums = [i32x4_splat(0); COUNT];
+    for (down, weights) in weights.chunks_exact(row).enumerate() {
+        let first = first.wrapping_add(down * stride);
+        for (at, mask) in vectors(row) {
+            // SAFETY: as the caller guarantees; no vector ends beyond the row.
+            unsafe {
+                let weights = v128_and(v128_load(weights.as_ptr().wrapping_add(at).cast()), mask);
+                for (x, sum) in sums.iter_mut().enumerate() {
+                    let cells = i16x8_load_extend_i8x8(first.wrapping_add(x * step + at));
+                    *sum = i32x4_add(*sum, i32x4_dot_i16x8(cells, weights));
+                }
+            }
+        }
+    }
+    sums.map(across)
+}
+
+fn across(sum: v128) -> i32 {
+    let halves = i32x4_add(sum, i32x4_shuffle::<2, 3, 0, 1>(sum, sum));
+    i32x4_extract_lane::<0>(halves) + i32x4_extract_lane::<1>(halves)
+}
+
+/// See [`plain::gather`].
+pub(crate) fn gather<const N: usize>(
+    parts: Range<usize>,
+    cells: &[i8],
+    layout: Layout,
+    errors: &[[i16; N]],
+    sums: &mut [i32],
+) {
+    if !fits(cells.len(), layout, sums.len()) || layout.span > N {
+        return plain::gather(parts, cells, layout, errors, sums);
+    }
+    let Layout { row, stride, step, span } = layout;
+    for y in parts.start..parts.end.min(span) {
+        let Some(errors) = errors.get(y) else { return };
+        for (down, sums) in sums.chunks_exact_mut(row).enumerate() {
+            let cells = cells.as_ptr().wrapping_add((y + down) * stride);
+            for (at, mask) in vectors(row) {
+                let sums = sums.as_mut_ptr().wrapping_add(at);
+                // SAFETY: y and all x are below the span, so the filter lies on the cells, as `fits` has checked; no vector ends
+                // beyond the row.
+                unsafe { gather_at(cells.wrapping_add(at), step, mask, errors.get(..span).unwrap_or_default(), sums) }
+            }
+        }
+    }
+}
+
+/// Adds the products of a row of errors to the eight sums at `sums`, where `mask` is set. `first` is the cell under the first of them at the
+/// first offset.
+///
+/// # Safety
+/// Eight cells can be read at each offset, and eight sums written.
+#[inline(always)]
+unsafe fn gather_at(first: *const i8, step: usize, mask: v128, errors: &[i16], sums: *mut i32) {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        let (low, high): (*mut v128, *mut v128) = (sums.cast(), sums.wrapping_add(LANES / 2).cast());
+        let mut total = (v128_load(low), v128_load(high));
+        let cells = |x: usize| i16x8_load_extend_i8x8(first.wrapping_add(x * step));
+        let (pairs, last) = errors.as_chunks::<2>();
+        for (number, pair) in pairs.iter().enumerate() {
+            // Two offsets at once: their cells alternate, as do their errors.
+            let errors = v128_load32_splat(pair.as_ptr().cast());
+            total = add_products(total, cells(2 * number), cells(2 * number + 1), errors, mask);
+        }
+        if let [error] = last {
+            total = add_products(total, cells(errors.len() - 1), i16x8_splat(0), i16x8_splat(*error), mask);
+        }
+        v128_store(low, total.0);
+        v128_store(high, total.1);
+    }
+}
+
+/// Adds to each sum the products of two cells and their errors.
+#[inline(always)]
+fn add_products(total: (v128, v128), one: v128, other: v128, errors: v128, mask: v128) -> (v128, v128) {
+    let (one, other) = (v128_and(one, mask), v128_and(other, mask));
+    let low = i16x8_shuffle::<0, 8, 1, 9, 2, 10, 3, 11>(one, other);
+    let high = i16x8_shuffle::<4, 12, 5, 13, 6, 14, 7, 15>(one, other);
+    (i32x4_add(total.0, i32x4_dot_i16x8(low, errors)), i32x4_add(total.1, i32x4_dot_i16x8(high, errors)))
+}

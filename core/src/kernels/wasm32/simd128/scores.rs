@@ -1,0 +1,155 @@
+//! Scores by SIMD128, the vectors of WebAssembly: 16 pixels at a time, for any threshold.
+//!
+//! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So the lookup is also
+//!    the test d < threshold. The usual threshold is at most 16: one lookup for each plane. Larger ones take up to 16.
+//! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
+//! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
+
+use crate::image::Image;
+use crate::kernels::cut_table::CutTable;
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
+use crate::kernels::plain::scores as plain;
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::Scores;
+use core::arch::wasm32::*;
+
+impl Vector for v128 {
+    const LANES: usize = 16;
+    type Total = Self;
+
+    intrinsics! {
+        fn splat(byte: u8) -> Self { u8x16_splat(byte) }
+        fn load(from: *const u8) -> Self { v128_load(from.cast()) }
+        fn or(a: Self, b: Self) -> Self { v128_or(a, b) }
+        fn beyond(a: Self, b: Self) -> Self { u8x16_sub_sat(a, b) }
+        fn minus(a: Self, b: Self) -> Self { u8x16_sub(a, b) }
+        fn at_most(a: Self, b: Self) -> Self { u8x16_le(a, b) }
+        fn nothing() -> Self { u32x4_splat(0) }
+        fn add(total: Self, bytes: Self) -> Self {
+            u32x4_add(total, u32x4_extadd_pairwise_u16x8(u16x8_extadd_pairwise_u8x16(bytes)))
+        }
+        fn add_distance(total: Self, f: Self, g: Self) -> Self { Self::add(total, Self::difference(f, g)) }
+        fn plus(a: Self, b: Self) -> Self { u32x4_add(a, b) }
+        fn times_256(total: Self) -> Self { u32x4_shl(total, 8) }
+        fn across(total: Self) -> u32 { across(total) }
+        fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
+        fn load_end<const WHOLE: usize>(row: *const u8, width: usize, _end: Self) -> Self {
+            generic::last::<Self, WHOLE>(row, width)
+        }
+        fn keep(bytes: Self, end: Self) -> Self { v128_and(bytes, end) }
+    }
+}
+
+impl Neighbours for v128 {
+    intrinsics! {
+        fn store(bytes: Self, to: *mut u8) { v128_store(to.cast(), bytes) }
+        fn min(a: Self, b: Self) -> Self { u8x16_min(a, b) }
+        fn max(a: Self, b: Self) -> Self { u8x16_max(a, b) }
+        fn further<const BY: i32>(bytes: Self) -> Self { further::<BY>(bytes) }
+    }
+}
+
+/// The sum of the lanes.
+#[inline(always)]
+fn across(total: v128) -> u32 {
+    let halves = u32x4_add(total, u32x4_shuffle::<2, 3, 0, 1>(total, total));
+    u32x4_extract_lane::<0>(halves) + u32x4_extract_lane::<1>(halves)
+}
+
+/// Moves the bytes down by `BY` lanes, 1 or 2, and fills up with zeroes. A shuffle takes numbers only, no expressions.
+#[inline(always)]
+fn further<const BY: i32>(bytes: v128) -> v128 {
+    const { assert!(BY == 1 || BY == 2) };
+    let zero = u8x16_splat(0);
+    match BY {
+        1 => u8x16_shuffle::<1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16>(bytes, zero),
+        _ => u8x16_shuffle::<2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17>(bytes, zero),
+    }
+}
+
+/// Entries that one swizzle looks up.
+const SEGMENT: usize = 16;
+
+/// Stands for any number of segments from two on, which share a loop: separate ones would make the module a third larger.
+const MANY: usize = 16;
+
+/// The entries below the threshold, low bytes and high bytes apart.
+pub(crate) struct Lookup {
+    low: [[u8; SEGMENT]; 16],
+    high: [[u8; SEGMENT]; 16],
+    segments: usize,
+    /// The largest difference that counts, if there is one.
+    last: Option<u8>,
+}
+
+scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
+
+impl Lookup {
+    /// Always possible: this file is compiled only if the target has SIMD128.
+    pub(crate) fn new(table: &CutTable) -> Self {
+        let threshold = table.threshold();
+        let segments = usize::from(threshold).div_ceil(SEGMENT).clamp(1, MANY);
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        let mut lookup = Self { low: [[0; SEGMENT]; 16], high: [[0; SEGMENT]; 16], segments, last };
+        let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
+        for ((low, high), entry) in places.zip(table.entries()) {
+            [*low, *high] = entry.to_le_bytes();
+        }
+        lookup
+    }
+}
+
+/// See [`plain::spread`].
+///
+/// # Safety
+/// The engine has SIMD128.
+#[target_feature(enable = "simd128")]
+unsafe fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    // SAFETY: as the caller guarantees.
+    if !unsafe { generic::spread::<v128>(rows, low, high) } {
+        plain::spread(rows, low, high);
+    }
+}
+
+/// The segments of both byte planes: the first `SEGMENTS`, or as many as are in use if that is [`MANY`].
+struct Planes<'a, const SEGMENTS: usize> {
+    /// The first segments.
+    first: (v128, v128),
+    /// The others.
+    low: &'a [[u8; SEGMENT]],
+    high: &'a [[u8; SEGMENT]],
+}
+
+impl<'a, const SEGMENTS: usize> Planes<'a, SEGMENTS> {
+    #[inline]
+    #[target_feature(enable = "simd128")]
+    unsafe fn of(lookup: &'a Lookup) -> Self {
+        let Lookup { low: [low, lows @ ..], high: [high, highs @ ..], segments, .. } = lookup;
+        let others = if SEGMENTS == MANY { segments.saturating_sub(1) } else { SEGMENTS - 1 };
+        let others = |segments: &'a [[u8; SEGMENT]; MANY - 1]| segments.get(..others).unwrap_or(segments);
+        Self { first: (segment(low), segment(high)), low: others(lows), high: others(highs) }
+    }
+}
+
+#[inline(always)]
+fn segment(entries: &[u8; SEGMENT]) -> v128 {
+    // SAFETY: 16 bytes can be read.
+    unsafe { v128_load(entries.as_ptr().cast()) }
+}
+
+impl<const SEGMENTS: usize> LookUp for Planes<'_, SEGMENTS> {
+    type Vector = v128;
+
+    #[inline(always)]
+    unsafe fn look_up(&self, difference: v128) -> (v128, v128) {
+        let mut index = difference;
+        let mut planes = (u8x16_swizzle(self.first.0, index), u8x16_swizzle(self.first.1, index));
+        for (low, high) in self.low.iter().zip(self.high) {
+            // An index of another segment is too large, perhaps because it wrapped, and gives zero.
+            index = u8x16_sub(index, u8x16_splat(16));
+            planes.0 = v128_or(planes.0, u8x16_swizzle(segment(low), index));
+            planes.1 = v128_or(planes.1, u8x16_swizzle(segment(high), index));
+        }
+        planes
+    }
+}
