@@ -61,6 +61,10 @@ async function lock(target, box) {
 }
 
 function lockByUser(box) {
+  if (box.width * box.height === 0) {
+    say("The box has no pixels: drag from one corner to the other.");
+    return;
+  }
   if (chosen === null) {
     newTarget();
   }
@@ -103,8 +107,11 @@ async function useBuiltIn() {
 
 async function useCamera() {
   say("Waiting for the camera.");
-  await trying(new Camera(player.sink, byId("video")), "Drag a box over what is to be followed.");
-  player.play(player.source.kind === "camera");
+  const camera = new Camera(player.sink, byId("video"));
+  await trying(camera, "Drag a box over what is to be followed.");
+  if (player.source === camera) {
+    player.play(true);
+  }
 }
 
 async function useFile(file) {

@@ -8,6 +8,7 @@ export class Follower {
   #waiting = new Map(); // by ticket
   #tickets = 0;
   #frames = 0; // under way
+  #free = []; // who waits until there is room for a frame
 
   /** `address`: of the worker's script; `broken` is called if it cannot run. */
   constructor(address, broken) {
@@ -19,6 +20,13 @@ export class Follower {
   /** True if a frame would wait for others. */
   get isBehind() {
     return this.#frames >= MOST_FRAMES;
+  }
+
+  /** When a frame would not wait for others. */
+  async free() {
+    while (this.isBehind) {
+      await new Promise((resolve) => this.#free.push(resolve));
+    }
   }
 
   ask(wish, of = {}, moved = []) {
@@ -34,6 +42,7 @@ export class Follower {
       return await this.ask("frame", of, of.picture === undefined ? [] : [of.picture]);
     } finally {
       this.#frames -= 1;
+      this.#free.splice(0).forEach((go) => go());
     }
   }
 

@@ -107,7 +107,10 @@ export class Player {
     if (this.#isHeld) {
       return;
     }
-    if (this.#making > 0 || this.#follower.isBehind) {
+    if (!this.isPlaying) {
+      // This picture stays until there is time for it.
+      await this.#follower.free();
+    } else if (this.#making > 0 || this.#follower.isBehind) {
       this.dropped += 1;
       return;
     }

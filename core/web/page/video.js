@@ -30,6 +30,8 @@ export class Video {
       video.onloadeddata = resolve;
       video.onerror = reject;
     });
+    // The first picture comes before it plays.
+    this.#end = eachPicture(video, (picture) => this.#seen(picture));
     video.src = this.#address;
     try {
       await loaded;
@@ -44,9 +46,6 @@ export class Video {
     }
     video.onerror = () => this.#sink.failed(`${this.name} is damaged: it ends here.`);
     video.onended = () => this.#sink.ended();
-    this.#end = eachPicture(video, (picture) => this.#seen(picture));
-    // A first picture, before it plays.
-    await this.#sink.show(video, () => this.#count(0));
   }
 
   get length() {
