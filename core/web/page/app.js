@@ -3,7 +3,7 @@
 import { Camera } from "./camera.js";
 import { Cards, drawScale } from "./cards.js";
 import { packedModules, workerAddress } from "./data.js";
-import { byId, htmlNode, sample } from "./dom.js";
+import { byId, htmlNode, inView, sample } from "./dom.js";
 import { save } from "./download.js";
 import { Drag } from "./drag.js";
 import { Figures } from "./figures.js";
@@ -21,9 +21,11 @@ import { drawStage } from "./view.js";
 import { Video } from "./video.js";
 
 const MOST_TARGETS = 8;
+const READINGS_MS = 80;
 
 const settings = structuredClone(SETTINGS);
-const image = document.createElement("canvas"); // the frame that is shown
+let picture = null; // the frame that is shown
+let size = { width: 0, height: 0 }; // its size
 let targets = [];
 let chosen = null;
 let ids = 0;
@@ -31,7 +33,8 @@ let number = null; // of the frame that is shown
 let proposed = null; // a box that is being drawn
 let version = "";
 let drawing = null;
-let follower, player, drag, graph, cards, figures;
+let reading = null;
+let follower, player, graph, cards, figures, seesCurves, seesComparisons;
 
 // ---- what is said
 
@@ -161,37 +164,39 @@ function answered(reply) {
   draw();
 }
 
-function show({ image: picture, width, height }) {
-  if (image.width !== width || image.height !== height || number === null) {
-    [image.width, image.height] = [width, height];
-    byId("stage").style.setProperty("--ratio", width / height);
-  }
-  const context = image.getContext("2d");
-  if (picture instanceof ImageData) {
-    context.putImageData(picture, 0, 0);
-  } else {
-    context.drawImage(picture, 0, 0);
-    picture.close();
+function show(reply) {
+  picture?.close();
+  picture = reply.picture;
+  if (size.width !== reply.width || size.height !== reply.height) {
+    size = { width: reply.width, height: reply.height };
+    byId("stage").style.setProperty("--ratio", size.width / size.height);
   }
 }
 
 // ---- drawing
 
-// Once for each picture of the screen, however much has changed.
+// Once for each picture of the screen, however much has changed. Numbers and curves change too quickly to be read: they are drawn less often.
 function draw() {
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
-    drawNow();
+    if (number !== null) {
+      drawStage(byId("stage"), { picture, size, targets, chosen, on: settings.on, box: proposed, number });
+    }
+    reading ??= setTimeout(() => {
+      reading = null;
+      drawReadings();
+    }, READINGS_MS);
   });
 }
 
-function drawNow() {
+function drawReadings() {
   const { on } = settings;
-  if (number !== null) {
-    drawStage(byId("stage"), { image, targets, chosen, on, box: proposed, number });
+  if (seesCurves()) {
+    graph.draw(chosen, on);
   }
-  graph.draw(chosen, on);
-  cards.draw(chosen, on);
+  if (seesComparisons()) {
+    cards.draw(chosen, on);
+  }
   figures.draw(chosen, on);
   drawList(byId("targets"), { targets, chosen, choose, remove: removeTarget });
   drawControls();
@@ -209,15 +214,15 @@ function drawControls() {
   byId("add").disabled = targets.length >= MOST_TARGETS;
   const of = source.length === null ? "" : ` of ${source.length}`;
   byId("place").value = number === null ? "" : `frame ${number}${of}`;
-  const size = number === null ? "" : `${source.name}, ${image.width}x${image.height} pixels. `;
-  byId("load").textContent = `${size}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: the trackers were behind.`}`;
+  const named = number === null ? "" : `${source.name}, ${size.width}x${size.height} pixels. `;
+  byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: the trackers were behind.`}`;
   drawCommand();
 }
 
 function drawCommand() {
   const method = byId("of").value;
   const locked = targets.filter(({ locks }) => locks.length > 0);
-  const source = { ...player.source, width: image.width, height: image.height };
+  const source = { ...player.source, ...size };
   const text = locked.length === 0 ? "" : commandLine(method, settings, locked, source);
   if (byId("command").textContent !== text) {
     byId("command").textContent = text;
@@ -334,9 +339,8 @@ function switches() {
 // The box that keys begin with: where the target is, or the middle.
 function startBox() {
   const now = METHODS.map((method) => chosen?.now[method]?.box).find((box) => box !== undefined);
-  const { width, height } = image;
-  const { x, y, ...size } = now ?? { x: width * 0.4, y: height * 0.4, width: width / 5, height: height / 5 };
-  return { x: Math.round(x), y: Math.round(y), width: Math.round(size.width), height: Math.round(size.height) };
+  const { x, y, width, height } = now ?? { x: size.width * 0.4, y: size.height * 0.4, width: size.width / 5, height: size.height / 5 };
+  return { x: Math.round(x), y: Math.round(y), width: Math.round(width), height: Math.round(height) };
 }
 
 async function start() {
@@ -354,10 +358,12 @@ async function start() {
   cards = new Cards(byId("comparisons"));
   figures = new Figures(byId("figures"));
   drawScale(byId("scale"));
+  seesCurves = inView(byId("curves"), draw);
+  seesComparisons = inView(byId("scale"), draw);
   byId("cost").textContent = "Time here: of an update in this browser, the median of 300. Cortex-M4 and M55: instructions of this update, estimated from its work.";
   player = new Player(follower, { shown: () => chosen?.id, sent, answered, restarted, changed: draw, say });
-  drag = new Drag(byId("stage"), {
-    size: () => (number === null ? null : { width: image.width, height: image.height }),
+  new Drag(byId("stage"), {
+    size: () => (number === null ? null : size),
     start: startBox,
     propose: (box) => {
       proposed = box;

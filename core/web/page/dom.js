@@ -23,12 +23,36 @@ export function sample(method, isSecond = false) {
   return line;
 }
 
+// Of canvases, in pixels of the page. To ask an element each time makes the browser lay out the page.
+const sizes = new WeakMap();
+const resized = new ResizeObserver((entries) => entries.forEach(({ target, contentRect }) => sizes.set(target, contentRect)));
+
 /** The width and height of a canvas in pixels of the page, with as many pixels of its own as the screen has there. */
 export function fitted(canvas) {
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  if (!sizes.has(canvas)) {
+    sizes.set(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
+    resized.observe(canvas);
+  }
+  const { width, height } = sizes.get(canvas);
   const [wide, high] = [Math.round(width * devicePixelRatio), Math.round(height * devicePixelRatio)];
   if (canvas.width !== wide || canvas.height !== high) {
     [canvas.width, canvas.height] = [wide, high];
   }
   return { width, height };
+}
+
+/** Calls the result to learn whether `node` is in view, or nearly: what nobody sees need not be drawn. `changed` is called when it comes into view. */
+export function inView(node, changed) {
+  let isSeen = true;
+  const observer = new IntersectionObserver(
+    (entries) => {
+      isSeen = entries.at(-1).isIntersecting;
+      if (isSeen) {
+        changed();
+      }
+    },
+    { rootMargin: "200px" },
+  );
+  observer.observe(node);
+  return () => isSeen;
 }

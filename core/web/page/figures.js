@@ -41,8 +41,9 @@ export class Figures {
     }
     for (const method of methods) {
       const now = target?.now[method] ?? {};
+      const time = target?.time(method);
       for (const [title, read] of ROWS) {
-        this.#write(method, title, now.state === undefined ? none(now, title) : read(now, target.time(method), method));
+        this.#write(method, title, now.state === undefined ? none(now, title) : read(now, time, method));
       }
     }
   }

@@ -117,10 +117,12 @@ export class Player {
     const pass = this.#pass;
     const number = count();
     this.#making += 1;
-    const picture = await createImageBitmap(video).catch(() => null);
+    const picture = await pictureOf(video).catch(() => null);
     this.#making -= 1;
     if (picture !== null && pass === this.#pass) {
       await this.#send({ number, picture });
+    } else {
+      picture?.close();
     }
   }
 
@@ -132,10 +134,17 @@ export class Player {
       const reply = await answered;
       if (pass === this.#pass) {
         this.#page.answered(reply);
+      } else {
+        reply.picture.close();
       }
     } catch (error) {
       this.play(false);
       this.#page.say(`The trackers stopped: ${error.message}.`);
     }
   }
+}
+
+// What a video shows now. A VideoFrame shares the pixels of the video, where browsers have it; an ImageBitmap is a copy.
+async function pictureOf(video) {
+  return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
 }

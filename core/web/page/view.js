@@ -7,14 +7,14 @@ import { palette } from "./palette.js";
 const WINDOW_DASH = [5, 5];
 const LAST_DASH = [4, 4];
 
-/** `image`: a canvas with the frame. `targets`: see followed.js; `chosen` is one of them. `box`: what the user draws, or null. */
-export function drawStage(canvas, { image, targets, chosen, on, box, number }) {
+/** `picture` of `size` is the frame. `targets`: see followed.js; `chosen` is one of them. `box`: what the user draws, or null. */
+export function drawStage(canvas, { picture, size, targets, chosen, on, box, number }) {
   const { width, height } = fitted(canvas);
   const context = canvas.getContext("2d");
-  const scale = width / image.width;
+  const scale = width / size.width;
   context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
   context.imageSmoothingEnabled = scale < 1;
-  context.drawImage(image, 0, 0, width, height);
+  context.drawImage(picture, 0, 0, width, height);
   const shown = METHODS.filter((method) => on[method]);
   if (chosen !== null) {
     shown.forEach((method) => drawWindows(context, scale, chosen.now[method]));

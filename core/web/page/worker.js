@@ -16,15 +16,15 @@ const WISHES = {
     return { simd: library.simd, version: library.version };
   },
 
-  // `picture` is an ImageBitmap, which is sent back to be drawn; or `index` a frame of the built-in recording.
-  frame({ number, picture, index, shown }) {
-    const { frame, image } = picture === undefined ? builtIn(index) : taken(picture);
+  // `picture` is an ImageBitmap or a VideoFrame, which is sent back to be drawn; or `index` a frame of the built-in recording.
+  async frame({ number, picture, index, shown }) {
+    const { frame, drawn } = picture === undefined ? await builtIn(index) : taken(picture);
     const isOther = last !== null && (last.width !== frame.width || last.height !== frame.height);
     if (isOther) {
       targets.restart();
     }
     last = { ...frame, number };
-    return { number, image, isOther, width: frame.width, height: frame.height, answers: targets.update(last, shown) };
+    return { number, picture: drawn, isOther, width: frame.width, height: frame.height, answers: targets.update(last, shown) };
   },
 
   lock({ id, box }) {
@@ -51,23 +51,23 @@ async function unpacked(text) {
   return new Response(stream).arrayBuffer();
 }
 
-function builtIn(index) {
+async function builtIn(index) {
   const { width, height } = BUILT_IN;
   const data = syntheticFrame(index);
   const rgba = new Uint8ClampedArray(4 * data.length).fill(255);
   data.forEach((level, at) => rgba.fill(level, 4 * at, 4 * at + 3));
-  return { frame: { data, width, height }, image: new ImageData(rgba, width, height) };
+  return { frame: { data, width, height }, drawn: await createImageBitmap(new ImageData(rgba, width, height)) };
 }
 
 // The pixels of a picture, in the colors of a canvas.
 function taken(picture) {
-  const { width, height } = picture;
+  const [width, height] = [picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height];
   if (canvas === null || canvas.width !== width || canvas.height !== height) {
     canvas = new OffscreenCanvas(width, height);
   }
   const context = canvas.getContext("2d", { willReadFrequently: true });
-  context.drawImage(picture, 0, 0);
-  return { frame: { data: context.getImageData(0, 0, width, height).data, width, height }, image: picture };
+  context.drawImage(picture, 0, 0, width, height);
+  return { frame: { data: context.getImageData(0, 0, width, height).data, width, height }, drawn: picture };
 }
 
 // One after the other, each answered with its number.
@@ -79,7 +79,7 @@ self.onmessage = ({ data: { wish, ticket, ...of } }) => {
 async function granted(wish, ticket, of) {
   try {
     const answer = await WISHES[wish](of);
-    self.postMessage({ ticket, answer }, answer?.image instanceof ImageBitmap ? [answer.image] : []);
+    self.postMessage({ ticket, answer }, answer?.picture === undefined ? [] : [answer.picture]);
   } catch (error) {
     self.postMessage({ ticket, error: error.message });
   }

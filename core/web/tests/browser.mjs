@@ -61,6 +61,11 @@ export class Browser {
     return page;
   }
 
+  /** The number of the process. */
+  get process() {
+    return this.#process.pid;
+  }
+
   async close() {
     await this.call("Browser.close").catch(() => {});
     await new Promise((resolve) => (this.#process.exitCode === null ? this.#process.on("exit", resolve) : resolve()));
@@ -145,14 +150,14 @@ export class Page {
         return value;
       }
       if (Date.now() > end) {
-        throw new Error(`not within ${seconds} s: ${expression}; the page says "${await this.text("said")}", ${await this.text("place")}; ${this.errors.join("; ")}`);
+        throw new Error(`not within ${seconds} s: ${expression}; the page says "${await this.text("said")}", ${await this.text("place")}; ${this.errors.slice(0, 3).join("; ")}`);
       }
       await new Promise((resolve) => setTimeout(resolve, 20));
     }
   }
 
   size(width, height) {
-    return this.call("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
+    return this.call("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 600 });
   }
 
   scheme(value) {

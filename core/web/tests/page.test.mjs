@@ -72,7 +72,10 @@ function onPage(name, run, options) {
   });
 }
 
-async function shoot(page, name) {
+// What is not in view is not drawn: so all of it is.
+async function shoot(page, name, width) {
+  await page.size(width, await page.value(`document.documentElement.scrollHeight`));
+  await new Promise((resolve) => setTimeout(resolve, 400));
   writeFileSync(new URL(`page-${name}.png`, PACKAGE), await page.picture());
 }
 
@@ -176,7 +179,7 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   // A change of the window meanwhile changes nothing but the picture.
   await page.size(900, 700);
   await pausedAt(page, FRAMES + 30);
-  await shoot(page, "camera");
+  await shoot(page, "camera", 900);
   for (const method of ["robust", "smr"]) {
     const found = await answers(page, method);
     assert.ok(found.length >= FRAMES, `${found.length} answers`);
@@ -208,7 +211,7 @@ onPage("a page of 390 pixels, by keys alone, with several targets", async (page)
   const found = await answers(page, "robust");
   assert.deepEqual(found, lines(expected.stdout).slice(0, found.length).map((line) => JSON.parse(line)));
   assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
-  await shoot(page, "narrow");
+  await shoot(page, "narrow", 390);
 }, { width: 390, height: 844 });
 
 onPage("locks are repeated when a recording starts again, with other settings too", async (page) => {
@@ -285,7 +288,7 @@ for (const scheme of ["light", "dark"]) {
   onPage(`it is seen in the ${scheme}, in the colors of host-sim's pages`, async (page) => {
     await page.select("speed", "2");
     await page.until(`${NUMBER} > 40`);
-    await shoot(page, scheme);
+    await shoot(page, scheme, 1280);
     const report = join(folder, `${scheme}.html`);
     assert.equal(host("report", "synthetic", "--frames", "1..3", "--method", "robust,smr", "--out", report).status, 0);
     const theirs = await browser.page(new URL(`file://${report}`).href, { scheme });
