@@ -32,6 +32,7 @@ let ids = 0;
 let number = null; // of the frame that is shown
 let proposed = null; // a box that is being drawn
 let version = "";
+let passes = 0; // of the sources, each from a first frame on
 let drawing = null;
 let reading = null;
 let follower, player, graph, cards, figures, seesCurves, seesComparisons;
@@ -53,8 +54,9 @@ function newTarget() {
 }
 
 async function lock(target, box) {
+  const before = passes;
   const reply = await follower.ask("lock", { id: target.id, box });
-  if (!targets.includes(target)) {
+  if (before !== passes || !targets.includes(target)) {
     return;
   }
   target.locked(reply.number, box, reply.locked);
@@ -96,6 +98,7 @@ async function use(source) {
 }
 
 function forget() {
+  passes += 1;
   follower.ask("restart", { settings });
   [targets, chosen, ids, number] = [[], null, 0, null];
   newTarget();
@@ -135,6 +138,7 @@ async function trying(source, hint) {
 
 // Locks are repeated, but not on a camera: what was there is gone.
 function restarted() {
+  passes += 1;
   follower.ask("restart", { settings });
   targets.forEach((target) => target.restart(player.source.kind !== "camera"));
   number = null;
@@ -378,6 +382,6 @@ async function start() {
 }
 
 start().catch((error) => {
-  byId("player").hidden = true;
+  document.body.classList.add("failed");
   say(error.message);
 });

@@ -281,7 +281,7 @@ onPage("a video is locked on its first frame, and its frames are numbered by the
 
 onPage("without WebAssembly there is one clear line", async (page) => {
   await page.until(`document.getElementById("said").textContent.startsWith("This browser has no WebAssembly")`);
-  assert.equal(await page.value(`document.getElementById("player").offsetHeight`), 0);
+  assert.equal(await page.value(`document.getElementById("stage").offsetHeight`), 0);
 }, { prepare: "delete globalThis.WebAssembly;" });
 
 for (const scheme of ["light", "dark"]) {
