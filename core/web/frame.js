@@ -37,7 +37,7 @@ function channelsOf(data, format) {
     case "rgba":
       return 4;
     default:
-      throw new TypeError(`the frame's format must be "gray" or "rgba", not ${format}`);
+      throw new TypeError(`the frame's format must be "gray" or "rgba", not ${String(format)}`);
   }
 }
 

@@ -3,6 +3,9 @@
 
 #[panic_handler]
 fn stop(_: &core::panic::PanicInfo<'_>) -> ! {
+    #[cfg(target_family = "wasm")]
+    core::arch::wasm32::unreachable();
+    #[cfg(not(target_family = "wasm"))]
     loop {
         core::hint::spin_loop();
     }

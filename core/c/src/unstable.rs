@@ -42,3 +42,10 @@ pub unsafe extern "C" fn smr_response_map(
 pub extern "C" fn smr_simd() -> u8 {
     cfg!(target_feature = "simd128").into()
 }
+
+/// Compares the kernels of a filter with the plain loops at extreme values and in all shapes. Panics if they differ.
+#[cfg(feature = "verify")]
+#[unsafe(no_mangle)]
+pub extern "C" fn smr_verify_filter() {
+    smr_core::similarity::verify_filter();
+}

@@ -1,16 +1,17 @@
-// Where the tests find the package that `.ci/web` has built, and both of its modules.
+// Where the tests find what `.ci/web` has built, and the recordings that they follow.
 
 import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { load } from "../smr.js";
 
-/** The folder of the package, and that of the project. */
-export const PACKAGE = new URL(`${process.env.SMR_WEB ?? "../../../target/web"}/`, import.meta.url);
+/** The folder of the project, and that of the package. */
 export const PROJECT = fileURLToPath(new URL("../../../", import.meta.url));
+export const PACKAGE = process.env.SMR_WEB ?? join(PROJECT, "target/web");
 
 /** The library from each module, by name. */
 export async function libraries() {
-  const library = (name) => load(readFileSync(new URL(name, PACKAGE)));
+  const library = (name) => load(readFileSync(join(PACKAGE, name)));
   return { plain: await library("smr.wasm"), simd: await library("smr-simd.wasm") };
 }
 
@@ -23,22 +24,39 @@ export function random(seed) {
     state = (state ^ (state << 5)) >>> 0;
     return state;
   };
-  return { next, below: (most) => next() % most, bytes: (count) => Uint8Array.from({ length: count }, () => next() >>> 24) };
+  const below = (most) => next() % most;
+  return {
+    next,
+    below,
+    bytes: (count) => Uint8Array.from({ length: count }, () => next() >>> 24),
+    of: (values) => values[below(values.length)],
+  };
 }
 
-/** Frames of a textured square that moves over a textured background: { data, width, height, box }. */
-export function* frames({ width = 160, height = 120, side = 24, count = 20, seed = 7 } = {}) {
-  const { bytes } = random(seed);
-  const background = bytes(width * height).map((byte) => 64 + byte / 4);
-  // Blocks of 4x4 pixels: the robust tracker looks at means.
-  const blocks = bytes(side * side);
-  const target = blocks.map((_, at) => blocks[(Math.floor(at / side / 4) * side) / 4 + ((at % side) >> 2)]);
+/** A picture of blocks of 4x4 pixels, each of a random gray: the robust tracker looks at means. */
+function blocks(width, height, { bytes }) {
+  const across = Math.ceil(width / 4);
+  const grays = bytes(across * Math.ceil(height / 4));
+  return Uint8Array.from({ length: width * height }, (_, at) => grays[Math.floor(at / width / 4) * across + ((at % width) >> 2)]);
+}
+
+/** Frames of a textured box that moves over a textured background, right and down by `speed` pixels: { data, width, height, box }. */
+export function* frames({ width = 160, height = 120, side = 24, down = side, speed = [2, 1], count = 20, seed = 7 } = {}) {
+  const numbers = random(seed);
+  const background = blocks(width, height, numbers).map((level) => 64 + level / 4);
+  const target = blocks(side, down, numbers);
   for (let at = 0; at < count; at++) {
-    const box = { x: Math.floor(width / 4) + 2 * at, y: Math.floor(height / 4) + at, width: side, height: side };
+    const box = { x: Math.floor(width / 4) + speed[0] * at, y: Math.floor(height / 4) + speed[1] * at, width: side, height: down };
     const data = background.slice();
-    for (let row = 0; row < side; row++) {
+    for (let row = 0; row < down; row++) {
       data.set(target.subarray(row * side, (row + 1) * side), (box.y + row) * width + box.x);
     }
     yield { data, width, height, box };
   }
+}
+
+/** The same frame in colors, of which host-sim's gray is another: each pixel's red, green and blue differ. */
+export function colored({ data, width, height, box }) {
+  const channel = (level, at) => [level, 255 - level, (level * 7 + at) & 255, at & 255];
+  return { data: Uint8ClampedArray.from({ length: 4 * data.length }, (_, at) => channel(data[at >> 2], at >> 2)[at & 3]), width, height, box };
 }

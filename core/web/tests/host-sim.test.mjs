@@ -1,0 +1,115 @@
+// What JavaScript answers is what host-sim answers on the same pixels, in gray and in colors, and host-sim replays what JavaScript has recorded.
+
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, test } from "node:test";
+import { Recorder } from "../record.js";
+import { colored, frames, libraries } from "./library.mjs";
+
+const hostSim = process.env.SMR_HOST_SIM;
+const skip = hostSim === undefined && "no host-sim: run .ci/web";
+const folder = mkdtempSync(join(tmpdir(), "smr-web-"));
+after(() => rmSync(folder, { recursive: true }));
+const { simd: smr } = await libraries();
+
+const OPTIONS = { paper: ["--method", "smr", "--config", "camera"], robust: ["--method", "robust"] };
+const recording = [...frames({ count: 24, side: 20 })];
+// The target is hidden for some frames, and comes back: it is lost, looked for and found again.
+const hidden = { ...recording[23], data: recording[23].data.map((level, at) => 90 + ((level + at) % 7)) };
+const shown = recording.map((frame, at) => (at >= 8 && at < 16 ? hidden : frame));
+
+function run(...values) {
+  const { status, stdout, stderr } = spawnSync(hostSim, values, { encoding: "utf8" });
+  assert.equal(status, 0, `host-sim ${values.join(" ")}: ${stderr}`);
+  return stdout;
+}
+
+/** The frames as pictures in a new folder. */
+function pictures(name, frames) {
+  const place = mkdtempSync(join(folder, name));
+  frames.forEach(({ data, width, height }, at) => {
+    const isColor = data.length > width * height;
+    const samples = isColor ? data.filter((_, at) => at % 4 < 3) : data;
+    const head = Buffer.from(`${isColor ? "P6" : "P5"} ${width} ${height} 255\n`);
+    writeFileSync(join(place, `${String(at + 1).padStart(4, "0")}.${isColor ? "ppm" : "pgm"}`), Buffer.concat([head, Buffer.from(samples)]));
+  });
+  return place;
+}
+
+const millionths = (value, unit) => Math.round((1e6 * value) / unit) / 1e6;
+
+/** An answer as host-sim prints it. It prints no box of a lost target, and as it has room for larger boxes, the paper's search takes other work. */
+function printed({ box, fineBox, state, confidence, ratio, alpha, scale, foundAgain, work }, method) {
+  const fine = Object.fromEntries(Object.entries(fineBox).map(([side, value]) => [side, value / 256]));
+  const boxes = state === "lost" ? { box: null, fine: null } : { box, fine };
+  const counted = method === "robust" ? { work } : {};
+  const parts = { confidence: millionths(confidence, 65535), ratio: millionths(ratio, 65535), alpha, scale: millionths(scale, 65536) };
+  return { ...boxes, ...parts, ...counted, state, found_again: foundAgain };
+}
+
+for (const method of ["paper", "robust"]) {
+  for (const [colors, sequence] of [["gray", shown], ["RGBA", shown.map(colored)]]) {
+    test(`${method}: answers for ${colors} frames are those of host-sim`, { skip }, () => {
+      const { x, y, width, height } = sequence[0].box;
+      const lines = run("track", ...OPTIONS[method], "--json", "--init", [x, y, width, height].join(), pictures(colors, sequence));
+      const expected = lines.trim().split("\n").map((line) => JSON.parse(line));
+      const tracker = smr[method]();
+      tracker.lock(sequence[0], sequence[0].box);
+      const states = new Set();
+      sequence.slice(1).forEach((frame, at) => {
+        const answer = printed(tracker.update(frame), method);
+        const wanted = Object.fromEntries(Object.keys(answer).map((key) => [key, expected[at + 1][key]]));
+        assert.deepEqual(answer, wanted, `frame ${at + 2}`);
+        states.add(answer.state);
+      });
+      assert.ok(states.has("tracking") && (states.has("lost") || colors === "RGBA"), [...states].join());
+    });
+  }
+}
+
+/** Replays a record. All answers must be as recorded. Returns their number. */
+function replayed(bytes, name) {
+  const file = join(folder, `${name}.smr`);
+  writeFileSync(file, bytes);
+  const { flights, cut_off, damage, difference } = JSON.parse(run("replay", "--json", file));
+  assert.deepEqual({ cut_off, damage, difference }, { cut_off: 0, damage: null, difference: null });
+  return flights.reduce((sum, { answers }) => sum + answers, 0);
+}
+
+for (const method of ["paper", "robust"]) {
+  test(`${method}: host-sim replays a flight record`, { skip }, () => {
+    const options = method === "paper" ? { scale: 60, updateZone: [1, 2, 3, 4], k: [1, 3], leastRatio: 9, gateLead: 50, runnerUpAlways: true } : { reach: 6, patience: 100 };
+    const tracker = smr[method](options);
+    const recorder = new Recorder(tracker);
+    tracker.lock(shown[0], shown[0].box);
+    shown.slice(1, 12).forEach((frame) => tracker.update(frame));
+    tracker.moved(300, -200);
+    const saved = tracker.save();
+    shown.slice(12).forEach((frame) => tracker.update(frame));
+    tracker.restore(saved);
+    shown.slice(12).forEach((frame) => tracker.update(frame));
+    const bytes = recorder.bytes();
+    assert.equal(replayed(bytes, method), 35);
+    recorder.stop();
+    tracker.update(shown[0]);
+    assert.deepEqual(recorder.bytes(), bytes);
+  });
+
+  test(`${method}: a record keeps the last frames, in bounded memory`, { skip }, () => {
+    const most = 400_000;
+    const tracker = smr[method]();
+    tracker.lock(shown[0], shown[0].box);
+    const recorder = new Recorder(tracker, { bytes: most });
+    let kept = 0;
+    for (let at = 0; at < 200; at++) {
+      tracker.update(shown[at % shown.length]);
+      kept = Math.max(kept, recorder.bytes().length);
+    }
+    assert.ok(kept > most / 2 && kept < 1.5 * most, `${kept} bytes`);
+    const answers = replayed(recorder.bytes(), method);
+    assert.ok(answers > 3 && answers < 200, `${answers} answers`);
+  });
+}

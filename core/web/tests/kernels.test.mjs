@@ -1,0 +1,73 @@
+// SIMD128 gives the integers of the plain loops, for boxes of every size from 1 to 80 and thresholds of every number of segments. Where the
+// module of `.ci/web` is that compares every call of a kernel with the plain loop, it does.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { load } from "../smr.js";
+import { frames, libraries, random } from "./library.mjs";
+
+const SIDES = Array.from({ length: 80 }, (_, number) => number + 1);
+const PIXELS = 4096; // SMR_PIXELS
+const FRAMES = 4;
+
+/** Moves all pixels of a frame by random numbers. */
+function noisy(frame, numbers, most) {
+  return { ...frame, data: frame.data.map((level) => Math.min(255, Math.max(0, level + numbers.below(2 * most + 1) - most))) };
+}
+
+function* cases() {
+  const numbers = random(99);
+  for (const side of SIDES) {
+    const down = Math.max(1, Math.min(numbers.below(80) + 1, Math.floor(PIXELS / side)));
+    const most = numbers.of([0, 3, 20, 120]);
+    const options = {
+      paper: { window: [numbers.below(12), numbers.below(12)], leastThreshold: numbers.of([0, 10, 30, 60, 120, 255]), scale: numbers.of([255, 40]) },
+      robust: { reach: 4 + numbers.below(5) },
+    };
+    const shown = [...frames({ width: 200, height: 180, side, down, speed: [1, 1], count: FRAMES, seed: side })];
+    yield { options, frames: shown.map((frame) => noisy(frame, numbers, most)), name: `${side}x${down}` };
+  }
+}
+
+/** All answers, and the target that is left. */
+function follow(smr, method, { options, frames: [first, ...others] }, more = {}) {
+  const tracker = smr[method]({ ...options[method], ...more });
+  tracker.lock(first, first.box);
+  const answers = others.map((frame) => ({ ...tracker.update(frame), work: 0 }));
+  const saved = tracker.save();
+  tracker.free();
+  return { answers, saved };
+}
+
+const { plain, simd } = await libraries();
+for (const method of ["paper", "robust"]) {
+  test(`${method}: SIMD128 and the plain module are equal`, () => {
+    for (const one of cases()) {
+      const expected = follow(plain, method, one);
+      assert.deepEqual(follow(simd, method, one), expected, `SIMD128, ${one.name}`);
+    }
+  });
+
+  test(`${method}: the plain loop of the module with SIMD128 is equal`, () => {
+    for (const one of [...cases()].filter((_, number) => number % 8 === 0)) {
+      assert.deepEqual(follow(simd, method, one, { plainLoop: true }), follow(simd, method, one), one.name);
+    }
+  });
+}
+
+const file = process.env.SMR_VERIFY;
+const skip = file === undefined && "no module that verifies: run .ci/web";
+test("every call of a kernel equals the plain loop", { skip }, async () => {
+  const verifying = await load(readFileSync(file));
+  assert.ok(verifying.simd);
+  for (const one of cases()) {
+    follow(verifying, "paper", one);
+    follow(verifying, "robust", one);
+  }
+});
+
+test("the kernels of a filter equal the plain loops in all shapes", { skip }, async () => {
+  const { exports } = await WebAssembly.instantiate(await WebAssembly.compile(readFileSync(file)));
+  exports.smr_verify_filter();
+});

@@ -1,0 +1,89 @@
+// The memory of the library is bounded: it does not grow with the number of updates, nor with trackers that were freed.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Memory } from "../memory.js";
+import { frames, libraries, random } from "./library.mjs";
+
+const UPDATES = { paper: 98_000, robust: 2_000 };
+const { simd } = await libraries();
+
+test("100,000 updates take no memory", () => {
+  const shown = [...frames({ width: 96, height: 80, side: 12, speed: [1, 1] })];
+  const grown = Object.entries(UPDATES).map(([method, count]) => {
+    const tracker = simd[method](method === "paper" ? { window: [4, 4] } : { reach: 4 });
+    tracker.lock(shown[0], shown[0].box);
+    tracker.update(shown[1]);
+    const before = simd.memory;
+    for (let at = 0; at < count; at++) {
+      tracker.update(shown[at % shown.length]);
+    }
+    tracker.free();
+    return simd.memory - before;
+  });
+  assert.deepEqual(grown, [0, 0]);
+});
+
+test("locks, saved targets and freed trackers take no memory", () => {
+  const [first, second] = frames();
+  const cycle = () => {
+    const trackers = [simd.paper({ scale: 40 }), simd.robust(), simd.paper()];
+    for (const tracker of trackers) {
+      tracker.lock(first, first.box);
+      tracker.update(second);
+      tracker.restore(tracker.save());
+      assert.equal(tracker.table.length, 256);
+    }
+    trackers.forEach((tracker) => tracker.free());
+    assert.throws(() => simd.paper({ k: [1, 0] }));
+    assert.throws(() => simd.paper({ scale: 5000 }));
+  };
+  cycle();
+  const before = simd.memory;
+  for (let at = 0; at < 100; at++) {
+    cycle();
+  }
+  assert.equal(simd.memory, before);
+});
+
+test("many targets take their storage only", () => {
+  const before = simd.memory;
+  const trackers = Array.from({ length: 100 }, () => simd.robust());
+  const grown = simd.memory - before;
+  assert.ok(grown > 0 && grown <= 100 * 11_368 + 2 * 65_536, `${grown} bytes`);
+  trackers.forEach((tracker) => tracker.free());
+});
+
+test("blocks do not overlap, and their memory comes back", () => {
+  const numbers = random(5);
+  const wasm = new WebAssembly.Memory({ initial: 1 });
+  const memory = new Memory(wasm, 1003);
+  const taken = new Map();
+  for (let step = 0; step < 20_000; step++) {
+    if (numbers.below(2) === 0 && taken.size < 40) {
+      const size = numbers.below(3000);
+      const at = memory.take(size);
+      assert.equal(at % 8, 0);
+      assert.ok(at >= 1003 && at + size <= memory.bytes.length);
+      memory.bytes.fill(step & 255, at, at + size);
+      taken.set(at, { size, mark: step & 255 });
+    } else if (taken.size > 0) {
+      const at = numbers.of([...taken.keys()]);
+      const { size, mark } = taken.get(at);
+      assert.ok(memory.copy(at, size).every((byte) => byte === mark), "another block has written here");
+      memory.give(at);
+      taken.delete(at);
+    }
+  }
+  assert.ok(memory.bytes.length <= 4 * 65_536, `${memory.bytes.length} bytes`);
+  taken.forEach((_, at) => memory.give(at));
+  const whole = memory.bytes.length - 1008;
+  memory.give(memory.take(whole));
+  assert.equal(memory.bytes.length - 1008, whole, "all of it is one block again");
+});
+
+test("memory that is not there is an error", () => {
+  const memory = new Memory(new WebAssembly.Memory({ initial: 1, maximum: 2 }), 0);
+  assert.throws(() => memory.take(3 * 65_536), /^RangeError: no memory for 196608 bytes$/);
+  memory.give(memory.take(2 * 65_536));
+});
