@@ -5,6 +5,7 @@
 import { mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeSync, closeSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
 import { PACKAGE } from "./library.mjs";
 import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
@@ -56,7 +57,7 @@ const browser = new Browser([
   "--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream", `--use-file-for-fake-video-capture=${join(folder, "camera.y4m")}`,
 ]);
 try {
-  const page = await browser.page(new URL("smr.html", PACKAGE).href);
+  const page = await browser.page(pathToFileURL(join(PACKAGE, "smr.html")).href);
   const number = `Number(document.getElementById("place").value.split(" ")[1])`;
   await page.until(`${number} > 0`);
   await page.click("#camera");

@@ -1,6 +1,6 @@
 // The page in a real headless Chromium: what it answers equals what host-sim answers, and every bad start has one clear line.
 //
-// Needs what `.ci/web build` has built, a program `chromium` (or CHROMIUM), and host-sim (HOST_SIM); names what it skips. Pictures of the page go
+// Needs what `.ci/web build` has built, a program `chromium` (or CHROMIUM), and host-sim (SMR_HOST_SIM); names what it skips. Pictures of the page go
 // to target/web.
 
 import assert from "node:assert/strict";
@@ -9,24 +9,24 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "no
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { pathToFileURL } from "node:url";
 import { Browser, hasBrowser } from "./browser.mjs";
 import { PACKAGE, PROJECT } from "./library.mjs";
 import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
 
-const { HOST_SIM } = process.env;
+const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAMES = 100;
 const PRESSED = `document.getElementById("play").ariaLabel === "Play"`;
 // Frames come, or the page says why not.
 const STARTED = `document.getElementById("place").value !== "" || !document.getElementById("said").hidden`;
 const NUMBER = `Number(document.getElementById("place").value.split(" ")[1])`;
-const why = !hasBrowser() ? "no chromium" : HOST_SIM === undefined ? "HOST_SIM does not name host-sim" : null;
+const why = !hasBrowser() ? "no chromium" : HOST_SIM === undefined ? "SMR_HOST_SIM does not name host-sim" : null;
 if (why !== null) {
   console.log(`skipped: page: ${why}`);
 }
 
 let browser, folder;
-const address = new URL("smr.html", PACKAGE).href;
+const address = pathToFileURL(join(PACKAGE, "smr.html")).href;
 const host = (...args) => spawnSync(HOST_SIM, args, { encoding: "utf8", maxBuffer: 1 << 28 });
 const lines = (text) => text.trim().split("\n");
 
@@ -76,7 +76,7 @@ function onPage(name, run, options) {
 async function shoot(page, name, width) {
   await page.size(width, await page.value(`document.documentElement.scrollHeight`));
   await new Promise((resolve) => setTimeout(resolve, 400));
-  writeFileSync(new URL(`page-${name}.png`, PACKAGE), await page.picture());
+  writeFileSync(join(PACKAGE, `page-${name}.png`), await page.picture());
 }
 
 async function downloaded(page, kind, name) {
@@ -291,7 +291,7 @@ for (const scheme of ["light", "dark"]) {
     await shoot(page, scheme, 1280);
     const report = join(folder, `${scheme}.html`);
     assert.equal(host("report", "synthetic", "--frames", "1..3", "--method", "robust,smr", "--out", report).status, 0);
-    const theirs = await browser.page(new URL(`file://${report}`).href, { scheme });
+    const theirs = await browser.page(pathToFileURL(report).href, { scheme });
     assert.deepEqual(await page.value(COLORS), await theirs.value(COLORS.replace("look-robust", "look-0").replace("look-smr", "look-1")));
     await theirs.close();
   }, { scheme });
