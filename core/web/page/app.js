@@ -22,6 +22,7 @@ import { Video } from "./video.js";
 
 const MOST_TARGETS = 8;
 const READINGS_MS = 80;
+const POOR_QUALITY = 1023; // of smr.js
 
 const settings = structuredClone(SETTINGS);
 let picture = null; // the frame that is shown
@@ -60,9 +61,15 @@ async function lock(target, box) {
     return;
   }
   target.locked(reply.number, box, reply.locked);
-  const refused = METHODS.filter((method) => reply.locked[method]?.error !== undefined);
-  say(refused.map((method) => `${TITLES[method]} did not lock: ${reply.locked[method].error}.`).join(" "));
+  say(METHODS.map((method) => saidOfLock(method, reply.locked[method] ?? {})).join(" ").trim());
   draw();
+}
+
+function saidOfLock(method, { error, quality }) {
+  if (error !== undefined) {
+    return `${TITLES[method]} did not lock: ${error}.`;
+  }
+  return quality < POOR_QUALITY ? `${TITLES[method]} can hardly tell this from what is around it: try a box with more in it.` : "";
 }
 
 function lockByUser(box) {

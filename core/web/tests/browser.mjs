@@ -186,6 +186,15 @@ export class Page {
     await mouse("mouseReleased", toX, toY, 0);
   }
 
+  /** The same with a finger. */
+  async swipe([fromX, fromY], [toX, toY]) {
+    const touch = (type, ...points) => this.call("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+    await touch("touchStart", [fromX, fromY]);
+    await touch("touchMove", [(fromX + toX) / 2, (fromY + toY) / 2]);
+    await touch("touchMove", [toX, toY]);
+    await touch("touchEnd");
+  }
+
   close() {
     return this.#browser.call("Target.closeTarget", { targetId: this.#target });
   }

@@ -142,9 +142,9 @@ async function place(page, x, y) {
   })()`);
 }
 
-async function dragBox(page, { x, y, width, height }) {
+async function dragBox(page, { x, y, width, height }, how = "drag") {
   const from = await place(page, x, y);
-  await page.drag(from, await place(page, x + width, y + height));
+  await page[how](from, await place(page, x + width, y + height));
 }
 
 onPage("the built-in recording moves at once, and its answers are those of host-sim", async (page) => {
@@ -203,11 +203,15 @@ onPage("a page of 390 pixels, by keys alone, with several targets", async (page)
     await page.key(key, held);
   }
   await page.until(`document.getElementById("command").textContent.includes("2=")`);
+  await page.click("#add");
+  await dragBox(page, { x: 40, y: 80, width: 20, height: 20 }, "swipe");
+  await page.until(`document.getElementById("command").textContent.includes("3=40,80,20,20@")`);
+  await page.value(`document.getElementById("stage").focus()`);
   await page.key(" ");
   await pausedAt(page, 60);
   const [, x, y, width, height, frame] = (await page.text("command")).match(/--init 2=(\d+),(\d+),(\d+),(\d+)@(\d+)/).map(Number);
   assert.deepEqual([x, y, width, height], [67, 49, 29, 25]);
-  const expected = host("track", "synthetic", "--init", "1=36,24,24,28", "--init", `2=${x},${y},${width},${height}@${frame}`, "--json");
+  const expected = host("track", "synthetic", "--init", "1=36,24,24,28", "--init", `2=${x},${y},${width},${height}@${frame}`, "--init", `3=40,80,20,20@${frame}`, "--json");
   const found = await answers(page, "robust");
   assert.deepEqual(found, lines(expected.stdout).slice(0, found.length).map((line) => JSON.parse(line)));
   assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
