@@ -267,13 +267,17 @@ function listen() {
   byId("camera").addEventListener("click", useCamera);
   byId("built-in").addEventListener("click", useBuiltIn);
   byId("choose").addEventListener("click", () => byId("file").click());
-  byId("file").addEventListener("change", ({ target }) => target.files.length > 0 && useFile(target.files[0]));
+  byId("file").addEventListener("change", ({ target }) => {
+    const [file] = target.files;
+    // The same file may be chosen again.
+    target.value = "";
+    if (file !== undefined) {
+      useFile(file);
+    }
+  });
   byId("play").addEventListener("click", () => player.play(!player.isPlaying));
   byId("step").addEventListener("click", () => player.step());
-  byId("again").addEventListener("click", () => {
-    player.restart();
-    player.isPlaying ? player.play(true) : player.step();
-  });
+  byId("again").addEventListener("click", () => player.restart());
   byId("speed").addEventListener("change", ({ target }) => {
     player.speed = Number(target.value);
   });

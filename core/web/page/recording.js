@@ -41,6 +41,9 @@ export class Recording {
 
   restart() {
     this.#next = 0;
+    if (this.#timer === null) {
+      this.step();
+    }
   }
 
   set speed(speed) {

@@ -54,7 +54,12 @@ export class Video {
 
   play() {
     this.#isPlaying = true;
-    this.#video.play().catch((error) => this.#sink.failed(`${this.name} cannot be played: ${error.message}`));
+    this.#video.play().catch((error) => {
+      // A pause that comes soon after is no error.
+      if (error.name !== "AbortError") {
+        this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
+      }
+    });
   }
 
   pause() {

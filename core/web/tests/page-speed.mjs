@@ -36,19 +36,45 @@ function writeCamera(file) {
   closeSync(out);
 }
 
-// Megabytes of the processes that run pages.
+// A process and all below it. Processes may end meanwhile.
+function family(parent) {
+  const parentOf = (pid) => Number(tried(() => fields(`/proc/${pid}/stat`)[1]));
+  const all = readdirSync("/proc").filter((name) => /^\d+$/.test(name)).map(Number);
+  const below = (of) => all.filter((pid) => parentOf(pid) === of).flatMap((pid) => [pid, ...below(pid)]);
+  return [parent, ...below(parent)];
+}
+
+const tried = (read) => {
+  try {
+    return read();
+  } catch {
+    return undefined;
+  }
+};
+// Of a process or a thread, after its name.
+const fields = (file) => readFileSync(file, "utf8").split(") ").at(-1).split(" ");
+const isRenderer = (pid) => tried(() => readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("--type=renderer")) ?? false;
+
+/** Megabytes of the processes that run pages. */
 function memory(parent) {
-  const stat = (pid) => readFileSync(`/proc/${pid}/stat`, "utf8").split(") ")[1].split(" ");
-  const children = (of) => readdirSync("/proc").filter((pid) => /^\d+$/.test(pid)).filter((pid) => {
-    try {
-      return Number(stat(pid)[1]) === of;
-    } catch {
-      return false;
-    }
-  }).flatMap((pid) => [pid, ...children(Number(pid))]);
-  const renderers = children(parent).filter((pid) => readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("--type=renderer"));
-  const kilobytes = renderers.map((pid) => Number(readFileSync(`/proc/${pid}/status`, "utf8").match(/VmRSS:\s+(\d+)/)?.[1] ?? 0));
+  const kilobytes = family(parent).filter(isRenderer).map((pid) => Number(readFileSync(`/proc/${pid}/status`, "utf8").match(/VmRSS:\s+(\d+)/)?.[1] ?? 0));
   return Math.round(kilobytes.reduce((sum, one) => sum + one, 0) / 1024);
+}
+
+/** Milliseconds of the processor so far: { page, worker, all } of the page's thread, the worker's, and all of the browser's. */
+function processor(parent) {
+  const sum = { page: 0, worker: 0, all: 0 };
+  for (const pid of family(parent)) {
+    for (const thread of tried(() => readdirSync(`/proc/${pid}/task`)) ?? []) {
+      const [, , , , , , , , , , , user, system] = tried(() => fields(`/proc/${pid}/task/${thread}/stat`)) ?? [];
+      const spent = 10 * (Number(user ?? 0) + Number(system ?? 0));
+      const name = tried(() => readFileSync(`/proc/${pid}/task/${thread}/comm`, "utf8").trim());
+      sum.all += spent;
+      sum.page += isRenderer(pid) && Number(thread) === pid ? spent : 0;
+      sum.worker += name?.startsWith("DedicatedWorker") ? spent : 0;
+    }
+  }
+  return sum;
 }
 
 const folder = mkdtempSync(join(tmpdir(), "smr-speed-"));
@@ -73,17 +99,22 @@ try {
     load: (await page.text("load")).trim(),
     seconds: performance.now() / 1000,
     megabytes: memory(browser.process),
+    processor: processor(browser.process),
     times: await page.value(`[...document.querySelectorAll("#figures tr")].map((row) => row.textContent).find((text) => text.startsWith("time here"))`),
   });
   const marks = [];
   for (const mark of [100, FIRST, FRAMES]) {
     await page.until(`${number} >= ${mark}`, 300);
     marks.push(await figures());
-    console.log(JSON.stringify(marks.at(-1)));
+    const { frames, megabytes, load, times } = marks.at(-1);
+    console.log(`frame ${frames}: ${megabytes} MB; ${times}; ${load}`);
   }
   const [first, , last] = marks;
   const rate = (last.frames - first.frames) / (last.seconds - first.seconds);
-  console.log(`${rate.toFixed(1)} frames a second were followed`, page.errors);
+  const spent = (of) => ((last.processor[of] - first.processor[of]) / (last.frames - first.frames)).toFixed(1);
+  console.log(`${rate.toFixed(1)} frames a second were followed`);
+  console.log(`processor time a frame: page ${spent("page")} ms, worker ${spent("worker")} ms, all of Chromium ${spent("all")} ms`);
+  console.log(page.errors.join("\n"));
 } finally {
   await browser.close();
   rmSync(folder, { recursive: true });
