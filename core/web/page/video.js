@@ -2,7 +2,8 @@
 
 import { eachPicture } from "./pictures.js";
 
-const UNKNOWN_RATE = 25;
+// Of a video that has not played yet.
+const LIKELY_STEP = 1 / 30;
 
 export class Video {
   kind = "video";
@@ -71,7 +72,8 @@ export class Video {
     if (this.#video.ended) {
       this.#sink.ended();
     } else {
-      this.#video.currentTime += this.#step === Infinity ? 1 / UNKNOWN_RATE : this.#step;
+      // The middle of the next picture: its edges are rounded.
+      this.#video.currentTime = (this.#time ?? 0) + 1.5 * (this.#step === Infinity ? LIKELY_STEP : this.#step);
     }
   }
 

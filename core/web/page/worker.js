@@ -2,12 +2,12 @@
 // other side.
 
 import { hasSimd, load } from "../smr.js";
+import { grayOf } from "./gray.js";
 import { BUILT_IN, syntheticFrame } from "./synthetic.js";
 import { Targets } from "./targets.js";
 
 let targets = null;
 let last = null; // the last frame, which a lock is on
-let canvas = null;
 
 const WISHES = {
   async start({ modules, settings }) {
@@ -18,7 +18,7 @@ const WISHES = {
 
   // `picture` is an ImageBitmap or a VideoFrame, which is sent back to be drawn; or `index` a frame of the built-in recording.
   async frame({ number, picture, index, shown }) {
-    const { frame, drawn } = picture === undefined ? await builtIn(index) : taken(picture);
+    const { frame, drawn } = picture === undefined ? await builtIn(index) : { frame: await grayOf(picture), drawn: picture };
     const isOther = last !== null && (last.width !== frame.width || last.height !== frame.height);
     if (isOther) {
       targets.restart();
@@ -57,17 +57,6 @@ async function builtIn(index) {
   const rgba = new Uint8ClampedArray(4 * data.length).fill(255);
   data.forEach((level, at) => rgba.fill(level, 4 * at, 4 * at + 3));
   return { frame: { data, width, height }, drawn: await createImageBitmap(new ImageData(rgba, width, height)) };
-}
-
-// The pixels of a picture, in the colors of a canvas.
-function taken(picture) {
-  const [width, height] = [picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height];
-  if (canvas === null || canvas.width !== width || canvas.height !== height) {
-    canvas = new OffscreenCanvas(width, height);
-  }
-  const context = canvas.getContext("2d", { willReadFrequently: true });
-  context.drawImage(picture, 0, 0, width, height);
-  return { frame: { data: context.getImageData(0, 0, width, height).data, width, height }, drawn: picture };
 }
 
 // One after the other, each answered with its number.

@@ -259,7 +259,7 @@ onPage("a broken video has one clear line, and the built-in recording goes on", 
   await page.until(`${NUMBER} > 10`);
 });
 
-onPage("a video is locked on its first frame, and its frames are numbered by their time", async (page, context) => {
+onPage("a video is locked on its first frame, stepped with host-sim's answers, and numbered by its time", async (page, context) => {
   const file = join(folder, "synthetic.webm");
   const raw = Buffer.concat(Array.from({ length: 60 }, (_, index) => syntheticFrame(index)));
   const film = ["-v", "error", "-f", "rawvideo", "-pix_fmt", "gray", "-s", "160x120", "-r", "25", "-i", "-", "-c:v", "libvpx", "-b:v", "2M", "-y", file];
@@ -274,8 +274,14 @@ onPage("a video is locked on its first frame, and its frames are numbered by the
   await page.until(`document.getElementById("place").value === "frame 1" && document.getElementById("choose").ariaPressed === "true"`);
   await dragBox(page, { x: 36, y: 24, width: 24, height: 28 });
   await page.until(`document.getElementById("command").textContent.includes("--init 36,24,24,28 ")`);
-  await page.click("#step");
-  await page.until(`document.getElementById("place").value.startsWith("frame 2")`);
+  for (let number = 2; number <= 12; number++) {
+    await page.click("#step");
+    await page.until(`document.getElementById("place").value.startsWith("frame ${number}")`);
+  }
+  const expected = lines(host("track", file, "--init", "36,24,24,28", "--json").stdout).map((line) => JSON.parse(line));
+  const stepped = await answers(page, "robust");
+  assert.equal(stepped.length, 12);
+  same(stepped, expected, "robust");
   await page.click("#play");
   await page.until(`document.getElementById("place").value === "frame 60 of 60"`);
   const found = await answers(page, "robust");
