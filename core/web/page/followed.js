@@ -13,6 +13,8 @@ export class Followed {
   locks = [];
   /** Locks that are made again when their frames come. */
   planned = [];
+  /** The one of them that the worker makes now. */
+  underWay = null;
   /** The last answers by method. */
   histories = {};
   /** What is shown of each method: { state, box, window, ... }, or { error } if it refused the last lock. */
@@ -26,7 +28,7 @@ export class Followed {
   /** The worker has locked its trackers. */
   locked(number, box, locked) {
     this.locks = [...this.locks.filter((lock) => lock.number < number), { number, box }].slice(-MOST_LOCKS);
-    this.now = {};
+    [this.now, this.underWay] = [{}, null];
     for (const [method, { quality, error, window }] of Object.entries(locked)) {
       if (error === undefined) {
         this.histories[method] ??= new History();
@@ -49,7 +51,9 @@ export class Followed {
 
   /** Before the first frame again: all locks are planned, `isRepeated` or not. */
   restart(isRepeated) {
-    this.planned = isRepeated ? [...this.locks, ...this.planned] : [];
+    const underWay = this.underWay === null ? [] : [this.underWay];
+    this.planned = isRepeated ? [...this.locks, ...underWay, ...this.planned] : [];
+    this.underWay = null;
     this.locks = [];
     this.histories = {};
     this.now = {};
@@ -57,8 +61,11 @@ export class Followed {
 
   /** The box to lock on in a frame; null if there is none. */
   due(number) {
-    const isDue = this.planned.length > 0 && this.planned[0].number <= number;
-    return isDue ? this.planned.shift().box : null;
+    if (this.planned.length === 0 || this.planned[0].number > number) {
+      return null;
+    }
+    this.underWay = this.planned.shift();
+    return this.underWay.box;
   }
 
   /** The median of the time of an update, in milliseconds. */
