@@ -54,14 +54,18 @@ function newTarget() {
   return target;
 }
 
-async function lock(target, box) {
+async function lock(target, box, isNew) {
   const before = passes;
   const reply = await follower.ask("lock", { id: target.id, box });
   if (before !== passes || !targets.includes(target)) {
     return;
   }
   target.locked(reply.number, box, reply.locked);
-  say(METHODS.map((method) => saidOfLock(method, reply.locked[method] ?? {})).join(" ").trim());
+  const text = METHODS.map((method) => saidOfLock(method, reply.locked[method] ?? {})).join(" ").trim();
+  // A lock that is made again has nothing to say if it succeeds.
+  if (isNew || text !== "") {
+    say(text);
+  }
   draw();
 }
 
@@ -81,7 +85,7 @@ function lockByUser(box) {
     newTarget();
   }
   chosen.planned = [];
-  lock(chosen, box).catch((error) => say(error.message));
+  lock(chosen, box, true).catch((error) => say(error.message));
 }
 
 function removeTarget(target) {
@@ -157,7 +161,7 @@ function sent(at) {
   for (const target of targets) {
     const box = target.due(at);
     if (box !== null) {
-      lock(target, box);
+      lock(target, box, false);
     }
   }
 }

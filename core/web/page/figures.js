@@ -20,8 +20,8 @@ const ROWS = [
   ["box", (now) => (now.state === "lost" ? "–" : placed(now.box))],
   ["work", (now) => millions(now.work)],
   ["time here", (_, time) => (Number.isNaN(time) ? "–" : `${time.toFixed(1)} ms`)],
-  ["Cortex-M4", (now, _, method) => about(instructions(method, now.state, now.work ?? NaN).m4)],
-  ["Cortex-M55", (now, _, method) => about(instructions(method, now.state, now.work ?? NaN).m55)],
+  ["Cortex-M4", (now, _, method) => about(instructions(method, now).m4)],
+  ["Cortex-M55", (now, _, method) => about(instructions(method, now).m55)],
 ];
 
 export class Figures {

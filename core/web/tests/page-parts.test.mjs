@@ -88,8 +88,11 @@ test("locks are made again, also one that was under way when the recording start
 });
 
 test("instructions are about what was measured", () => {
-  const { m4, m55 } = instructions("robust", "lost", 4_325_579);
-  assert.deepEqual([about(m4), about(m55), about(NaN), about(180_880)], ["about 4.7 M", "about 1.4 M", "–", "about 180 k"]);
+  const said = (method, answer) => Object.values(instructions(method, answer)).map(about);
+  assert.deepEqual(said("robust", { work: 4_325_579 }), ["about 4.7 M", "about 1.4 M"]);
+  assert.deepEqual(said("smr", { work: 57_019, runnerUpRatio: null }), ["about 180 k", "about 91 k"]);
+  assert.deepEqual(said("smr", { work: 931_000, runnerUpRatio: 9 }), ["about 5.6 M", "about 2.9 M"]);
+  assert.deepEqual(said("smr", {}), ["–", "–"]);
 });
 
 test("modules become one script, in which nothing is imported", () => {

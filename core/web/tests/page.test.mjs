@@ -257,6 +257,7 @@ onPage("a broken video has one clear line, and the built-in recording goes on", 
   await choose(page, file);
   await page.until(`/^broken.mp4 is no video that this browser plays/.test(document.getElementById("said").textContent)`);
   await page.until(`${NUMBER} > 10`);
+  assert.match(await page.text("said"), /^broken.mp4 is no video/);
 });
 
 onPage("a video is locked on its first frame, stepped with host-sim's answers, and numbered by its time", async (page, context) => {
@@ -323,7 +324,8 @@ test("a refused camera has one clear line, and the built-in recording goes on", 
     await page.until(STARTED);
     await page.click("#camera");
     await page.until(`document.getElementById("said").textContent.startsWith("The camera was refused")`);
-    await page.until(`${NUMBER} > 3`);
+    await page.until(`${NUMBER} > 10`);
+    assert.match(await page.text("said"), /^The camera was refused: allow it/);
     assert.deepEqual([page.errors, page.requests], [[], []]);
   } finally {
     await other.close();
