@@ -230,7 +230,9 @@ function drawControls() {
   const of = source.length === null ? "" : ` of ${source.length}`;
   byId("place").value = number === null ? "" : `frame ${number}${of}`;
   const named = number === null ? "" : `${source.name}, ${size.width}x${size.height} pixels. `;
-  byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: the trackers were behind.`}`;
+  byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: this machine was behind.`}`;
+  const states = METHODS.map((method) => chosen?.now[method]?.state && `${TITLES[method]}: ${chosen.now[method].state}`).filter(Boolean);
+  byId("stage").setAttribute("aria-label", ["The frame with its boxes", ...states].join(", "));
   drawCommand();
 }
 
