@@ -20,7 +20,7 @@ const PRESSED = `document.getElementById("play").ariaLabel === "Play"`;
 // Frames come, or the page says why not.
 const STARTED = `document.getElementById("place").value !== "" || !document.getElementById("said").hidden`;
 const NUMBER = `Number(document.getElementById("place").value.split(" ")[1])`;
-const why = !hasBrowser() ? "no chromium" : HOST_SIM === undefined ? "SMR_HOST_SIM does not name host-sim" : null;
+const why = !hasBrowser() ? "no chromium" : !HOST_SIM ? "SMR_HOST_SIM does not name host-sim" : null;
 if (why !== null) {
   console.log(`skipped: page: ${why}`);
 }
