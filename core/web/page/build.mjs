@@ -1,0 +1,52 @@
+// Makes the page: one HTML file without anything beside it. Needs Node, and what `.ci/web build` has built.
+//
+//   node core/web/page/build.mjs [OUT]          default: target/web/smr.html
+
+import { createHash } from "node:crypto";
+import { readFileSync, writeFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+import { deflateSync } from "node:zlib";
+import { bundle } from "./bundle.mjs";
+
+const MOST_BYTES = 300_000;
+const BUILT = new URL(`${process.env.SMR_WEB ?? "../../../target/web"}/`, import.meta.url);
+const BASE = new URL("../../../host-sim/src/report/base.css", import.meta.url);
+
+const text = (name) => readFileSync(new URL(name, import.meta.url), "utf8");
+const hash = (content) => `'sha256-${createHash("sha256").update(content).digest("base64")}'`;
+
+// What no script can do even if it wanted to: the page can neither load nor send anything.
+function policy(style, script) {
+  return [
+    "default-src 'none'", `script-src ${hash(script)} 'wasm-unsafe-eval'`, "worker-src blob:", `style-src ${hash(style)}`, "img-src data:",
+    "media-src blob: mediastream:", "base-uri 'none'", "form-action 'none'",
+  ].join("; ");
+}
+
+function carried(worker) {
+  const modules = ["smr-simd.wasm", "smr.wasm"].map((name) => {
+    const packed = deflateSync(readFileSync(new URL(name, BUILT)), { level: 9 });
+    return `<script type="application/wasm" id="${name}">${packed.toString("base64")}</script>`;
+  });
+  return [`<script type="text/plain" id="worker">${inScript(worker)}</script>`, ...modules].join("\n");
+}
+
+// What would end the element.
+function inScript(script) {
+  if (/<\/script|<!--/i.test(script)) {
+    throw new Error("a script has what ends its element: </script or <!--");
+  }
+  return script;
+}
+
+const style = readFileSync(BASE, "utf8") + text("page.css");
+const script = inScript(bundle(new URL("app.js", import.meta.url)));
+const parts = { style, script, policy: policy(style, script), data: carried(bundle(new URL("worker.js", import.meta.url))) };
+const page = text("index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
+const size = Buffer.byteLength(page);
+if (size > MOST_BYTES) {
+  throw new Error(`the page has ${size} bytes: expected at most ${MOST_BYTES}`);
+}
+const out = process.argv[2] ?? fileURLToPath(new URL("smr.html", BUILT));
+writeFileSync(out, page);
+console.log(`${out}: ${size} bytes`);

@@ -1,0 +1,37 @@
+// What a tracker compares in a frame, as pictures: the robust tracker's early template and response map, the paper's template and its
+// difference to the box.
+
+import { frameOf, copyWindow } from "../frame.js";
+
+/** What is compared with, before an update puts something else in its place. */
+export function picturesBefore(tracker, frame) {
+  if (tracker.method === "paper") {
+    return { template: tracker.template };
+  }
+  return { template: tracker.earlyTemplate, responseMap: tracker.responseMap(frame) };
+}
+
+/** The same, and of the paper's tracker how much each pixel of the box differs. */
+export function picturesAfter(before, frame, answer) {
+  const { template } = before;
+  if (before.responseMap !== undefined) {
+    return before;
+  }
+  const seen = pixelsOf(frame, { ...answer.box, width: template.width, height: template.height });
+  return { template, difference: { ...template, pixels: template.pixels.map((level, at) => Math.abs(level - seen[at])) } };
+}
+
+// The gray pixels of a box. Outside the frame there are zeroes, as the trackers see it.
+function pixelsOf(frame, box) {
+  const [left, right] = [Math.max(box.x, 0), Math.min(box.x + box.width, frame.width)];
+  const [top, bottom] = [Math.max(box.y, 0), Math.min(box.y + box.height, frame.height)];
+  const inside = { x: left, y: top, width: Math.max(right - left, 0), height: Math.max(bottom - top, 0) };
+  const shown = new Uint8Array(inside.width * inside.height);
+  copyWindow(frameOf(frame), inside, shown);
+  const pixels = new Uint8Array(box.width * box.height);
+  for (let row = 0; row < inside.height; row++) {
+    const from = row * inside.width;
+    pixels.set(shown.subarray(from, from + inside.width), (top - box.y + row) * box.width + left - box.x);
+  }
+  return pixels;
+}

@@ -1,0 +1,58 @@
+// Elements of the page.
+
+export const byId = (id) => document.getElementById(id);
+
+export function htmlNode(name, attributes, ...children) {
+  const node = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    node.setAttribute(key, value);
+  }
+  node.append(...children);
+  return node;
+}
+
+/** A short line with the color and the dashes of a method; runners-up are dotted. */
+export function sample(method, isSecond = false) {
+  const make = (name, attributes) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+    Object.entries(attributes).forEach(([key, value]) => node.setAttribute(key, value));
+    return node;
+  };
+  const line = make("svg", { class: `sample look-${method}${isSecond ? " second" : ""}`, viewBox: "0 0 52 6", "aria-hidden": "true" });
+  line.append(make("path", { d: "M0 3H52" }));
+  return line;
+}
+
+// Of canvases, in pixels of the page. To ask an element each time makes the browser lay out the page.
+const sizes = new WeakMap();
+const resized = new ResizeObserver((entries) => entries.forEach(({ target, contentRect }) => sizes.set(target, contentRect)));
+
+/** The width and height of a canvas in pixels of the page, with as many pixels of its own as the screen has there. */
+export function fitted(canvas) {
+  if (!sizes.has(canvas)) {
+    sizes.set(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
+    resized.observe(canvas);
+  }
+  const { width, height } = sizes.get(canvas);
+  const [wide, high] = [Math.round(width * devicePixelRatio), Math.round(height * devicePixelRatio)];
+  if (canvas.width !== wide || canvas.height !== high) {
+    [canvas.width, canvas.height] = [wide, high];
+  }
+  return { width, height };
+}
+
+/** Calls the result to learn whether `node` is in view, or nearly: what nobody sees need not be drawn. `changed` is called when it comes into view. */
+export function inView(node, changed) {
+  let isSeen = true;
+  const observer = new IntersectionObserver(
+    (entries) => {
+      isSeen = entries.at(-1).isIntersecting;
+      if (isSeen) {
+        changed();
+      }
+    },
+    { rootMargin: "200px" },
+  );
+  observer.observe(node);
+  return () => isSeen;
+}

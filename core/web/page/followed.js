@@ -1,0 +1,81 @@
+// A target as the page knows it: where it was locked, and what each tracker answered.
+
+import { History, median } from "./history.js";
+import { METHODS } from "./methods.js";
+
+// Locks that are kept to be repeated.
+const MOST_LOCKS = 100;
+
+export class Followed {
+  id;
+  name;
+  /** { number, box }, in the order of frames. */
+  locks = [];
+  /** Locks that are made again when their frames come. */
+  planned = [];
+  /** The one of them that the worker makes now. */
+  underWay = null;
+  /** The last answers by method. */
+  histories = {};
+  /** What is shown of each method: { state, box, window, ... }, or { error } if it refused the last lock. */
+  now = {};
+
+  constructor(id) {
+    this.id = id;
+    this.name = String(id);
+  }
+
+  /** The worker has locked its trackers. */
+  locked(number, box, locked) {
+    this.locks = [...this.locks.filter((lock) => lock.number < number), { number, box }].slice(-MOST_LOCKS);
+    [this.now, this.underWay] = [{}, null];
+    for (const [method, { quality, error, window }] of Object.entries(locked)) {
+      if (error === undefined) {
+        this.histories[method] ??= new History();
+        this.histories[method].lock(number, box, quality);
+        this.now[method] = { state: "tracking", box, window, quality };
+      } else {
+        this.now[method] = { error };
+      }
+    }
+  }
+
+  answered(number, answers) {
+    for (const [method, { answer, ms, window, sweepWindow, pictures }] of Object.entries(answers)) {
+      this.histories[method].answer(number, answer, ms);
+      const { x, y, width, height } = answer.fineBox;
+      const box = { x: x / 256, y: y / 256, width: width / 256, height: height / 256 };
+      this.now[method] = { ...answer, box, window, sweepWindow, pictures };
+    }
+  }
+
+  /** Before the first frame again: all locks are planned, `isRepeated` or not. */
+  restart(isRepeated) {
+    const underWay = this.underWay === null ? [] : [this.underWay];
+    this.planned = isRepeated ? [...this.locks, ...underWay, ...this.planned] : [];
+    this.underWay = null;
+    this.locks = [];
+    this.histories = {};
+    this.now = {};
+  }
+
+  /** The box to lock on in a frame; null if there is none. */
+  due(number) {
+    if (this.planned.length === 0 || this.planned[0].number > number) {
+      return null;
+    }
+    this.underWay = this.planned.shift();
+    return this.underWay.box;
+  }
+
+  /** The median of the time of an update, in milliseconds. */
+  time(method) {
+    const history = this.histories[method];
+    return history === undefined ? NaN : median(history.last("ms", 300));
+  }
+
+  /** True if a tracker follows it. */
+  get isFollowed() {
+    return METHODS.some((method) => this.now[method]?.state !== undefined);
+  }
+}

@@ -1,0 +1,44 @@
+// The gray pixels of a picture: of a video its luma in the full range, as host-sim and ffmpeg take it; of anything else the gray of its colors.
+
+const WITH_LUMA = ["I420", "I420A", "I422", "I444", "NV12"];
+
+// The full range from that of video, in which black is 16 and white 235.
+const FULL = Uint8Array.from({ length: 256 }, (_, luma) => Math.min(Math.max(Math.round(((luma - 16) * 255) / 219), 0), 255));
+
+let canvas = null;
+let planes = new Uint8Array(0);
+
+/** `picture`, a VideoFrame or an ImageBitmap, as a frame for a tracker: { data, width, height }. */
+export async function grayOf(picture) {
+  if (picture instanceof ImageBitmap) {
+    return ofCanvas(picture, picture.width, picture.height);
+  }
+  const { displayWidth: width, displayHeight: height, visibleRect: shown, format } = picture;
+  // Pixels of a video need not be square.
+  const isPlain = WITH_LUMA.includes(format) && shown.width === width && shown.height === height && !(picture.rotation > 0) && !picture.flip;
+  return isPlain ? ofLuma(picture, width, height) : ofCanvas(picture, width, height);
+}
+
+async function ofLuma(picture, width, height) {
+  const size = picture.allocationSize();
+  if (planes.length !== size) {
+    planes = new Uint8Array(size);
+  }
+  const [{ offset, stride }] = await picture.copyTo(planes);
+  const data = planes.subarray(offset, offset + height * stride);
+  if (picture.colorSpace.fullRange !== true) {
+    for (let at = 0; at < data.length; at++) {
+      data[at] = FULL[data[at]];
+    }
+  }
+  return { data, width, height, stride };
+}
+
+function ofCanvas(picture, width, height) {
+  if (canvas === null || canvas.width !== width || canvas.height !== height) {
+    canvas = new OffscreenCanvas(width, height);
+  }
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(picture, 0, 0, width, height);
+  return { data: context.getImageData(0, 0, width, height).data, width, height };
+}

@@ -1,0 +1,17 @@
+// The two trackers that follow each target, by their names in host-sim.
+
+export const METHODS = ["robust", "smr"];
+export const TITLES = { robust: "ROBUST", smr: "SMR" };
+
+/** What the page starts with. The options are those of host-sim. */
+export const SETTINGS = {
+  on: { robust: true, smr: true },
+  robust: { reach: 8, size: true, sweep: true },
+  smr: { config: "camera" },
+};
+
+/** A new tracker of `method` with these settings. */
+export function trackerOf(library, method, settings) {
+  const { robust, smr } = settings;
+  return method === "robust" ? library.robust(robust) : library.paper({ preset: smr.config });
+}

@@ -1,0 +1,32 @@
+// The pictures of a <video>, one after the other as the browser shows them.
+
+/** Calls `seen({ time, missed })` for each picture: its time, and how many were never seen before it. Returns what ends it. */
+export function eachPicture(video, seen) {
+  return video.requestVideoFrameCallback === undefined ? byScreen(video, seen) : byVideo(video, seen);
+}
+
+function byVideo(video, seen) {
+  let [handle, last] = [0, null];
+  const next = (_, { mediaTime, presentedFrames }) => {
+    handle = video.requestVideoFrameCallback(next);
+    const missed = last === null ? 0 : Math.max(presentedFrames - last - 1, 0);
+    last = presentedFrames;
+    seen({ time: mediaTime, missed });
+  };
+  handle = video.requestVideoFrameCallback(next);
+  return () => video.cancelVideoFrameCallback(handle);
+}
+
+// Without that call: at each picture of the screen at which the video's time is another.
+function byScreen(video, seen) {
+  let [handle, last] = [0, -1];
+  const next = () => {
+    handle = requestAnimationFrame(next);
+    if (video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA && video.currentTime !== last) {
+      last = video.currentTime;
+      seen({ time: last, missed: 0 });
+    }
+  };
+  next();
+  return () => cancelAnimationFrame(handle);
+}

@@ -1,0 +1,78 @@
+// The targets in the worker: each is followed by both trackers, as far as they are switched on.
+
+import { Recorder } from "../record.js";
+import { METHODS, trackerOf } from "./methods.js";
+import { picturesBefore, picturesAfter } from "./compared.js";
+
+// Memory of a flight record: some seconds of a window.
+const RECORD_BYTES = 6 << 20;
+
+export class Targets {
+  #library;
+  #settings;
+  #targets = new Map(); // by id: the trackers by method, each { tracker, recorder }
+
+  constructor(library, settings) {
+    this.#library = library;
+    this.#settings = settings;
+  }
+
+  /** Locks each tracker on `box`. Returns by method { quality } or { error }. */
+  lock(id, frame, box) {
+    const followers = this.#targets.get(id) ?? {};
+    this.#targets.set(id, followers);
+    const locked = {};
+    for (const method of METHODS.filter((method) => this.#settings.on[method])) {
+      followers[method] ??= this.#make(method);
+      const { tracker } = followers[method];
+      try {
+        locked[method] = { quality: tracker.lock(frame, box), window: tracker.window };
+      } catch (error) {
+        locked[method] = { error: error.message };
+      }
+    }
+    return locked;
+  }
+
+  remove(id) {
+    for (const { tracker } of Object.values(this.#targets.get(id) ?? {})) {
+      tracker.free();
+    }
+    this.#targets.delete(id);
+  }
+
+  /** Removes all targets. Later ones are made with `settings`. */
+  restart(settings = this.#settings) {
+    for (const id of [...this.#targets.keys()]) {
+      this.remove(id);
+    }
+    this.#settings = settings;
+  }
+
+  /** The answers for a frame: by id and method { answer, ms, window, sweepWindow }. Of the target `shown` also the pictures. */
+  update(frame, shown) {
+    return [...this.#targets].map(([id, followers]) => {
+      const methods = Object.entries(followers).filter(([, { tracker }]) => tracker.last !== null);
+      return [id, Object.fromEntries(methods.map(([method, { tracker }]) => [method, updated(tracker, frame, id === shown)]))];
+    });
+  }
+
+  /** The flight record of a tracker; null if there is none. */
+  record(id, method) {
+    return this.#targets.get(id)?.[method]?.recorder.bytes() ?? null;
+  }
+
+  #make(method) {
+    const tracker = trackerOf(this.#library, method, this.#settings);
+    return { tracker, recorder: new Recorder(tracker, { bytes: RECORD_BYTES }) };
+  }
+}
+
+function updated(tracker, frame, isShown) {
+  const { window, sweepWindow } = tracker;
+  const before = isShown ? picturesBefore(tracker, frame) : null;
+  const start = performance.now();
+  const answer = tracker.update(frame);
+  const ms = performance.now() - start;
+  return { answer, ms, window, sweepWindow, pictures: before && picturesAfter(before, frame, answer) };
+}

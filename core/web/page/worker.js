@@ -1,0 +1,75 @@
+// The worker: it takes frames and wishes from the page and sends back answers, so that the page never waits for a tracker. follower.js is the
+// other side.
+
+import { hasSimd, load } from "../smr.js";
+import { grayOf } from "./gray.js";
+import { BUILT_IN, syntheticFrame } from "./synthetic.js";
+import { Targets } from "./targets.js";
+
+let targets = null;
+let last = null; // the last frame, which a lock is on
+
+const WISHES = {
+  async start({ modules, settings }) {
+    const library = await load(await unpacked(hasSimd() ? modules.simd : modules.plain));
+    targets = new Targets(library, settings);
+    return { simd: library.simd, version: library.version };
+  },
+
+  // `picture` is an ImageBitmap or a VideoFrame, which is sent back to be drawn; or `index` a frame of the built-in recording.
+  async frame({ number, picture, index, shown }) {
+    const { frame, drawn } = picture === undefined ? await builtIn(index) : { frame: await grayOf(picture), drawn: picture };
+    const isOther = last !== null && (last.width !== frame.width || last.height !== frame.height);
+    if (isOther) {
+      targets.restart();
+    }
+    last = { ...frame, number };
+    return { number, picture: drawn, isOther, width: frame.width, height: frame.height, answers: targets.update(last, shown) };
+  },
+
+  lock({ id, box }) {
+    return { id, box, number: last.number, locked: targets.lock(id, last, box) };
+  },
+
+  remove({ id }) {
+    targets.remove(id);
+  },
+
+  restart({ settings }) {
+    targets.restart(settings);
+    last = null;
+  },
+
+  record({ id, method }) {
+    return { bytes: targets.record(id, method) };
+  },
+};
+
+async function unpacked(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
+async function builtIn(index) {
+  const { width, height } = BUILT_IN;
+  const data = syntheticFrame(index);
+  const rgba = new Uint8ClampedArray(4 * data.length).fill(255);
+  data.forEach((level, at) => rgba.fill(level, 4 * at, 4 * at + 3));
+  return { frame: { data, width, height }, drawn: await createImageBitmap(new ImageData(rgba, width, height)) };
+}
+
+// One after the other, each answered with its number.
+let turn = Promise.resolve();
+self.onmessage = ({ data: { wish, ticket, ...of } }) => {
+  turn = turn.then(() => granted(wish, ticket, of));
+};
+
+async function granted(wish, ticket, of) {
+  try {
+    const answer = await WISHES[wish](of);
+    self.postMessage({ ticket, answer }, answer?.picture === undefined ? [] : [answer.picture]);
+  } catch (error) {
+    self.postMessage({ ticket, error: error.message });
+  }
+}

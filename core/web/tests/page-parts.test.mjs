@@ -1,0 +1,102 @@
+// The parts of the page that need no browser: the built-in recording, the ring of answers, files and command lines, how it becomes one file.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { bundle } from "../page/bundle.mjs";
+import { about, instructions } from "../page/cost.js";
+import { Followed } from "../page/followed.js";
+import { History, KEPT, median } from "../page/history.js";
+import { SETTINGS } from "../page/methods.js";
+import { csv, json } from "../page/rows.js";
+import { commandLine, toml } from "../page/settings.js";
+import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
+import { PROJECT } from "./library.mjs";
+
+const BOX = { x: 1, y: 2, width: 30, height: 40 };
+const FINE = { x: 257, y: 512, width: 7680, height: 10240 };
+const ANSWER = {
+  box: BOX, fineBox: FINE, state: "tracking", confidence: 65535, ratio: 21845, runnerUpRatio: null, alpha: 10, scale: 65536, foundAgain: false, work: 9,
+};
+
+test("every pixel of the built-in recording is that of host-sim", () => {
+  const source = readFileSync(join(PROJECT, "host-sim/src/sequence/synthetic.rs"), "utf8");
+  const expected = BigInt(source.match(/assert_eq!\(fnv, (0x\w+),/)[1].replaceAll("_", ""));
+  // FNV-1a of 64 bits.
+  let hash = 0xcbf29ce484222325n;
+  for (let index = 0; index < BUILT_IN.length; index++) {
+    for (const pixel of syntheticFrame(index)) {
+      hash = ((hash ^ BigInt(pixel)) * 0x100000001b3n) & 0xffffffffffffffffn;
+    }
+  }
+  assert.equal(hash, expected);
+});
+
+test("the ring keeps the last answers, and a lock takes the place of the answer in its frame", () => {
+  const history = new History();
+  for (let number = 1; number <= KEPT + 5; number++) {
+    history.answer(number, ANSWER, number);
+  }
+  assert.deepEqual([history.length, history.row().number, history.row(KEPT - 1).number], [KEPT, KEPT + 5, 6]);
+  assert.deepEqual(history.last("ms", 3), [KEPT + 3, KEPT + 4, KEPT + 5]);
+  history.lock(KEPT + 5, BOX, 700);
+  const { number, quality, work } = history.row();
+  assert.deepEqual([history.length, number, quality, work], [KEPT, KEPT + 5, 700, NaN]);
+  assert.deepEqual([median([NaN, 3, 1, 2]), median([NaN])], [2, NaN]);
+});
+
+test("rows are those of host-sim", () => {
+  const history = new History();
+  history.lock(7, BOX, 65535);
+  history.answer(8, ANSWER, 1);
+  history.answer(9, { ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5 }, 1);
+  const head = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
+  const rows = ["7,1,2,30,40,tracking,,,,,,", "8,1.00390625,2,30,40,tracking,1,0.333333,,10,1,9", "9,,,,,lost,0,0.333333,0.5,10,1,9"];
+  assert.equal(csv([["1", history]]), head + rows.map((row) => `${row}\n`).join(""));
+  const both = csv([["1", history], ["2", history]]);
+  assert.equal(both, `target,${head}${rows.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
+  const [locked, , lost] = json([["1", history]], "smr", SETTINGS, "0.1.0").trim().split("\n").map((line) => JSON.parse(line));
+  assert.deepEqual(locked, {
+    version: "0.1.0", method: "smr", options: { config: "camera" }, frame: 7, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
+    runner_up_ratio: null, alpha: null, scale: null, found_again: null, work: null, quality: 1,
+  });
+  assert.deepEqual([lost.box, lost.fine, lost.found_again, lost.quality], [null, null, false, null]);
+});
+
+test("settings and command lines are those of host-sim", () => {
+  const settings = { ...SETTINGS, robust: { reach: 6, size: false, sweep: false } };
+  assert.equal(toml("robust", settings), 'method = "robust"\nreach = 6\nwithout = ["size","sweep"]\n');
+  assert.equal(toml("smr", { ...settings, smr: { config: "paper" } }), 'method = "smr"\n');
+  const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: BOX }] };
+  const file = { kind: "video", name: "it's a car.mp4" };
+  assert.equal(commandLine("smr", settings, [one], file), "host-sim track 'it'\\''s a car.mp4' --init 1,2,30,40 --init 1,2,30,40@9 --method smr --config camera");
+  const two = commandLine("robust", SETTINGS, [one, { name: "2", locks: [{ number: 3, box: BOX }] }], { kind: "recording", name: "synthetic" });
+  assert.equal(two, "host-sim track synthetic --init 1=1,2,30,40 --init 1=1,2,30,40@9 --init 2=1,2,30,40@3 --method robust");
+});
+
+test("locks are made again, also one that was under way when the recording started again", () => {
+  const target = new Followed(1);
+  target.locked(1, BOX, { robust: { quality: 1 } });
+  target.locked(5, BOX, { robust: { quality: 1 } });
+  target.restart(true);
+  assert.deepEqual([target.due(1), target.due(2), target.planned.length], [BOX, null, 1]);
+  target.restart(true);
+  assert.deepEqual(target.planned.map(({ number }) => number), [1, 5]);
+  target.restart(false);
+  assert.deepEqual(target.planned, []);
+});
+
+test("instructions are about what was measured", () => {
+  const said = (method, answer) => Object.values(instructions(method, answer)).map(about);
+  assert.deepEqual(said("robust", { work: 4_325_579 }), ["about 4.7 M", "about 1.4 M"]);
+  assert.deepEqual(said("smr", { work: 57_019, runnerUpRatio: null }), ["about 180 k", "about 91 k"]);
+  assert.deepEqual(said("smr", { work: 931_000, runnerUpRatio: 9 }), ["about 5.6 M", "about 2.9 M"]);
+  assert.deepEqual(said("smr", {}), ["–", "–"]);
+});
+
+test("modules become one script, in which nothing is imported", () => {
+  const script = bundle(new URL("../page/worker.js", import.meta.url));
+  assert.doesNotMatch(script, /^\s*(import|export)\b/m);
+  assert.doesNotThrow(() => new Function(script));
+});
