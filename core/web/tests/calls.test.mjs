@@ -137,7 +137,7 @@ test("the words are those of the library", () => {
   assert.deepEqual(said(() => paper.lock(first, { ...box, width: 0 })), [
     "SmrError", "SMR_ERROR_BOX_EMPTY", "the box has no pixels: width and height must be at least 1",
   ]);
-  assert.deepEqual(said(() => paper.lock({ data: new Uint8Array(10_000), width: 100, height: 100 }, { x: 0, y: 0, width: 100, height: 100 })), [
+  assert.deepEqual(said(() => paper.lock({ data: new Uint8Array(90_000), width: 300, height: 300 }, { x: 0, y: 0, width: 300, height: 300 })), [
     "SmrError", "SMR_ERROR_BOX_TOO_LARGE", "the box has more pixels than this tracker's template has room for",
   ]);
   assert.deepEqual(said(() => smr.robust().lock(first, { ...box, y: 1.5 })), [

@@ -8,7 +8,7 @@ import { load } from "../smr.js";
 import { frames, libraries, random } from "./library.mjs";
 
 const SIDES = Array.from({ length: 80 }, (_, number) => number + 1);
-const PIXELS = 4096; // SMR_PIXELS
+const PIXELS = 4096;
 const FRAMES = 4;
 
 /** Moves all pixels of a frame by random numbers. */
@@ -57,7 +57,7 @@ for (const method of ["paper", "robust"]) {
 }
 
 const file = process.env.SMR_VERIFY;
-const skip = file === undefined && "no module that verifies: run .ci/web";
+const skip = file === undefined && "no module that verifies: run .ci/web all";
 test("every call of a kernel equals the plain loop", { skip }, async () => {
   const verifying = await load(readFileSync(file));
   assert.ok(verifying.simd);
