@@ -19,6 +19,7 @@
 //! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | `avx2/products.rs` | (compiler) | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` |
+//! | layers of the refiner's network | `dense.rs` | `dense.rs` | `avx2/dense.rs` | (compiler) | (compiler) | `dense.rs` |
 //! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` |
 //! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | Helium: `weights.rs` |
 //!
@@ -68,6 +69,8 @@ mod backend;
 mod bilinear;
 mod cells;
 mod cut_table;
+#[cfg(feature = "refiner")]
+mod dense;
 #[cfg(any(
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),
@@ -78,6 +81,8 @@ mod gradients;
 mod layout;
 mod plain {
     pub(super) mod bilinear;
+    #[cfg(feature = "refiner")]
+    pub(super) mod dense;
     #[cfg(any(not(smr_helium), feature = "verify"))]
     pub(super) mod gradients;
     pub(super) mod products;
@@ -113,6 +118,8 @@ mod weights;
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     pub(super) mod avx2 {
+        #[cfg(feature = "refiner")]
+        pub(in super::super) mod dense;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
@@ -125,6 +132,10 @@ pub(crate) use cells::SIDE;
 pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
+#[cfg(feature = "refiner")]
+pub(crate) use dense::Dense;
+#[cfg(feature = "refiner")]
+pub(crate) use plain::dense::Layer;
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, PACKED, Packed};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};

@@ -1,0 +1,43 @@
+//! Chooses the layers of a small network for a backend.
+//!
+//! For AVX2 the plain loop is compiled again. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and
+//! SIMD128.
+
+use super::backend::Backend;
+use super::plain::dense as plain;
+use super::plain::dense::Layer;
+#[cfg(target_arch = "x86_64")]
+use super::x86::avx2::dense as avx2;
+
+/// Layers by a backend. All backends give the same integers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dense(Backend);
+
+impl Dense {
+    /// By `backend`, or by the plain loop if the machine does not have it.
+    pub(crate) fn new(backend: Backend) -> Self {
+        Self(if backend.is_available() { backend } else { Backend::Scalar })
+    }
+
+    /// See [`plain::outputs`]. `patches` has `layer.inputs` numbers for each patch, `out` one for each of its outputs.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn outputs(self, layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `new` has checked that the machine has AVX2.
+            Backend::Avx2 => unsafe { avx2::outputs(layer, patches, out) },
+            _ => plain::outputs(layer, patches, out),
+        }
+        #[cfg(feature = "verify")]
+        {
+            let mut expected: heapless::Vec<i8, 1024> = out.iter().map(|_| 0).collect();
+            plain::outputs(layer, patches, &mut expected);
+            assert_eq!(out, &*expected, "outputs of a layer, given and expected");
+        }
+    }
+
+    /// The sums of one patch, before a shift. For the last layer, which is small: always the plain loop.
+    pub(crate) fn sums<const N: usize>(layer: Layer<'_>, patch: &[i8]) -> [i32; N] {
+        core::array::from_fn(|output| plain::sum(layer, output, patch))
+    }
+}
