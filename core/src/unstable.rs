@@ -1,12 +1,15 @@
 //! **Unstable**: gives `host-sim` and the tests access to the inside of the trackers. It is behind the feature `unstable` and may change in
 //! any version. Firmware does not need it.
 
-use crate::image::Frame;
+use crate::image::{FineRect, Frame};
 use crate::similarity::Scorer;
 use crate::track::robust::{Config, Robust, Workspace};
 use crate::track::{UpdateError, robust};
 
 pub use robust::config::Part;
+/// The bytes of the refiner's weights, layer by layer.
+#[cfg(feature = "refiner")]
+pub use robust::REFINER_WEIGHTS;
 
 /// `config` without one part of the robust tracker.
 ///
@@ -24,6 +27,12 @@ pub const fn without(config: Config, part: Part) -> Config {
 #[must_use]
 pub const fn has(config: &Config, part: Part) -> bool {
     config.has(part)
+}
+
+/// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first lock.
+#[must_use]
+pub fn followed(target: &Robust) -> Option<FineRect> {
+    target.followed()
 }
 
 /// The filter's weights, cell by cell and [`CHANNELS`](crate::robust::CHANNELS) in each, in units of 2^-16 of a response's 1/16384; none

@@ -188,18 +188,20 @@ mod tests {
         parts.verification = has(config, Part::Verification);
         parts.gated_learning = has(config, Part::GatedLearning);
         parts.sweep = config.sweep;
+        parts.refiner = config.refiner;
         numbers
     }
 
     type Change<T> = (&'static str, fn(&mut T));
 
-    const WITHOUT: [Change<Config>; 6] = [
+    const WITHOUT: [Change<Config>; 7] = [
         ("velocity", |config| *config = without(*config, Part::Velocity)),
         ("distance penalty", |config| *config = without(*config, Part::DistancePenalty)),
         ("size", |config| config.size = false),
         ("verification", |config| *config = without(*config, Part::Verification)),
         ("gated learning", |config| *config = without(*config, Part::GatedLearning)),
         ("sweep", |config| config.sweep = false),
+        ("refiner", |config| config.refiner = false),
     ];
 
     #[test]
@@ -344,7 +346,7 @@ mod tests {
     /// The numbers of trust and of the sweep, on a target that is hidden and comes back elsewhere.
     #[test]
     fn other_numbers_of_trust_are_noticed() {
-        let others: [Change<Numbers>; 10] = [
+        let others: [Change<Numbers>; 11] = [
             ("least_contrast", |numbers| numbers.least_contrast = 0.0),
             ("margin", |numbers| numbers.margin = 5),
             ("lost_below", |numbers| numbers.lost_below = 10_000.0),
@@ -355,6 +357,7 @@ mod tests {
             ("parts.verification", |numbers| numbers.parts.verification = false),
             ("parts.gated_learning", |numbers| numbers.parts.gated_learning = false),
             ("parts.sweep", |numbers| numbers.parts.sweep = false),
+            ("parts.refiner", |numbers| numbers.parts.refiner = false),
         ];
         noticed(&others, hidden);
     }

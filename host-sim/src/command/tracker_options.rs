@@ -130,6 +130,8 @@ pub enum Part {
     GatedLearning,
     /// A lost target is searched all over the frame
     Sweep,
+    /// A small learned network corrects the box
+    Refiner,
 }
 
 impl Part {
@@ -148,6 +150,7 @@ impl Part {
             Self::Verification => &mut parts.verification,
             Self::GatedLearning => &mut parts.gated_learning,
             Self::Sweep => &mut parts.sweep,
+            Self::Refiner => &mut parts.refiner,
         }
     }
 
@@ -160,6 +163,7 @@ impl Part {
             Self::Verification => *config = without(*config, unstable::Part::Verification),
             Self::GatedLearning => *config = without(*config, unstable::Part::GatedLearning),
             Self::Sweep => config.sweep = false,
+            Self::Refiner => config.refiner = false,
         }
     }
 }

@@ -41,7 +41,9 @@ impl Configured for smr_core::Robust {
     fn configuration(numbers: &[u16]) -> Result<robust::Config> {
         let mut config = robust::Config::robust();
         config.table = table(numbers)?;
-        let mut rest = Rest::of(numbers, 268)?;
+        // The refiner adds a number if it is on.
+        config.refiner = numbers.len() == 269;
+        let mut rest = Rest::of(numbers, if config.refiner { 269 } else { 268 })?;
         (config.size, config.sweep) = (rest.flag()?, rest.flag()?);
         for part in [Part::Velocity, Part::DistancePenalty, Part::Verification, Part::GatedLearning] {
             if !rest.flag()? {

@@ -8,6 +8,7 @@ use crate::sequence::{BoundingBox, GrayFrame};
 use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
 use smr_core::search::Window;
+use smr_core::unstable::followed;
 use smr_core::{Image, Rect, Robust, State, Tracker};
 
 /// What was looked at in a frame.
@@ -106,10 +107,14 @@ impl Shown for Tracker<Robust> {
         let answer = Self::update(self, &frame.frame())?;
         let work = self.work();
         let target = BoundingBox::from(answer.fine);
+        // The template lies where the target was followed to, not in the middle of the refined box.
+        let followed = BoundingBox::from(followed(self.target()).unwrap_or(answer.fine));
+        let step = f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0;
         let lattice = Lattice {
-            x: target.x + target.width / 2.0 - 0.5,
-            y: target.y + target.height / 2.0 - 0.5,
-            step: f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0,
+            x: followed.x + followed.width / 2.0 - 0.5,
+            y: followed.y + followed.height / 2.0 - 0.5,
+            step,
+            step_down: step,
             columns,
             rows,
         };

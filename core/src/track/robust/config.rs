@@ -30,6 +30,9 @@ pub struct Config {
     pub size: bool,
     /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
     pub sweep: bool,
+    /// Whether a small learned network corrects the answered box (feature `refiner`). With it the box keeps to a target that comes nearer,
+    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window).
+    pub refiner: bool,
     /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher value holds on to the
     /// target for longer: through short occlusions, but also through errors.
     pub patience: u8,
@@ -70,7 +73,7 @@ pub enum Part {
 }
 
 impl Config {
-    /// The values that were best on many recordings.
+    /// The values that were best on many recordings, with the refiner if it is built in (feature `refiner`).
     #[must_use]
     pub const fn robust() -> Self {
         Self {
@@ -79,6 +82,7 @@ impl Config {
             reach: 8,
             size: true,
             sweep: true,
+            refiner: cfg!(feature = "refiner"),
             patience: 179,
             lost_below: 19_200,
             uncertain_below: 32_500,
@@ -128,7 +132,8 @@ impl Config {
         let reach = 4 <= self.reach && self.reach as u16 <= REACH;
         let states = self.lost_below <= self.uncertain_below;
         let rates = self.learning_rate <= 256 && self.early_rate <= 1024;
-        if reach && states && rates { Ok(()) } else { Err(ConfigError::OutOfRange) }
+        let built_in = !self.refiner || cfg!(feature = "refiner");
+        if reach && states && rates && built_in { Ok(()) } else { Err(ConfigError::OutOfRange) }
     }
 
     /// Offsets on an axis of the search.

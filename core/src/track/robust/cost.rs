@@ -26,6 +26,14 @@ pub(super) const SLOPED: u32 = 64;
 /// For each weight that is coded or changed, and for each copied pixel of the template.
 pub(super) const CODED: u32 = 16;
 
+/// Samples on a side of the refiner's crop.
+const CROP: u32 = 32;
+/// The refiner's network: its products, and its inputs each time they are gathered.
+#[cfg(feature = "refiner")]
+const NETWORK: u32 = super::refiner::WORK;
+#[cfg(not(feature = "refiner"))]
+const NETWORK: u32 = 0;
+
 /// The work of this many products.
 pub(super) fn units(products: usize) -> u32 {
     u32::try_from(products).unwrap_or(u32::MAX)
@@ -98,18 +106,28 @@ impl Shape {
         self.offsets() + (2 * self.offsets() + 2 * CODED + SLOPED) * self.weights()
     }
 
+    /// A crop for the refiner: steps of columns and rows are less than four blocks together.
+    const fn crop(config: &Config) -> u32 {
+        if config.refiner { CROP * CROP * VIEWED + 4 * (2 * CROP + 2) * (2 * CROP + 2) } else { 0 }
+    }
+
+    /// The refiner: its crop, and its network.
+    const fn refiner(config: &Config) -> u32 {
+        if config.refiner { Self::crop(config) + NETWORK } else { 0 }
+    }
+
     const fn update(self, config: &Config) -> u32 {
         let begin = CODED * (self.weights() + self.pixels());
         let search = self.search() + REFINED * self.pixels();
         let scales = if config.size { self.scales() } else { 0 };
         // A frame is either learned or searched elsewhere.
-        let (learn, elsewhere) = (self.learn(), if config.sweeps() { self.search() } else { 0 });
+        let (learn, elsewhere) = (self.learn() + Self::refiner(config), if config.sweeps() { self.search() } else { 0 });
         begin + search + scales + if learn > elsewhere { learn } else { elsewhere }
     }
 
-    const fn lock(self) -> u32 {
+    const fn lock(self, config: &Config) -> u32 {
         let lesson = CODED * self.weights() + self.offsets() * self.weights() + self.learn();
-        self.view() + self.features(self.reach) + FIRST_STEPS * lesson
+        Self::crop(config) + self.view() + self.features(self.reach) + FIRST_STEPS * lesson
     }
 
     /// The largest indivisible piece of work: a row of cells, of the view or of responses, or one pass over the weights or the template.
@@ -154,7 +172,7 @@ impl Config {
             let down = MOST_CELLS as u32 / across;
             let down = if down < MOST_SIDE as u32 { down } else { MOST_SIDE as u32 };
             let shape = Shape { across, down, reach: self.reach as u32 };
-            let (update, lock, unit) = (shape.update(self) as u64, shape.lock() as u64, shape.unit());
+            let (update, lock, unit) = (shape.update(self) as u64, shape.lock(self) as u64, shape.unit());
             most.update = if update > most.update { update } else { most.update };
             most.lock = if lock > most.lock { lock } else { most.lock };
             most.beyond_a_step = if unit > most.beyond_a_step { unit } else { most.beyond_a_step };

@@ -222,6 +222,7 @@ mod tests {
             x: 57 * PIXEL,
             y: 40 * PIXEL + 1234,
             step,
+            step_down: step,
             columns: cells.0 * CELL + 2,
             rows: cells.1 * CELL + 2,
         };

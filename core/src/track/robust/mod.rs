@@ -51,6 +51,8 @@ mod motion;
 mod pipeline;
 mod redetection;
 mod refinement;
+#[cfg(feature = "refiner")]
+mod refiner;
 mod response;
 mod sampling;
 mod scale;
@@ -67,6 +69,8 @@ pub use config::Config;
 pub(crate) use constants::SPAN;
 pub use constants::{CELL, CHANNELS, REACH};
 pub use grid::Grid;
+#[cfg(all(feature = "refiner", feature = "unstable"))]
+pub use refiner::REFINER_WEIGHTS;
 pub(super) use state::numbers;
 pub use target::Robust;
 pub use workspace::Workspace;

@@ -3,6 +3,7 @@
 //! ```text
 //! update: search -> verification -> refinement -> scale -> decision -> learning
 //!                                                                   -> search -> verification in a second window, if the target is lost
+//!                                                                   -> refiner (feature `refiner`)
 //! lock:   view, which becomes the template -> features -> 25 times: response -> learning
 //! ```
 //!
@@ -20,6 +21,8 @@ use super::displacement::Displacement;
 use super::grid::Grid;
 use super::learning::{Learning, Training};
 use super::motion::{Motion, Place};
+#[cfg(feature = "refiner")]
+use super::refiner::{self, Crop, Refinement};
 use super::refinement::{Refined, refine};
 use super::response::layout;
 use super::sampling::Lattice;
@@ -28,6 +31,8 @@ use super::state::{Memory, Track};
 use super::verification::{Candidate, Reference, Verification, Verified, View};
 use crate::correlation::Window;
 use crate::image::{Frame, Image};
+#[cfg(feature = "refiner")]
+use crate::kernels::Dense;
 use crate::kernels::Products;
 use crate::track::State;
 use crate::track::update::UnderWay;
@@ -56,6 +61,10 @@ enum Stage {
     /// With the exact growth, if refinement found it.
     Scale(ScaleSearch, Option<i32>),
     Learning(Learning),
+    #[cfg(feature = "refiner")]
+    FirstCrop(Crop),
+    #[cfg(feature = "refiner")]
+    Refiner(Refinement),
 }
 
 /// What the stages have decided so far.
@@ -148,6 +157,19 @@ impl Model<'_> {
     /// Begins a lock.
     pub(super) fn begin_lock(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         pipeline.outcome = Outcome { steps_left: FIRST_STEPS, ..Outcome::new(Some(self.track)) };
+        #[cfg(feature = "refiner")]
+        if self.config.refiner {
+            let crop = Crop::begin(self.track.bbox(), self.track.bounds, buffers.extractor.sampling());
+            let _ = buffers.scale_cells.resize_default(refiner::FIRST);
+            pipeline.stage = Stage::FirstCrop(crop);
+            return;
+        }
+        self.begin_template(pipeline, buffers);
+    }
+
+    /// Begins the view that becomes the early template.
+    #[inline(never)] // see `advance_stage`
+    fn begin_template(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         pipeline.stage = Stage::Template(self.view(buffers, self.track.motion.place));
     }
 
@@ -240,8 +262,42 @@ impl Model<'_> {
                 let length = learning.advance(&training, coded, scratch, extractor.packed(), work);
                 if length.is_some() {
                     (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
+                    #[cfg(feature = "refiner")]
+                    self.begin_refiner(pipeline, buffers);
                 }
             }
+            #[cfg(feature = "refiner")]
+            Stage::FirstCrop(crop) => {
+                let Buffers { extractor, scale_cells, .. } = buffers;
+                let room = scale_cells.first_chunk_mut();
+                if room.is_none_or(|room| crop.advance(frame, extractor.sampling(), room, work)) {
+                    self.begin_template(pipeline, buffers);
+                }
+            }
+            #[cfg(feature = "refiner")]
+            Stage::Refiner(refinement) => {
+                let Buffers { extractor, cells, .. } = buffers;
+                let dense = Dense::new(self.config.backend());
+                let said = refinement.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
+                if let (Some(said), Some(track)) = (said, &mut pipeline.outcome.track) {
+                    track.correction.take(said);
+                    pipeline.stage = Stage::Done;
+                }
+            }
+        }
+    }
+
+    /// Begins the refinement of the box in an update. The window's features are not needed any more, so their memory is free.
+    #[cfg(feature = "refiner")]
+    #[inline(never)] // see `advance_stage`
+    fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
+        let Outcome { track: Some(track), steps_left: 0, .. } = &pipeline.outcome else { return };
+        if self.config.refiner {
+            let Buffers { extractor, cells, .. } = buffers;
+            cells.clear();
+            let _ = cells.resize_default(refiner::ROOM);
+            let crop = Crop::begin(track.bbox(), track.bounds, extractor.sampling());
+            pipeline.stage = Stage::Refiner(Refinement::Crop(crop));
         }
     }
 

@@ -25,12 +25,13 @@ pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The places of samples: columns and rows `step` apart, around a centre.
+/// The places of samples: columns `step` apart, rows `step_down` apart, around a centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Lattice {
     pub(super) x: i64,
     pub(super) y: i64,
     pub(super) step: i64,
+    pub(super) step_down: i64,
     pub(super) columns: u16,
     pub(super) rows: u16,
 }
@@ -87,13 +88,14 @@ impl Lattice {
 
     #[inline(never)] // one copy in flash
     fn around(Place { x, y, scale }: Place, grid: &Grid, columns: u16, rows: u16) -> Self {
-        Self { x, y, step: grid.step_at(scale), columns, rows }
+        let step = grid.step_at(scale);
+        Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// How often the frame is halved.
+    /// How often the frame is halved: until the mean step is less than two blocks.
     fn halvings(&self) -> u32 {
         let mut halvings = 0;
-        while self.step >> halvings >= 2 * PIXEL {
+        while (self.step + self.step_down) >> halvings >= 4 * PIXEL {
             halvings += 1;
         }
         halvings
@@ -103,7 +105,7 @@ impl Lattice {
     fn axes(&self, bounds: Rect) -> (Axis, Axis) {
         let halvings = self.halvings();
         let x = Axis::new(self.x, self.step, self.columns, halvings, bounds.width);
-        (x, Axis::new(self.y, self.step, self.rows, halvings, bounds.height))
+        (x, Axis::new(self.y, self.step_down, self.rows, halvings, bounds.height))
     }
 
     /// The pixels of a frame that the lattice reads.
@@ -420,7 +422,7 @@ mod tests {
                 for (x, y) in [(0, 0), (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3), (12_345, 543_210)]
                 {
                     let (x, y) = (x.min(i64::from(width - 1) * PIXEL), y.min(i64::from(height - 1) * PIXEL));
-                    samples_as_plainly(&Lattice { x, y, step, columns: 14, rows: 9 }, &pixels, width, height);
+                    samples_as_plainly(&Lattice { x, y, step, step_down: step, columns: 14, rows: 9 }, &pixels, width, height);
                 }
             }
         }
@@ -432,7 +434,7 @@ mod tests {
         let pixels = noise(width, height);
         for step in [1024 * PIXEL, 1777 * PIXEL + 99, 2048 * PIXEL - 1] {
             samples_as_plainly(
-                &Lattice { x: 2400 * PIXEL, y: 1500 * PIXEL, step, columns: 6, rows: 5 },
+                &Lattice { x: 2400 * PIXEL, y: 1500 * PIXEL, step, step_down: step, columns: 6, rows: 5 },
                 &pixels,
                 width,
                 height,
@@ -449,9 +451,9 @@ mod tests {
         {
             for middle in [0, 32_767 * PIXEL, 65_534 * PIXEL] {
                 let columns = u16::try_from(COLUMNS).unwrap();
-                let lattice = Lattice { x: middle, y: 0, step, columns, rows: 6 };
+                let lattice = Lattice { x: middle, y: 0, step, step_down: step, columns, rows: 6 };
                 samples_as_plainly(&lattice, &pixels, 65_535, 1);
-                let lattice = Lattice { x: 0, y: middle, step, columns: 6, rows: columns };
+                let lattice = Lattice { x: 0, y: middle, step, step_down: step, columns: 6, rows: columns };
                 samples_as_plainly(&lattice, &pixels, 1, 65_535);
             }
         }

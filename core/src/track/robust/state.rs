@@ -3,9 +3,13 @@
 use super::confidence::Confidence;
 use super::config::{Config, Parts};
 use super::constants::{CELL, CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL, PIXEL_BITS, SCALE, WEIGHTS};
+#[cfg(feature = "refiner")]
+use super::constants::MARGIN;
 use super::grid::Grid;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
+#[cfg(feature = "refiner")]
+use super::refiner::{Correction, FIRST, reachable};
 use super::sampling::Lattice;
 use super::scale;
 use super::template::Template;
@@ -20,12 +24,21 @@ pub(super) struct Memory {
     pub(super) track: Option<Track>,
     pub(super) filter: Filter<WEIGHTS>,
     pub(super) template: Template,
+    /// The first frame's target, as the refiner sees it.
+    #[cfg(feature = "refiner")]
+    pub(super) first: [i8; FIRST],
 }
 
 impl Memory {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
-        Self { track: None, filter: Filter::new(), template: Template::new() }
+        Self {
+            track: None,
+            filter: Filter::new(),
+            template: Template::new(),
+            #[cfg(feature = "refiner")]
+            first: [0; FIRST],
+        }
     }
 }
 
@@ -42,6 +55,8 @@ pub(super) struct Track {
     pub(super) confidence: Confidence,
     pub(super) sweep: Sweep,
     pub(super) quality: Quality,
+    #[cfg(feature = "refiner")]
+    pub(super) correction: Correction,
 }
 
 impl Track {
@@ -55,6 +70,8 @@ impl Track {
             confidence: Confidence::FULL,
             sweep: Sweep::new(),
             quality: Quality::NONE,
+            #[cfg(feature = "refiner")]
+            correction: Correction::NONE,
         }
     }
 
@@ -76,8 +93,27 @@ impl Track {
         Lattice::search_window(place, &self.grid, reach).pixels(self.bounds)
     }
 
-    /// The target's box.
+    /// The target's box, as it is answered.
     pub(super) fn bbox(&self) -> FineRect {
+        #[cfg(feature = "refiner")]
+        return self.correction.correct(self.followed());
+        #[cfg(not(feature = "refiner"))]
+        self.followed()
+    }
+
+    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`: a view may be displaced,
+    /// place and peak lie between two, and the scale may change by a step.
+    #[cfg(feature = "refiner")]
+    pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {
+        let [_, larger] = scale::other_scales(centre.scale);
+        let pixels = (reach + 1) * CELL + MARGIN + 2;
+        let by = i64::from(pixels) * self.grid.step_at(larger);
+        let target = Self { motion: Motion::at(Place { scale: larger, ..centre }), ..*self };
+        reachable(target.bbox(), [by; 2], self.bounds)
+    }
+
+    /// The box of the followed place and scale.
+    pub(super) fn followed(&self) -> FineRect {
         let Place { x, y, scale } = self.motion.place;
         let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
         let [width, height] = self.size.map(size);
@@ -91,19 +127,25 @@ impl Track {
 
 /// Bytes of a saved track.
 const TRACK: usize = 58;
+/// Bytes of what the refiner remembers: the correction and the first frame's target.
+#[cfg(feature = "refiner")]
+const REFINER: usize = 16 + FIRST;
+#[cfg(not(feature = "refiner"))]
+const REFINER: usize = 0;
 /// The most bytes of a saved target.
-pub(super) const SAVED_SIZE: usize = AROUND + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS;
+pub(super) const SAVED_SIZE: usize = AROUND + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + REFINER;
 
 impl Memory {
     /// Bytes of the saved form.
-    pub(super) fn saved_size(&self) -> Result<usize, SaveError> {
-        let size = AROUND + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len();
+    pub(super) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
+        let refiner = if config.refiner { REFINER } else { 0 };
+        let size = AROUND + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
     }
 
     pub(super) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
         let track = self.track.ok_or(SaveError::NotLocked)?;
-        let mut to = Writer::new(bytes, self.saved_size()?, Kind::Robust, checksum(config))?;
+        let mut to = Writer::new(bytes, self.saved_size(config)?, Kind::Robust, checksum(config))?;
         for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
             to.u16(side);
         }
@@ -118,17 +160,41 @@ impl Memory {
         to.u16(track.quality.value());
         self.filter.weights().iter().for_each(|&weight| to.i32(weight));
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
+        #[cfg(feature = "refiner")]
+        if config.refiner {
+            let Correction { centre, sides } = track.correction;
+            centre.into_iter().chain(sides).for_each(|number| to.i32(number));
+            self.first.iter().for_each(|input| to.put(&input.to_le_bytes()));
+        }
         Ok(to.finish())
     }
 
     /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
     pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), RestoreError> {
         let mut from = Reader::new(bytes, Kind::Robust, checksum(config))?;
-        let track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
+        #[cfg_attr(not(feature = "refiner"), allow(unused_mut))]
+        let mut track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
         let count = track.grid.weights();
         let pixels = usize::from(track.grid.columns) * usize::from(track.grid.rows);
         let weights = from.slice(4 * count).ok_or(RestoreError::Damaged)?;
-        let mean = from.slice(2 * pixels).filter(|_| from.is_empty()).ok_or(RestoreError::Damaged)?;
+        let mean = from.slice(2 * pixels).ok_or(RestoreError::Damaged)?;
+        #[cfg(feature = "refiner")]
+        let first = if config.refiner {
+            track.correction = read_correction(&mut from).ok_or(RestoreError::Damaged)?;
+            Some(from.slice(FIRST).ok_or(RestoreError::Damaged)?)
+        } else {
+            None
+        };
+        if !from.is_empty() {
+            return Err(RestoreError::Damaged);
+        }
+        #[cfg(feature = "refiner")]
+        if let Some(first) = first {
+            if first.iter().any(|&input| input > 127) {
+                return Err(RestoreError::Damaged);
+            }
+            self.first.iter_mut().zip(first).for_each(|(to, &input)| *to = input.cast_signed());
+        }
         self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
         self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
         self.track = Some(track);
@@ -160,7 +226,14 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         confidence,
         sweep,
         quality,
+        #[cfg(feature = "refiner")]
+        correction: Correction::NONE,
     })
+}
+
+#[cfg(feature = "refiner")]
+fn read_correction(from: &mut Reader<'_>) -> Option<Correction> {
+    Correction::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
 }
 
 /// The checksum of the configuration.
@@ -170,7 +243,8 @@ fn checksum(config: &Config) -> u32 {
     sum.finish()
 }
 
-/// All numbers of the configuration that answers depend on.
+/// All numbers of the configuration that answers depend on. The refiner adds one only if it is on: so what was saved or recorded without it
+/// stays as it is.
 pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
     config.table.entries().iter().for_each(|&entry| add(entry));
     let Parts { velocity, distance_penalty, verification, gated_learning } = config.parts;
@@ -180,6 +254,9 @@ pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
     let Config { reach, patience, lost_below, uncertain_below, learning_rate, early_rate, .. } = *config;
     for number in [reach.into(), patience.into(), lost_below, uncertain_below, learning_rate, early_rate] {
         add(number);
+    }
+    if config.refiner {
+        add(1);
     }
 }
 

@@ -7,6 +7,8 @@ use super::constants::{MARGIN_CELLS, QUALITY_ALPHA, SCALE, SCALE_REACH};
 use super::grid::Grid;
 use super::motion::Place;
 use super::pipeline::Model;
+#[cfg(feature = "refiner")]
+use super::refiner::reachable;
 use super::sampling::Lattice;
 use super::scale::other_scales;
 use super::state::{self, Memory, Track};
@@ -82,6 +84,11 @@ impl Robust {
     }
 
     #[cfg(feature = "unstable")]
+    pub(crate) fn followed(&self) -> Option<FineRect> {
+        self.memory.track.map(|track| track.followed())
+    }
+
+    #[cfg(feature = "unstable")]
     pub(crate) fn features<'a>(
         &self,
         workspace: &'a mut Workspace,
@@ -121,6 +128,10 @@ impl Robust {
             for scale in other_scales(centre.scale) {
                 pixels = union(pixels, track.pixels(Place { scale, ..centre }, reach + 2 * SCALE_REACH));
             }
+        }
+        #[cfg(feature = "refiner")]
+        if self.config.refiner {
+            pixels = union(pixels, track.refined_pixels(centre, reach));
         }
         pixels
     }
@@ -166,7 +177,13 @@ impl Target for Robust {
     /// The box and its surroundings, up to the reach of a search window.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) {
-            Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach()).pixels(bounds)
+            let window = Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach());
+            let window = window.pixels(bounds);
+            #[cfg(feature = "refiner")]
+            if self.config.refiner {
+                return union(window, reachable(Track::new(bounds, target).bbox(), [0; 2], bounds));
+            }
+            window
         } else {
             Rect::default()
         }
@@ -200,7 +217,7 @@ impl Target for Robust {
     }
 
     fn saved_size(&self) -> Result<usize, SaveError> {
-        self.memory.saved_size()
+        self.memory.saved_size(&self.config)
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
@@ -247,8 +264,7 @@ impl Steps for Robust {
 
     fn check_lock_under_way(&self, workspace: &Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
         let track = workspace.pipeline.outcome.track.ok_or(LockError::NotBegun)?;
-        let window = track.pixels(track.motion.place, self.config.reach());
-        lock_goes_on(frame, track.bounds, window)
+        lock_goes_on(frame, track.bounds, self.lock_window(track.bounds, track.bbox().whole()))
     }
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
@@ -315,6 +331,10 @@ impl Steps for Robust {
         if let Some(patch) = pipeline.outcome.patch(buffers, &track.grid) {
             track.quality = Quality::of(patch, buffers.verification.table());
             self.memory.template.start(patch);
+        }
+        #[cfg(feature = "refiner")]
+        if let Some(first) = buffers.scale_cells.first_chunk().filter(|_| self.config.refiner) {
+            self.memory.first = *first;
         }
         self.memory.track = Some(track);
         track.quality

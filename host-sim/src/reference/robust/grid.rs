@@ -78,12 +78,13 @@ fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
     (across, down)
 }
 
-/// Where samples are taken: around (`x`, `y`), `step` apart.
+/// Where samples are taken: around (`x`, `y`), columns `step` apart, rows `step_down` apart.
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice {
     pub x: f64,
     pub y: f64,
     pub step: f64,
+    pub step_down: f64,
     pub columns: i64,
     pub rows: i64,
 }
@@ -99,7 +100,7 @@ impl Lattice {
     pub fn sample(&self, numbers: &Numbers, frame: &Picture<'_>) -> Patch {
         let block = self.block(numbers);
         let across = between(self.x, self.step, self.columns, &block, frame.width);
-        let down = between(self.y, self.step, self.rows, &block, frame.height);
+        let down = between(self.y, self.step_down, self.rows, &block, frame.height);
         let pixel = |row: &Between, column: &Between| {
             let mix = |row: i64| {
                 let (left, right) = (block.mean(frame, column.first, row), block.mean(frame, column.second, row));
@@ -114,20 +115,20 @@ impl Lattice {
     /// The frame pixels that are read: left, top, right, bottom.
     pub fn region(&self, numbers: &Numbers, frame_size: (i64, i64)) -> [i64; 4] {
         let block = self.block(numbers);
-        let extent = |centre: f64, count: i64, size: i64| {
-            let samples = between(centre, self.step, count, &block, size);
+        let extent = |centre: f64, step: f64, count: i64, size: i64| {
+            let samples = between(centre, step, count, &block, size);
             let last = samples.last().map_or(0, |sample| sample.second);
             (samples.first().map_or(0, |sample| sample.first) * block.side, ((last + 1) * block.side).min(size))
         };
-        let (left, right) = extent(self.x, self.columns, frame_size.0);
-        let (top, bottom) = extent(self.y, self.rows, frame_size.1);
+        let (left, right) = extent(self.x, self.step, self.columns, frame_size.0);
+        let (top, bottom) = extent(self.y, self.step_down, self.rows, frame_size.1);
         [left, top, right, bottom]
     }
 
-    /// The blocks that the frame is first reduced by: their side is doubled until a step is less than two of them.
+    /// The blocks that the frame is first reduced by: their side is doubled until the mean step is less than two of them.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
-        while self.step / real(side) >= 2.0 {
+        while (self.step + self.step_down) / 2.0 / real(side) >= 2.0 {
             side *= 2;
         }
         Block::new(side, numbers.read_per_side)
@@ -190,7 +191,7 @@ mod tests {
     #[test]
     fn half_a_step_mixes_two_pixels_and_a_step_of_two_takes_means() {
         let frame = Picture { pixels: &[10, 20, 40, 60], width: 4, height: 1 };
-        let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, columns, rows: 1 };
+        let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, step_down: step, columns, rows: 1 };
         let row = |x: f64, step: f64, columns: i64| row(x, step, columns).sample(&Numbers::robust(), &frame).pixels;
         assert_eq!(row(0.5, 0.5, 3), [10.0, 15.0, 20.0]);
         assert_eq!(row(1.5, 2.0, 2), [15.0, 50.0]);
@@ -206,7 +207,7 @@ mod tests {
         assert_eq!(read(1024), (vec![256, 768], 512.0));
         // Only the second and the fourth of each four columns, and the last row.
         let frame = Picture { pixels: &[9, 10, 9, 20, 9, 30, 9, 50], width: 8, height: 1 };
-        let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, columns: 2, rows: 1 };
+        let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, step_down: 4.0, columns: 2, rows: 1 };
         assert_eq!(lattice.sample(&Numbers::robust(), &frame).pixels, [15.0, 40.0]);
     }
 

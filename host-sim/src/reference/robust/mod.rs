@@ -5,7 +5,7 @@
 //! exact in f64.
 //!
 //! The files have the names of the stages in `core/src/track/robust`: `grid` (sampling), `features` (gradients), `filter` (learning),
-//! `response`, `refinement` (displacement, too), `agreement` and `lighting` (verification), `confidence`, `place` (motion and redetection).
+//! `response`, `refinement` (displacement, too), `agreement` and `lighting` (verification), `confidence`, `refiner`, `place` (motion and redetection).
 
 mod agreement;
 mod confidence;
@@ -17,6 +17,7 @@ mod lighting;
 mod numbers;
 mod place;
 mod refinement;
+mod refiner;
 mod response;
 mod rounding;
 
@@ -32,6 +33,7 @@ use features::features;
 use filter::{Coded, Filter, Sample};
 use place::{Place, sweep, whole_box};
 use refinement::Displaced;
+use refiner::Refiner;
 use response::{Peak, peak, penalised, responses};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
 
@@ -96,6 +98,8 @@ pub struct Reference {
     tracked_scale: f64,
     /// The number of the sweep's next window.
     next_window: i64,
+    /// If the box is corrected.
+    refiner: Option<Refiner>,
 }
 
 impl Reference {
@@ -113,7 +117,11 @@ impl Reference {
             let sample = Sample { cells: &window, responses: &responses, target: (0.0, 0.0) };
             filter.learn(&numbers, &shape, &sample, numbers.first_step);
         }
+        let first = place.bbox((width, height));
+        let refiner =
+            numbers.parts.refiner.then(|| Refiner::new(&numbers, smr_core::unstable::REFINER_WEIGHTS, &frame, first));
         Self {
+            refiner,
             similarity: Similarity::new(numbers.similarity_scale),
             frame_size,
             target_size: (width, height),
@@ -154,6 +162,14 @@ impl Reference {
         if parts.size {
             let larger = |scale| around(Place { scale, ..centre }, reach + 2 * scale_reach);
             all.extend(self.other_scales(centre.scale).map(larger));
+        }
+        if let Some(refiner) = &self.refiner {
+            // Up to the next pixel of the grid beyond the search and the margin of the view, at the larger scale.
+            let [_, larger] = self.other_scales(centre.scale);
+            let Numbers { cell, margin, .. } = self.numbers;
+            let by = real((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
+            let target = Place { scale: larger, ..centre }.bbox(self.target_size);
+            all.push(refiner.region(target, by, self.frame_size));
         }
         let both = |a: [i64; 4], b: [i64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
         all.into_iter().reduce(both).expect("there is a window")
@@ -231,7 +247,13 @@ impl Reference {
         if decision == Decision::Tracking {
             self.tracked_scale = self.place.scale;
         }
-        let (fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
+        let (mut fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
+        if let Some(refiner) = &mut self.refiner {
+            if learned {
+                refiner.update(&self.numbers, &frame, fine);
+            }
+            fine = refiner.correct(fine);
+        }
         let (response, ratio, confidence) = (candidate.response, candidate.agreement, confidence(self.mean_evidence));
         let bbox = whole_box(fine);
         let (found, found_again) = (is_found, was_lost && decision != Decision::Lost);

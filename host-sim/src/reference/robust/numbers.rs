@@ -10,6 +10,8 @@ pub struct Parts {
     /// Needs verification, as the sweep does.
     pub gated_learning: bool,
     pub sweep: bool,
+    /// A learned network corrects the box.
+    pub refiner: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -110,6 +112,7 @@ impl Numbers {
                 verification: true,
                 gated_learning: true,
                 sweep: true,
+                refiner: true,
             },
             pixels: 1600,
             least_step: 0.5,

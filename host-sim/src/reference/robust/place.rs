@@ -36,7 +36,8 @@ impl Place {
     }
 
     fn lattice(self, shape: &Shape, columns: i64, rows: i64) -> Lattice {
-        Lattice { x: self.x, y: self.y, step: shape.step_at(self.scale), columns, rows }
+        let step = shape.step_at(self.scale);
+        Lattice { x: self.x, y: self.y, step, step_down: step, columns, rows }
     }
 
     /// The box of a target that was `size` at first: left, top, width, height.

@@ -1,0 +1,119 @@
+//! What the network says, carried from frame to frame.
+//!
+//! ```text
+//! centre' = 15/16 (centre + said / 4)                     in units of the box's side
+//! factor' = 1 + 15/16 (factor (1 + said / 4) - 1)         of width and height
+//! ```
+//!
+//! The next crop is that of the corrected box, so errors of the network are corrected by the network. Without the leak of 1/16 they would
+//! add up.
+
+use crate::image::FineRect;
+
+/// A factor of 1.
+const ONE: i32 = 1 << 16;
+/// The least and the most factor: 1/2 and 2.
+const LEAST: i32 = ONE / 2;
+const MOST: i32 = 2 * ONE;
+/// The farthest centre: half a box, in units of 1/4096 of its side.
+const FARTHEST: i32 = 1 << 11;
+/// The most that is believed of an output: 1.
+const MOST_SAID: i32 = 1 << 12;
+
+/// The correction of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) struct Correction {
+    /// The centre to the right and down, in units of 1/4096 of the corrected side.
+    pub(in super::super) centre: [i32; 2],
+    /// The factors of width and height, in units of 1/65536.
+    pub(in super::super) sides: [i32; 2],
+}
+
+impl Correction {
+    /// After a lock.
+    pub(in super::super) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
+
+    /// Takes what the network said: right, down, logarithms of width and height, in units of 1/4096.
+    pub(in super::super) fn take(&mut self, [right, down, width, height]: [i32; 4]) {
+        let said = |said: i32| said.clamp(-MOST_SAID, MOST_SAID);
+        for (centre, new) in self.centre.iter_mut().zip([right, down]) {
+            *centre = (((4 * *centre + said(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
+        }
+        for (side, new) in self.sides.iter_mut().zip([width, height]) {
+            // At most 2^17 * 2^12.
+            let grown = *side + ((*side * said(new)) >> 14);
+            *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST, MOST);
+        }
+    }
+
+    /// The corrected box.
+    pub(in super::super) fn correct(&self, target: FineRect) -> FineRect {
+        let [right, down] = self.centre;
+        let [wider, higher] = self.sides;
+        let (x, width) = corrected(target.x, target.width, right, wider);
+        let (y, height) = corrected(target.y, target.height, down, higher);
+        FineRect { x, y, width, height }
+    }
+
+    /// From saved numbers; `None` if one is out of range.
+    pub(in super::super) fn restore(centre: [i32; 2], sides: [i32; 2]) -> Option<Self> {
+        let possible = centre.iter().all(|by| (-FARTHEST..=FARTHEST).contains(by))
+            && sides.iter().all(|side| (LEAST..=MOST).contains(side));
+        possible.then_some(Self { centre, sides })
+    }
+}
+
+/// One axis of a corrected box.
+fn corrected(from: i32, side: u32, moved: i32, factor: i32) -> (i32, u32) {
+    let new = (i64::from(side) * i64::from(factor) + (1 << 15)) >> 16;
+    let middle = i64::from(from) + i64::from(side / 2) + ((i64::from(moved) * new) >> 12);
+    let small = |number: i64| i32::try_from(number).unwrap_or(0);
+    (small(middle - new / 2), u32::try_from(new).unwrap_or(u32::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: FineRect = FineRect { x: 256 * 20, y: -300, width: 256 * 40 + 3, height: 256 * 10 + 1 };
+
+    #[test]
+    fn no_correction_changes_nothing() {
+        assert_eq!(Correction::NONE.correct(BOX), BOX);
+        let mut still = Correction::NONE;
+        still.take([0; 4]);
+        assert_eq!(still, Correction::NONE);
+    }
+
+    #[test]
+    fn a_box_grows_around_its_corrected_middle() {
+        let correction = Correction { centre: [1 << 10, -(1 << 11)], sides: [ONE * 2, ONE / 2] };
+        let FineRect { x, y, width, height } = correction.correct(BOX);
+        assert_eq!([width, height], [256 * 80 + 6, 256 * 5 + 1]);
+        // A quarter of the new width to the right, half of the new height up.
+        assert_eq!([x, y], [256 * 20 + (128 * 40 + 1) + (256 * 20 + 1) - (128 * 80 + 3), -300 + 1280 - 641 - 640]);
+    }
+
+    #[test]
+    fn what_is_said_again_and_again_stays_within_bounds() {
+        for said in [i32::MIN, -4096, 4096, i32::MAX] {
+            let mut correction = Correction::NONE;
+            for _ in 0..100 {
+                correction.take([said; 4]);
+            }
+            let Correction { centre, sides } = correction;
+            assert_eq!(Correction::restore(centre, sides), Some(correction), "{said}");
+            assert!(centre[0].abs() == FARTHEST && (sides[0] == LEAST || sides[0] == MOST), "{said}: {correction:?}");
+        }
+    }
+
+    #[test]
+    fn a_correction_fades() {
+        let mut correction = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
+        for _ in 0..200 {
+            correction.take([0; 4]);
+        }
+        let Correction { centre, sides } = correction;
+        assert!(centre.iter().all(|by| by.abs() < 17) && sides.iter().all(|side| (side - ONE).abs() < 17), "{correction:?}");
+    }
+}

@@ -1,0 +1,142 @@
+//! The network's view of a target: 32x32 samples of its box and surroundings.
+//!
+//! ```text
+//! sides = 1.75 * sides of the box                         so width and height have steps of their own
+//! x     = 64 + (pixel - mean) * 2^21 / (sqrt(sum of (pixel - mean)^2) + 128) / 2^12,  clamped to 0 to 127
+//! ```
+//!
+//! So x is 64 at the mean and changes by 16 for each standard deviation; the 128 keep the noise of a plain crop small.
+
+use super::super::cost::VIEWED;
+use super::super::gradients::root;
+use super::super::sampling::{self, Lattice};
+use crate::image::{FineRect, Frame, Rect};
+use crate::kernels::rolled;
+use crate::track::update::UnderWay;
+
+/// Samples on a side.
+pub(in super::super) const SIDE: usize = 32;
+/// Samples of a crop.
+pub(in super::super) const FIRST: usize = SIDE * SIDE;
+/// The value of the mean.
+pub(super) const MEAN: i8 = 64;
+
+/// A crop, sampled row by row.
+#[derive(Clone, Copy)]
+pub(in super::super) struct Crop {
+    lattice: Lattice,
+    row: u16,
+}
+
+/// The crop's steps for a box of these sides in units of 1/256 pixel: 1.75 / 32 of it, in units of 1/4096 pixel.
+fn steps([width, height]: [u32; 2]) -> [i64; 2] {
+    [width, height].map(|side| ((7 * i64::from(side)) >> 3).max(1))
+}
+
+/// The middle of a box, in units of 1/4096 pixel, as the middle of a pixel counts.
+fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
+    [(x, width), (y, height)].map(|(from, side)| ((i64::from(from) + i64::from(side / 2)) << 4) - (1 << 11))
+}
+
+/// The crop of a box.
+pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
+    let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
+    Lattice { x, y, step, step_down, columns: SIDE as u16, rows: SIDE as u16 }
+}
+
+/// All pixels that the crop of a box may read if the box moves by up to `by`, in units of 1/4096 pixel, in a frame with these `bounds`.
+///
+/// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the mean of the steps.
+pub(in super::super) fn reachable(target: FineRect, by: [i64; 2], bounds: Rect) -> Rect {
+    let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
+    let blocks = right + down + (2 << 12);
+    let range = |middle: i64, reach: i64, size: u16| {
+        let at = |place: i64| i32::try_from((place >> 12).clamp(0, i64::from(size.max(1)) - 1)).unwrap_or(0);
+        (at(middle - reach), at(middle + reach))
+    };
+    let [by_right, by_down] = by;
+    let (left, last) = range(x, 16 * right + blocks + by_right, bounds.width);
+    let (top, lowest) = range(y, 16 * down + blocks + by_down, bounds.height);
+    let side = |from: i32, to: i32| u16::try_from(to - from + 1).unwrap_or(u16::MAX);
+    Rect::new(left, top, side(left, last), side(top, lowest))
+}
+
+impl Crop {
+    pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut sampling::Scratch) -> Self {
+        let lattice = crop_of(target);
+        lattice.prepare(bounds, sampling);
+        Self { lattice, row: 0 }
+    }
+
+    /// Samples a row into `crop`; true after the last one, when the crop is normalised.
+    #[inline(never)] // one copy in flash
+    pub(in super::super) fn advance(
+        &mut self,
+        frame: &Frame<'_>,
+        sampling: &mut sampling::Scratch,
+        crop: &mut [i8; FIRST],
+        work: &mut UnderWay,
+    ) -> bool {
+        let mut samples = [0; SIDE];
+        if let Some(mut sampler) = sampling.sampler(frame) {
+            sampler.row(self.row, &mut samples);
+        }
+        let (rows, _) = crop.as_chunks_mut::<SIDE>();
+        if let Some(row) = rows.get_mut(usize::from(self.row)) {
+            rolled(row.iter_mut().zip(samples)).for_each(|(to, sample)| *to = sample.cast_signed());
+        }
+        work.spend(sampling.work(VIEWED));
+        self.row += 1;
+        if self.row < self.lattice.rows {
+            return false;
+        }
+        normalise(crop);
+        true
+    }
+}
+
+/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26, a product at most 255 * 2^14.
+#[inline(never)] // one copy in flash
+fn normalise(crop: &mut [i8; FIRST]) {
+    let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
+    let mean = (rolled(crop.iter()).map(sample).sum::<i32>() + (1 << 9)) >> 10;
+    let squares = rolled(crop.iter()).map(|at| (sample(at) - mean).unsigned_abs().pow(2)).sum::<u32>();
+    let gain = ((1 << 21) / (root(squares) + 128)).cast_signed();
+    for at in rolled(crop.iter_mut()) {
+        let input = (((sample(at) - mean) * gain) >> 12) + i32::from(MEAN);
+        *at = i8::try_from(input.max(0)).unwrap_or(i8::MAX);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_are_64_at_the_mean_and_have_bounds() {
+        let mut crop = [0; FIRST];
+        crop.iter_mut().enumerate().for_each(|(at, to)| *to = if at % 2 == 0 { -56 } else { 100 }); // 200 and 100
+        normalise(&mut crop);
+        assert_eq!([crop[0], crop[1]], [79, 48]);
+        let mut plain = [-1; FIRST];
+        normalise(&mut plain);
+        assert_eq!(plain, [MEAN; FIRST]);
+        let mut spot = [0; FIRST];
+        spot[7] = -1;
+        normalise(&mut spot);
+        assert_eq!([spot[0], spot[7]], [63, 127]);
+    }
+
+    /// A crop with every sample within what `reachable` says, and not far from it.
+    #[test]
+    fn a_crop_stays_within_reach() {
+        let bounds = Rect::new(0, 0, 900, 700);
+        for (width, height) in [(40, 40), (13, 9), (300, 40), (30, 600), (5, 5), (420, 420)] {
+            for (x, y) in [(200, 150), (3, 640), (-20, -5), (850, 20)] {
+                let target = FineRect { x: x * 256 + 77, y: y * 256 - 31, width: width * 256 + 11, height: height * 256 };
+                let (read, reach) = (crop_of(target).pixels(bounds), reachable(target, [0; 2], bounds));
+                assert!(reach.contains(read), "{target:?}: {read:?} is not within {reach:?}");
+            }
+        }
+    }
+}

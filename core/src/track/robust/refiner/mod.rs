@@ -1,0 +1,62 @@
+//! The refiner: corrects the answered box by a small learned network. It needs the feature `refiner`.
+//!
+//! The filter finds the target, but its box has one scale for width and height, and lags behind a target that comes nearer or turns. The
+//! network sees the target in the first frame and now, and says how the box is wrong ([`network`]). What it says is carried from frame to
+//! frame ([`correction`]). It corrects only the answer: place and scale of the tracker, and what it learns, stay as they are.
+//! (In the loop the same network made the tracker worse: it moved the place by its own errors.)
+//!
+//! ```text
+//! after learning:  crop -> layers 1 to 4 -> two full layers -> correction
+//! at a lock:       crop, which is kept
+//! ```
+//!
+//! It runs in the frames that the tracker learns from, so an uncertain view changes no box. Cost: two crops a pixel, and 423,952 products.
+
+mod correction;
+mod crop;
+mod network;
+
+pub(super) use correction::Correction;
+pub(super) use crop::{Crop, FIRST, reachable};
+#[cfg(feature = "unstable")]
+pub use network::REFINER_WEIGHTS;
+pub(super) use network::{ROOM, WORK};
+
+use super::sampling;
+use crate::image::Frame;
+use crate::kernels::Dense;
+use crate::track::update::UnderWay;
+use network::{Layers, Outputs};
+
+/// The refinement of a box.
+#[derive(Clone, Copy)]
+pub(super) enum Refinement {
+    /// Samples the present target.
+    Crop(Crop),
+    /// Runs the layers of the network.
+    Layers(Layers),
+}
+
+impl Refinement {
+    /// One unit of work; what the network says after the last one. `first` is the crop of the first frame, `cells` scratch memory.
+    pub(super) fn advance(
+        &mut self,
+        dense: Dense,
+        frame: &Frame<'_>,
+        first: &[i8; FIRST],
+        sampling: &mut sampling::Scratch,
+        cells: &mut [i8],
+        work: &mut UnderWay,
+    ) -> Option<Outputs> {
+        match self {
+            Self::Crop(crop) => {
+                let present = network::room_for_crop(cells);
+                if present.is_none_or(|present| crop.advance(frame, sampling, present, work)) {
+                    *self = Self::Layers(Layers::begin(first, cells, work));
+                }
+                None
+            }
+            Self::Layers(layers) => layers.advance(dense, cells, work),
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! The network: four convolutions and two full layers, in integers.
+//!
+//! | layer | inputs | outputs | step | shift | products |
+//! |---|---|---|---|---|---|
+//! | convolution 3x3 | 32x32x2: first and present crop | 16x16x8 | 2 | 6 | 40,960 |
+//! | convolution 3x3 | 16x16x8 | 8x8x16 | 2 | 7 | 73,728 |
+//! | convolution 3x3 | 8x8x16 | 8x8x24 | 1 | 7 | 221,184 |
+//! | convolution 3x3 | 8x8x24 | 4x4x24 | 2 | 7 | 82,944 |
+//! | full | 384 | 24 | | 8 | 9,216 |
+//! | full | 24 | 6 | | none | 144 |
+//!
+//! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. Inputs and outputs are 16 times
+//! what they stand for, weights 2^shift times (the last ones 2^8). The first layer has 64 beyond the edge, the others 0.
+//! The six outputs, in units of 1/4096: the centre to the right and down, in sides of the box; the logarithms of the factors of width and
+//! height; and two of their spread, which training uses.
+//!
+//! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its inputs row by row, with
+//! zeroes up to a multiple of 4. `weights.json` says how it was made.
+
+use super::crop::{FIRST, MEAN, SIDE};
+use crate::kernels::{Dense, Layer, rolled};
+use crate::track::update::UnderWay;
+
+/// What the network says of a box: centre to the right and down, logarithms of width and height, in units of 1/4096.
+pub(super) type Outputs = [i32; 4];
+
+const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
+const BYTES: usize = 4 * ALL_BIASES + ALL_WEIGHTS;
+const ALL_BIASES: usize = 8 + 16 + 24 + 24 + 24 + 6;
+const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6 * 24;
+
+/// The bytes of the weights, for a reference.
+#[cfg(feature = "unstable")]
+pub const REFINER_WEIGHTS: &[u8] = FILE;
+
+/// The biases and the weights of all layers.
+static BIASES: [[u8; 4]; ALL_BIASES] = parts().0;
+static WEIGHTS: [i8; ALL_WEIGHTS] = parts().1;
+
+/// The file in its parts, at compile time.
+#[allow(clippy::indexing_slicing)] // at compile time
+const fn parts() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
+    let (mut biases, mut weights) = ([[0; 4]; ALL_BIASES], [0; ALL_WEIGHTS]);
+    let (mut at, mut bias, mut weight, mut number) = (0, 0, 0, 0);
+    while number < LAYERS.len() {
+        let (inputs, outputs) = LAYERS[number];
+        let (end, last) = (bias + outputs, weight + inputs * outputs);
+        while bias < end {
+            biases[bias] = [FILE[at], FILE[at + 1], FILE[at + 2], FILE[at + 3]];
+            (at, bias) = (at + 4, bias + 1);
+        }
+        while weight < last {
+            weights[weight] = FILE[at].cast_signed();
+            (at, weight) = (at + 1, weight + 1);
+        }
+        number += 1;
+    }
+    (biases, weights)
+}
+
+/// Inputs of an output, and outputs, of all layers.
+const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
+
+/// A convolution. Its inputs have a border of one pixel.
+#[derive(Clone, Copy)]
+struct Convolution {
+    /// Pixels on a side of its outputs.
+    side: usize,
+    step: usize,
+    channels: usize,
+    shift: u32,
+}
+
+const CONVOLUTIONS: [Convolution; 4] = [
+    Convolution { side: 16, step: 2, channels: 2, shift: 6 },
+    Convolution { side: 8, step: 2, channels: 8, shift: 7 },
+    Convolution { side: 8, step: 1, channels: 16, shift: 7 },
+    Convolution { side: 4, step: 2, channels: 24, shift: 7 },
+];
+/// The shift of the first full layer.
+const FULL_SHIFT: u32 = 8;
+
+impl Convolution {
+    /// Pixels on a side of its inputs, with the border.
+    const fn across(self) -> usize {
+        self.side * self.step + 2
+    }
+}
+
+/// Layer `number`.
+fn layer(number: usize, shift: u32) -> Layer<'static> {
+    let (mut biases, mut weights) = (BIASES.as_slice(), WEIGHTS.as_slice());
+    for &(inputs, outputs) in LAYERS.iter().take(number) {
+        biases = biases.get(outputs..).unwrap_or_default();
+        weights = weights.get(inputs * outputs..).unwrap_or_default();
+    }
+    let (inputs, outputs) = LAYERS.get(number).copied().unwrap_or_default();
+    let (biases, weights) = (biases.get(..outputs), weights.get(..inputs * outputs));
+    Layer { inputs, weights: weights.unwrap_or_default(), biases: biases.unwrap_or_default(), shift }
+}
+
+/// The work of the network: its products, and its inputs each time they are copied.
+#[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // at compile time
+pub(in super::super) const WORK: u32 = {
+    let (mut sum, mut number) = (FIRST_INPUTS as usize, 0);
+    while number < LAYERS.len() {
+        let (inputs, outputs) = LAYERS[number];
+        sum += if number < CONVOLUTIONS.len() {
+            CONVOLUTIONS[number].side * CONVOLUTIONS[number].side * inputs * (outputs + 1)
+        } else {
+            inputs * outputs
+        };
+        number += 1;
+    }
+    sum as u32
+};
+/// Inputs of the first layer.
+const FIRST_INPUTS: u32 = 2 * FIRST as u32;
+
+/// Scratch memory: the patches of a row, and two layers of inputs, which take turns. The present crop lies where patches are made later.
+const PATCHES: usize = 1152;
+const INPUTS: usize = 2592;
+pub(in super::super) const ROOM: usize = PATCHES + 2 * INPUTS;
+#[allow(clippy::indexing_slicing)] // at compile time
+const _: () = {
+    let mut number = 0;
+    while number < CONVOLUTIONS.len() {
+        let Convolution { side, channels, .. } = CONVOLUTIONS[number];
+        let across = CONVOLUTIONS[number].across();
+        assert!(side * LAYERS[number].0 <= PATCHES && across * across * channels <= INPUTS);
+        number += 1;
+    }
+    assert!(FIRST <= PATCHES);
+};
+
+/// The place for the present crop.
+pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; FIRST]> {
+    scratch.first_chunk_mut()
+}
+
+/// The layers under way.
+#[derive(Clone, Copy)]
+pub(in super::super) struct Layers {
+    /// The number of the layer, and the next row of its outputs.
+    number: usize,
+    row: usize,
+}
+
+impl Layers {
+    /// Makes the inputs of the first layer: both crops, sample by sample, with their mean beyond the edge.
+    #[inline(never)] // one copy in flash
+    pub(super) fn begin(first: &[i8; FIRST], scratch: &mut [i8], work: &mut UnderWay) -> Self {
+        let [first_layer, ..] = CONVOLUTIONS;
+        if let Some((present, [inputs, _])) = regions(scratch) {
+            inputs.fill(MEAN);
+            let (pairs, _) = inputs.as_chunks_mut::<2>();
+            let rows = pairs.chunks_mut(first_layer.across()).skip(1);
+            let (first, (present, _)) = (first.as_chunks::<SIDE>().0, present.as_chunks::<SIDE>());
+            for (row, (first, present)) in rows.zip(first.iter().zip(present)) {
+                let both = first.iter().zip(present);
+                rolled(row.iter_mut().skip(1).zip(both)).for_each(|(pair, (&first, &present))| *pair = [first, present]);
+            }
+        }
+        work.spend(FIRST_INPUTS);
+        Self { number: 0, row: 0 }
+    }
+
+    /// A row of a convolution, or both full layers; their outputs after the last unit.
+    pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
+        let Some((patches, [even, odd])) = regions(scratch) else { return Some([0; 4]) };
+        let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
+            return Some(full(dense, even, work));
+        };
+        let (inputs, outputs) = if self.number.is_multiple_of(2) { (even, odd) } else { (odd, even) };
+        let layer = layer(self.number, convolution.shift);
+        let count = gather(convolution, layer.inputs, self.row, inputs, patches);
+        let (from, row) = self.place(convolution.side, layer.biases.len());
+        if self.row == 0 {
+            outputs.fill(0);
+        }
+        let (patches, outputs) = (patches.get(..count), outputs.get_mut(from..from + row));
+        dense.outputs(layer, patches.unwrap_or_default(), outputs.unwrap_or_default());
+        work.spend(u32::try_from(count * (layer.biases.len() + 1)).unwrap_or(u32::MAX));
+        self.row += 1;
+        if self.row == convolution.side {
+            *self = Self { number: self.number + 1, row: 0 };
+        }
+        None
+    }
+
+    /// Where the outputs of this row begin, and how many there are. For another convolution they get a border.
+    fn place(&self, side: usize, channels: usize) -> (usize, usize) {
+        let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
+        (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)
+    }
+}
+
+/// The patches, and the two layers of inputs.
+fn regions(scratch: &mut [i8]) -> Option<(&mut [i8], [&mut [i8]; 2])> {
+    let (patches, inputs) = scratch.split_at_mut_checked(PATCHES)?;
+    let (even, odd) = inputs.split_at_mut_checked(INPUTS)?;
+    Some((patches, [even, odd.get_mut(..INPUTS)?]))
+}
+
+/// The inputs of each output of a row, one after the other. Returns their number.
+#[inline(never)] // one copy in flash
+fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &mut [i8]) -> usize {
+    let patches = patches.chunks_mut(length.max(1)).take(of.side);
+    for (x, patch) in patches.enumerate() {
+        for (y, patch) in patch.chunks_mut((3 * of.channels).max(1)).take(3).enumerate() {
+            let from = ((row * of.step + y) * of.across() + x * of.step) * of.channels;
+            let from = inputs.get(from..).unwrap_or_default();
+            // Whole words, where the channels allow it.
+            if of.channels.is_multiple_of(8) { copy::<8>(from, patch) } else { copy::<2>(from, patch) }
+        }
+    }
+    of.side * length
+}
+
+fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
+    let pieces = from.as_chunks::<N>().0.iter().zip(to.as_chunks_mut::<N>().0);
+    rolled(pieces).for_each(|(from, to)| *to = *from);
+}
+
+/// The two full layers.
+#[inline(never)] // one copy in flash
+fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
+    let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
+    let number = CONVOLUTIONS.len();
+    dense.outputs(layer(number, FULL_SHIFT), inputs.get(..count).unwrap_or_default(), &mut hidden);
+    work.spend(u32::try_from(outputs * (count + last)).unwrap_or(u32::MAX));
+    let [right, down, width, height, ..] = Dense::sums::<6>(layer(number + 1, 0), &hidden);
+    [right, down, width, height]
+}
