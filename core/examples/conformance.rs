@@ -22,12 +22,12 @@ mod firmware {
     use defmt::error;
     use defmt_semihosting as _;
     use semihosting::process::exit;
-    use smr_tests::SmallPaper;
+    use smr_tests::{PAPER, SmallPaper};
 
     #[entry]
     fn main() -> ! {
         static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
-        exit(i32::from(!answers::<SmallPaper>("paper", BUFFER)))
+        exit(i32::from(!answers::<SmallPaper>("paper", PAPER, BUFFER)))
     }
 
     #[panic_handler]

@@ -1,5 +1,5 @@
 //! Runs the conformance vectors of the robust tracker on the chip, at once and in steps. Logs whether all answers are right, and how
-//! many instructions and bytes of stack they took.
+//! many instructions and bytes of stack they took. With the feature `refiner` the vectors are those with the refiner.
 //!
 //! With the feature `verify` every fast kernel is compared with the plain loop: first at extreme values, then in every call.
 //!
@@ -25,13 +25,17 @@ mod firmware {
     use defmt_semihosting as _;
     use semihosting::process::exit;
     use smr_core::Robust;
+    #[cfg(feature = "refiner")]
+    use smr_tests::REFINER as TEXT;
+    #[cfg(not(feature = "refiner"))]
+    use smr_tests::ROBUST as TEXT;
 
     #[entry]
     fn main() -> ! {
         static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
         #[cfg(feature = "verify")]
         smr_core::similarity::verify_filter();
-        exit(i32::from(!answers::<Robust>("robust", BUFFER)))
+        exit(i32::from(!answers::<Robust>("robust", TEXT, BUFFER)))
     }
 
     #[panic_handler]

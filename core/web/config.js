@@ -3,7 +3,7 @@
 import { object, whole } from "./errors.js";
 
 /** Bytes of `smr_config`. */
-export const CONFIG_SIZE = 76;
+export const CONFIG_SIZE = 80;
 /** Where the address of the paper's table is. */
 export const TABLE = 8;
 /** The scale of the table that is built in. */
@@ -40,11 +40,12 @@ const OPTIONS = {
     reach: u8(64),
     size: switched(65),
     sweep: switched(66),
-    patience: u8(67),
-    lostBelow: u16(68),
-    uncertainBelow: u16(70),
-    learningRate: u16(72),
-    earlyRate: u16(74),
+    refiner: switched(67),
+    patience: u8(68),
+    lostBelow: u16(70),
+    uncertainBelow: u16(72),
+    learningRate: u16(74),
+    earlyRate: u16(76),
   },
 };
 

@@ -92,6 +92,8 @@ function configBytes(tracker) {
   ];
   const robust = () => [
     Number(o.size), Number(o.sweep), 1, 1, 1, 1, o.reach, o.patience, o.lostBelow, o.uncertainBelow, o.learningRate, o.earlyRate,
+    // The refiner adds a number if it is on.
+    ...(o.refiner ? [1] : []),
   ];
   const letter = (method === "paper" ? "P" : "R").charCodeAt(0);
   return numbers([2, [VERSION, letter, ...tracker.table, ...(method === "paper" ? paper() : robust())]]);

@@ -94,6 +94,8 @@ export interface RobustOptions {
   reach?: number;
   size?: boolean;
   sweep?: boolean;
+  /** Whether a small learned network corrects the box. */
+  refiner?: boolean;
   patience?: number;
   lostBelow?: number;
   uncertainBelow?: number;

@@ -10,7 +10,7 @@ mod robust;
 mod words;
 
 pub use paper::{PAPER, SmallPaper};
-pub use robust::ROBUST;
+pub use robust::{REFINER, ROBUST};
 pub use words::{Hex, Words};
 
 /// The example in the project's README is a test, too.

@@ -8,6 +8,9 @@ use smr_core::{Answer, FineRect, Robust, State, Tracker};
 /// The vectors.
 pub const ROBUST: &str = include_str!("../vectors/robust.txt");
 
+/// The same with the refiner.
+pub const REFINER: &str = include_str!("../vectors/refiner.txt");
+
 /// An answer, number by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Expected {
@@ -28,7 +31,10 @@ impl Vectors for Robust {
     type Expected = Expected;
 
     fn default_config() -> Config {
-        Config::robust()
+        let mut config = Config::robust();
+        // A case says so if it is on.
+        config.refiner = false;
+        config
     }
 
     fn set(config: &mut Config, keyword: &str, words: &mut Words<'_>) -> Option<()> {
@@ -36,6 +42,7 @@ impl Vectors for Robust {
             "reach" => config.reach = words.number()?,
             "size_part" => config.size = words.switch()?,
             "sweep" => config.sweep = words.switch()?,
+            "refiner" => config.refiner = words.switch()?,
             "patience" => config.patience = words.number()?,
             "lost_below" => config.lost_below = words.number()?,
             "uncertain_below" => config.uncertain_below = words.number()?,

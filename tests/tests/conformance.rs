@@ -2,12 +2,16 @@
 //! between.
 
 use smr_core::{Answer, Frame, Robust, Tracker};
-use smr_tests::{FRAME_PIXELS, PAPER, Passed, ROBUST, SmallPaper, Vectors, follow};
+use smr_tests::{FRAME_PIXELS, PAPER, Passed, REFINER, ROBUST, SmallPaper, Vectors, follow};
 
 #[test]
 fn the_vectors_are_current() {
     for (method, kept, made) in
-        [("smr", PAPER, host_sim::vectors::text()), ("robust", ROBUST, host_sim::vectors::robust::text())]
+        [
+            ("smr", PAPER, host_sim::vectors::text()),
+            ("robust", ROBUST, host_sim::vectors::robust::text()),
+            ("robust --refiner", REFINER, host_sim::vectors::robust::refined_text()),
+        ]
     {
         assert!(
             made == kept,
@@ -22,18 +26,21 @@ fn the_vectors_are_current() {
 fn smr_core_answers_as_the_vectors_say() {
     passes::<SmallPaper>(|tracker, frame| tracker.update(frame).ok());
     passes::<Robust>(|tracker, frame| tracker.update(frame).ok());
+    passes_text::<Robust>(REFINER, |tracker, frame| tracker.update(frame).ok(), (5, 25));
 }
 
 #[test]
 fn it_does_so_in_steps() {
     passes::<SmallPaper>(stepwise);
     passes::<Robust>(stepwise);
+    passes_text::<Robust>(REFINER, stepwise, (5, 25));
 }
 
 #[test]
 fn it_does_so_saved_and_restored_after_every_frame() {
     passes::<SmallPaper>(restored);
     passes::<Robust>(restored);
+    passes_text::<Robust>(REFINER, restored, (5, 25));
 }
 
 #[test]
@@ -47,9 +54,13 @@ fn tracker<T: Vectors>() -> Box<Tracker<T>> {
 }
 
 fn passes<T: Vectors>(update: fn(&mut Tracker<T>, &Frame<'_>) -> Option<Answer>) {
-    let passed = follow(&mut *tracker::<T>(), T::TEXT, &mut [0; FRAME_PIXELS], update);
+    passes_text::<T>(T::TEXT, update, (6, 60));
+}
+
+fn passes_text<T: Vectors>(text: &str, update: fn(&mut Tracker<T>, &Frame<'_>) -> Option<Answer>, least: (u32, u32)) {
+    let passed = follow(&mut *tracker::<T>(), text, &mut [0; FRAME_PIXELS], update);
     let Passed { cases, answers } = passed.unwrap_or_else(|failure| panic!("{}: {failure:?}", T::FORM));
-    assert!(cases >= 6 && answers >= 60, "{}: {cases} cases, {answers} answers", T::FORM);
+    assert!(cases >= least.0 && answers >= least.1, "{}: {cases} cases, {answers} answers", T::FORM);
 }
 
 /// First begins an update and drops it, then resumes an update in the middle.

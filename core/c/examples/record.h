@@ -113,7 +113,7 @@ SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
         table = &made;
     }
     to->entries = 0;
-    smr_record_head(to, "SMRB", 4 + 2 * (uint32_t)(is_robust ? 268 : 282));
+    smr_record_head(to, "SMRB", 4 + 2 * (uint32_t)(is_robust ? 268 + (robust->refiner != 0) : 282));
     smr_record_u16(to, 1);
     smr_record_u16(to, is_robust ? 'R' : 'P');
     for (at = 0; at < 256; at++) {
@@ -126,6 +126,9 @@ SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
         };
         for (at = 0; at < 12; at++) {
             smr_record_u16(to, numbers[at]);
+        }
+        if (robust->refiner != 0) {
+            smr_record_u16(to, 1);
         }
     } else {
         const smr_gate *gate = &paper->gate;

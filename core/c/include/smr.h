@@ -600,6 +600,11 @@ typedef struct smr_robust_config {
    */
   uint8_t sweep;
   /**
+   * Else than 0: a small learned network corrects the box. Only in a library that was built with the feature `refiner`, where
+   * #smr_config_robust sets it to 1; without it #smr_init refuses it. It reads more of the frame: see #smr_window.
+   */
+  uint8_t refiner;
+  /**
    * Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
    * through short occlusions, but also to a wrong target.
    */

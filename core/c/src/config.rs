@@ -113,6 +113,9 @@ pub struct smr_robust_config {
     pub size: u8,
     /// 0: a lost target is searched only where it was lost. Else: in the whole frame.
     pub sweep: u8,
+    /// Else than 0: a small learned network corrects the box. Only in a library that was built with the feature `refiner`, where
+    /// #smr_config_robust sets it to 1; without it #smr_init refuses it. It reads more of the frame: see #smr_window.
+    pub refiner: u8,
     /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
     /// through short occlusions, but also to a wrong target.
     pub patience: u8,
@@ -188,6 +191,7 @@ impl smr_config {
                 reach: config.reach,
                 size: config.size.into(),
                 sweep: config.sweep.into(),
+                refiner: config.refiner.into(),
                 patience: config.patience,
                 lost_below: config.lost_below,
                 uncertain_below: config.uncertain_below,
@@ -232,6 +236,7 @@ impl smr_config {
         config.reach = numbers.reach;
         config.size = numbers.size != 0;
         config.sweep = numbers.sweep != 0;
+        config.refiner = numbers.refiner != 0;
         config.patience = numbers.patience;
         config.lost_below = numbers.lost_below;
         config.uncertain_below = numbers.uncertain_below;
@@ -333,6 +338,7 @@ mod tests {
             reach: 1,
             size: 0,
             sweep: 1,
+            refiner: 0,
             patience: 2,
             lost_below: 3,
             uncertain_below: 4,
@@ -340,11 +346,11 @@ mod tests {
             early_rate: 6,
         };
         let text = printed(smr_config { robust, ..all }.robust());
-        let expected = "reach: 1, size: false, sweep: true, patience: 2, lost_below: 3, uncertain_below: 4, learning_rate: 5, \
+        let expected = "reach: 1, size: false, sweep: true, refiner: false, patience: 2, lost_below: 3, uncertain_below: 4, learning_rate: 5, \
                         early_rate: 6";
         assert!(text.contains(expected), "{text}");
-        let swapped = smr_config { robust: smr_robust_config { size: 1, sweep: 0, ..robust }, ..all }.robust();
-        assert!(swapped.size && !swapped.sweep);
+        let swapped = smr_config { robust: smr_robust_config { size: 1, sweep: 0, refiner: 1, ..robust }, ..all }.robust();
+        assert!(swapped.size && !swapped.sweep && swapped.refiner);
         let plain = smr_config { plain_loop: 1, ..all };
         assert_eq!((all.robust().backend, plain.robust().backend), (None, Some(Backend::Scalar)));
         let plain = smr_config { plain_loop: 1, ..smr_config::of_paper(ptr::null(), &paper::Config::camera()) };

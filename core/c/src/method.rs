@@ -4,7 +4,8 @@
 
 use crate::answer::smr_answer;
 use crate::capacity::{
-    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE,
+    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_SAVED_SIZE, ROBUST_TARGET_SIZE,
+    ROBUST_WORKSPACE_SIZE,
 };
 use crate::config::{smr_config, smr_method};
 use crate::frame::smr_image;
@@ -24,6 +25,9 @@ use smr_core::{FineRect, Frame, LockError, Quality, Rect, Robust, State, Target}
 /// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
+
+    /// The saved size in the header.
+    const MOST_SAVED: usize;
 
     /// This tracker's part of `config`.
     ///
@@ -57,6 +61,7 @@ pub(crate) fn method_of<T: Method>() -> *const smr_method {
 }
 
 impl Method for PaperTarget {
+    const MOST_SAVED: usize = PAPER_SAVED_SIZE;
     const METHOD: smr_method =
         smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
 
@@ -79,6 +84,7 @@ impl Method for PaperTarget {
 }
 
 impl Method for Robust {
+    const MOST_SAVED: usize = ROBUST_SAVED_SIZE;
     const METHOD: smr_method =
         smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
 
@@ -136,7 +142,8 @@ impl<T: Method> Scratch<T> {
 
 const _: () = assert!(fits::<Stored<PaperTarget>>(PAPER_TARGET_SIZE));
 const _: () = assert!(fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE));
-const _: () = assert!(fits::<Stored<Robust>>(ROBUST_TARGET_SIZE));
+const _: () =
+    assert!(fits::<Stored<Robust>>(ROBUST_TARGET_SIZE) || fits::<Stored<Robust>>(ROBUST_TARGET_SIZE - REFINER));
 const _: () = assert!(fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE));
 
 /// True if memory of the `size` that the header states holds a `T`, with at most 64 bytes to spare.
@@ -252,7 +259,7 @@ impl<T: Method> Tracked for Held<T> {
     }
 
     fn most_saved_size(&self) -> usize {
-        T::SAVED_SIZE
+        T::MOST_SAVED
     }
 
     fn saved_size(&self) -> Result<usize, smr_status> {

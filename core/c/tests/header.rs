@@ -118,6 +118,7 @@ fn the_header_and_the_library_agree_on_every_size() {
         reach,
         size,
         sweep,
+        refiner,
         patience,
         lost_below,
         uncertain_below,

@@ -10,8 +10,8 @@ const CALIBRATION: u32 = 2_000_000;
 /// The work of a step.
 const STEP: u32 = 100_000;
 
-/// Runs all vectors and logs what that took. Returns true if all answers are right.
-pub fn answers<T: Vectors>(name: &str, buffer: &mut [u8]) -> bool {
+/// Runs the vectors in `text` and logs what that took. Returns true if all answers are right.
+pub fn answers<T: Vectors>(name: &str, text: &str, buffer: &mut [u8]) -> bool {
     let Some(peripherals) = Peripherals::take() else { return false };
     let timer = &mut Timer::new(peripherals.SYST);
     let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
@@ -19,7 +19,7 @@ pub fn answers<T: Vectors>(name: &str, buffer: &mut [u8]) -> bool {
     let mut made = Tracker::<T>::new(T::default_config());
     let Ok(tracker) = &mut made else { return false };
     let (mut most, mut sum, mut longest) = (0, 0_u32, 0);
-    let whole = follow(tracker, T::TEXT, buffer, |tracker, frame| {
+    let whole = follow(tracker, text, buffer, |tracker, frame| {
         let (answer, ticks) = timer.measure(|| tracker.update(frame));
         (most, sum) = (most.max(ticks), sum.saturating_add(ticks));
         answer.ok()
@@ -29,7 +29,7 @@ pub fn answers<T: Vectors>(name: &str, buffer: &mut [u8]) -> bool {
     }) else {
         return false;
     };
-    let steps = follow(tracker, T::TEXT, buffer, |tracker, frame| {
+    let steps = follow(tracker, text, buffer, |tracker, frame| {
         let mut update = tracker.begin(frame).ok()?;
         loop {
             let (done, ticks) = timer.measure(|| update.step(STEP));

@@ -211,6 +211,7 @@ static const struct {
     OPTION(reach, &smr_type_robust, robust.reach),
     OPTION(size, &smr_type_robust, robust.size),
     OPTION(sweep, &smr_type_robust, robust.sweep),
+    OPTION(refiner, &smr_type_robust, robust.refiner),
     OPTION(patience, &smr_type_robust, robust.patience),
     OPTION(lost_below, &smr_type_robust, robust.lost_below),
     OPTION(uncertain_below, &smr_type_robust, robust.uncertain_below),

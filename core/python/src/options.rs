@@ -45,6 +45,7 @@ options! { robust::Config, of:
     "reach" => Slot::Byte(&mut of.reach),
     "size" => Slot::Flag(&mut of.size),
     "sweep" => Slot::Flag(&mut of.sweep),
+    "refiner" => Slot::Flag(&mut of.refiner),
     "patience" => Slot::Byte(&mut of.patience),
     "lost_below" => Slot::Short(&mut of.lost_below),
     "uncertain_below" => Slot::Short(&mut of.uncertain_below),

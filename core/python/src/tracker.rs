@@ -32,7 +32,7 @@ pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `patience`, `lost_below`, `uncertain_below`,
+/// The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`, `uncertain_below`,
 /// `learning_rate`, `early_rate`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;

@@ -10,7 +10,7 @@ import { PROJECT, libraries } from "./library.mjs";
 const NUMBERS = {
   scale: 1, k: 2, first_threshold: 1, least_threshold: 1, padding: 1, window: 2, growth: 1, window_limit: 2, neighbourhood: 1, update_zone: 4,
   gate_tracking: 2, gate_leaving: 2, gate_returning: 2, gate_lost: 2, gate_lead: 1, gate_least_ratio: 1, runner_up_always: 1, reach: 1,
-  size_part: 1, sweep: 1, patience: 1, lost_below: 1, uncertain_below: 1, learning_rate: 1, early_rate: 1,
+  size_part: 1, sweep: 1, refiner: 1, patience: 1, lost_below: 1, uncertain_below: 1, learning_rate: 1, early_rate: 1,
 };
 const OPTIONS = { gate_least_ratio: "leastRatio", size_part: "size" };
 

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::places::Places;
 use crate::evaluate::CoreKind;
 use crate::{output, vectors};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -13,6 +13,9 @@ pub struct Vectors {
     /// Which tracker's
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
+    /// Those with the refiner
+    #[arg(long)]
+    refiner: bool,
     /// Write to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -26,7 +29,9 @@ impl Vectors {
 
     pub fn run(self) -> Result<Outcome> {
         let text = match self.method {
+            CoreKind::Smr if self.refiner => bail!("--refiner is an option of robust, not of smr"),
             CoreKind::Smr => vectors::text(),
+            CoreKind::Robust if self.refiner => vectors::robust::refined_text(),
             CoreKind::Robust => vectors::robust::text(),
         };
         match &self.out {

@@ -31,12 +31,21 @@ const GONE: View = (4000, 4000, 100, 100);
 /// If the tracker refuses a case, which is a mistake in this file.
 #[must_use]
 pub fn text() -> String {
-    let header = "# Made by `host-sim vectors --method robust`. The form: README.md beside this file.\n";
-    let mut text = format!("{header}smr-robust-vectors 3\n");
     let whole = [follow("follow"), hidden("hidden"), border(), tiny(), ties(), long(), large()];
-    for case in whole.into_iter().chain(changed()) {
-        case.write(&mut text);
-    }
+    text_of("", whole.into_iter().chain(changed()))
+}
+
+/// All vectors with the refiner as text. They are apart, because not every build has the refiner.
+#[must_use]
+pub fn refined_text() -> String {
+    text_of(" --refiner", refined().into_iter())
+}
+
+fn text_of(option: &str, cases: impl Iterator<Item = Case>) -> String {
+    let command = format!("host-sim vectors --method robust{option}");
+    let header = format!("# Made by `{command}`. The form: README.md beside this file.\n");
+    let mut text = format!("{header}smr-robust-vectors 3\n");
+    cases.for_each(|case| case.write(&mut text));
     text
 }
 
@@ -115,11 +124,27 @@ fn changed() -> [Case; 6] {
     })
 }
 
-/// All parts, by the plain loops alone.
+/// All parts but the refiner, which not every build has, by the plain loops alone.
 fn plain() -> Config {
     let mut config = Config::robust();
-    config.backend = Some(Backend::Scalar);
+    (config.backend, config.refiner) = (Some(Backend::Scalar), false);
     config
+}
+
+/// With the refiner: targets that grow, leave the frame, are long, are reduced, and are hidden.
+fn refined() -> [Case; 5] {
+    let named = |name: &'static str, case: Case| Case { name, ..case };
+    [
+        follow("refined"),
+        named("refined-border", border()),
+        named("refined-long", long()),
+        named("refined-large", large()),
+        hidden("refined-hidden"),
+    ]
+    .map(|mut case| {
+        case.config.refiner = true;
+        case
+    })
 }
 
 /// A target of a texture of its own before a background of half its contrast, with noise that differs from frame to frame.
@@ -197,6 +222,7 @@ fn lines(config: &Config) -> impl Iterator<Item = String> {
         ("early_rate", config.early_rate),
     ]
     .into_iter()
+    .chain(config.refiner.then_some(("refiner", 1)))
     .map(|(name, number): (_, u16)| format!("{name} {number}"))
 }
 

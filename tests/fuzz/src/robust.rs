@@ -19,7 +19,7 @@ impl Fuzzed for Robust {
         config.backend = paper::backend(u)?;
         let what: u8 = u.arbitrary()?;
         let asked = |bit: u8| what & (1 << bit) != 0;
-        (config.size, config.sweep) = (!asked(0), !asked(1));
+        (config.size, config.sweep, config.refiner) = (!asked(0), !asked(1), !asked(6));
         if asked(2) {
             config.table = paper::table(u)?;
         }

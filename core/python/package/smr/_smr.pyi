@@ -51,6 +51,7 @@ class Robust(Tracker):
         reach: int = ...,
         size: bool = ...,
         sweep: bool = ...,
+        refiner: bool = ...,
         patience: int = ...,
         lost_below: int = ...,
         uncertain_below: int = ...,

@@ -291,8 +291,11 @@ impl Model<'_> {
     #[cfg(feature = "refiner")]
     #[inline(never)] // see `advance_stage`
     fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
-        let Outcome { track: Some(track), steps_left: 0, .. } = &pipeline.outcome else { return };
-        if self.config.refiner {
+        let Outcome { track: Some(track), candidate, steps_left: 0, .. } = &mut pipeline.outcome else { return };
+        if !self.config.refiner {
+        } else if candidate.is_exact() {
+            track.correction.fade();
+        } else {
             let Buffers { extractor, cells, .. } = buffers;
             cells.clear();
             let _ = cells.resize_default(refiner::ROOM);

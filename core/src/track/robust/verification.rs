@@ -14,7 +14,7 @@
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
 use super::config::Config;
-use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK};
+use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK, REFINED_FROM};
 use super::cost::{COMPARED, RELIT, VIEWED};
 use super::displacement::{Displacement, Search, in_view};
 use super::grid::Grid;
@@ -55,6 +55,11 @@ impl Candidate {
 
     pub(super) const fn new(place: Place, response: i32) -> Self {
         Self { place, response, agreement: 0, visible: false }
+    }
+
+    /// True if the early template agrees so well that it gives the exact place and size.
+    pub(super) const fn is_exact(&self) -> bool {
+        self.agreement >= REFINED_FROM
     }
 }
 

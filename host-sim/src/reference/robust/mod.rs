@@ -249,7 +249,9 @@ impl Reference {
         }
         let (mut fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
         if let Some(refiner) = &mut self.refiner {
-            if learned {
+            if learned && candidate.agreement >= self.numbers.refined_from {
+                refiner.fade();
+            } else if learned {
                 refiner.update(&self.numbers, &frame, fine);
             }
             fine = refiner.correct(fine);

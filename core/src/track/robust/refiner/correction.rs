@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The next crop is that of the corrected box, so errors of the network are corrected by the network. Without the leak of 1/16 they would
-//! add up.
+//! add up. If the early template gives the exact place and size, the network is not asked, and the correction fades by a quarter.
 
 use crate::image::FineRect;
 
@@ -44,6 +44,12 @@ impl Correction {
             let grown = *side + ((*side * said(new)) >> 14);
             *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST, MOST);
         }
+    }
+
+    /// Place and size are exact without it.
+    pub(in super::super) fn fade(&mut self) {
+        self.centre = self.centre.map(|centre| (3 * centre) >> 2);
+        self.sides = self.sides.map(|side| ONE + ((3 * (side - ONE)) >> 2));
     }
 
     /// The corrected box.
@@ -113,6 +119,9 @@ mod tests {
         for _ in 0..200 {
             correction.take([0; 4]);
         }
+        let mut faded = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
+        faded.fade();
+        assert_eq!((faded.centre, faded.sides), ([375, -375], [ONE + 6750, ONE - 6750]));
         let Correction { centre, sides } = correction;
         assert!(centre.iter().all(|by| by.abs() < 17) && sides.iter().all(|side| (side - ONE).abs() < 17), "{correction:?}");
     }

