@@ -1,8 +1,12 @@
 //! Chooses the layers of a small network for a backend.
 //!
-//! For AVX2 the plain loop is compiled again. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and
+//! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled again. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and
 //! SIMD128.
 
+#[cfg(smr_dsp)]
+use super::arm::dsp::dense as dsp;
+#[cfg(smr_helium)]
+use super::arm::helium::dense as helium;
 use super::backend::Backend;
 use super::plain::dense as plain;
 use super::plain::dense::Layer;
@@ -26,6 +30,10 @@ impl Dense {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `new` has checked that the machine has AVX2.
             Backend::Avx2 => unsafe { avx2::outputs(layer, patches, out) },
+            #[cfg(smr_dsp)]
+            Backend::Dsp => dsp::outputs(layer, patches, out),
+            #[cfg(smr_helium)]
+            Backend::Helium => helium::outputs(layer, patches, out),
             _ => plain::outputs(layer, patches, out),
         }
         #[cfg(feature = "verify")]
