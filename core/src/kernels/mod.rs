@@ -140,11 +140,11 @@ pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 #[cfg(feature = "refiner")]
 pub(crate) use dense::Dense;
-#[cfg(feature = "refiner")]
-pub(crate) use plain::dense::Layer;
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, PACKED, Packed};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};
+#[cfg(feature = "refiner")]
+pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use unrolling::rolled;

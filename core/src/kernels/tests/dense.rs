@@ -82,7 +82,11 @@ fn shape(backend: Backend, (patches, inputs, outputs): (usize, usize, usize)) {
         let weights = std::vec![127 * small(sign); inputs * outputs];
         let biases = std::vec![(sign << 27).to_le_bytes(); outputs];
         for shift in [0, 20, 21, 22] {
-            same(backend, Layer { inputs, weights: &weights, biases: &biases, shift }, &std::vec![127; patches * inputs]);
+            same(
+                backend,
+                Layer { inputs, weights: &weights, biases: &biases, shift },
+                &std::vec![127; patches * inputs],
+            );
         }
     }
 }
@@ -103,7 +107,8 @@ fn odd_shapes(backend: Backend) {
 fn wrong_lengths(backend: Backend) {
     let numbers = [100; 64];
     let mut memory = Guarded::with_room(64);
-    for (inputs, weights, patches) in [(16, 31, 32), (16, 32, 33), (16, 0, 16), (0, 32, 32), (15, 30, 30), (16, 32, 0)] {
+    for (inputs, weights, patches) in [(16, 31, 32), (16, 32, 33), (16, 0, 16), (0, 32, 32), (15, 30, 30), (16, 32, 0)]
+    {
         let weights = guarded(&mut memory, &numbers[..weights], Side::After);
         let layer = Layer { inputs, weights, biases: &[[1, 0, 0, 0]; 2], shift: 11 };
         let (mut given, mut wanted) = ([9; 7], [9; 7]);

@@ -21,10 +21,10 @@ type Room = [[u32; 4]; MOST / 4];
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     let Layer { inputs, weights, biases, shift } = layer;
     let count = biases.len();
-    let number = patches.len().checked_div(inputs).unwrap_or(0);
-    let has = |length: usize, factor: usize, other: usize| factor.checked_mul(other).is_some_and(|n| n <= length);
+    let rows = |length: usize, of: usize| length.checked_div(of).unwrap_or(0);
+    let number = rows(patches.len(), inputs);
     let whole = inputs.is_multiple_of(4) && number * inputs == patches.len() && count >= OUTPUTS;
-    if !whole || !has(weights.len(), count, inputs) || !has(out.len(), count, number) {
+    if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
         return plain::outputs(layer, patches, out);
     }
     let mut room = MaybeUninit::<Room>::uninit();

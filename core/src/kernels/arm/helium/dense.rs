@@ -15,10 +15,10 @@ const OUTPUTS: usize = 3;
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     let Layer { inputs, weights, biases, shift } = layer;
     let count = biases.len();
-    let number = patches.len().checked_div(inputs).unwrap_or(0);
-    let has = |length: usize, factor: usize, other: usize| factor.checked_mul(other).is_some_and(|n| n <= length);
-    let whole = inputs > 0 && number * inputs == patches.len() && count >= OUTPUTS;
-    if !whole || !has(weights.len(), count, inputs) || !has(out.len(), count, number) {
+    let rows = |length: usize, of: usize| length.checked_div(of).unwrap_or(0);
+    let number = rows(patches.len(), inputs);
+    let whole = number * inputs == patches.len() && count >= OUTPUTS;
+    if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
         return plain::outputs(layer, patches, out);
     }
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
