@@ -1,7 +1,7 @@
 //! Chooses the layers of a small network for a backend.
 //!
-//! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled again. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and
-//! SIMD128.
+//! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled again. All other backends use
+//! the plain loop as it is; the compiler vectorizes it for SSE2, NEON and SIMD128.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::dense as dsp;

@@ -6,7 +6,7 @@ use super::super::plain::dense::Layer;
 use super::filter::Noise;
 
 /// Patches, inputs and outputs: those of the refiner, and odd ones.
-const SHAPES: [(usize, usize, usize); 14] = [
+const SHAPES: [(usize, usize, usize); 16] = [
     (16, 20, 8),
     (8, 72, 16),
     (8, 144, 24),
@@ -21,6 +21,8 @@ const SHAPES: [(usize, usize, usize); 14] = [
     (3, 72, 7),
     (2, 220, 3),
     (0, 16, 2),
+    (3, 6, 3),
+    (2, 17, 5),
 ];
 
 /// Compares layers with the plain loop: [`Dense::outputs`] does so in each call.
@@ -40,7 +42,15 @@ pub(super) fn layers(noise: &mut Noise) {
                 let biases = biases.get(..outputs).unwrap_or_default();
                 let mut out = [0; 256];
                 let out = out.get_mut(..count * outputs).unwrap_or_default();
-                Dense::new(Backend::best()).outputs(Layer { inputs, weights: &weights, biases, shift }, &patches, out);
+                let dense = Dense::new(Backend::best());
+                dense.outputs(Layer { inputs, weights: &weights, biases, shift }, &patches, out);
+                // A weight, an input or an output is missing.
+                let short = Layer { inputs, weights: weights.get(1..).unwrap_or_default(), biases, shift };
+                dense.outputs(short, &patches, out);
+                let layer = Layer { weights: &weights, ..short };
+                dense.outputs(layer, patches.get(1..).unwrap_or_default(), out);
+                out.fill(0);
+                dense.outputs(layer, &patches, out.get_mut(1..).unwrap_or_default());
             }
         }
     }
