@@ -1,8 +1,12 @@
 //! Chooses the layers of a small network for a backend.
 //!
-//! For AVX2 the plain loop is compiled again. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and
-//! SIMD128.
+//! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled again. All other backends use
+//! the plain loop as it is; the compiler vectorizes it for SSE2, NEON and SIMD128.
 
+#[cfg(smr_dsp)]
+use super::arm::dsp::dense as dsp;
+#[cfg(smr_helium)]
+use super::arm::helium::dense as helium;
 use super::backend::Backend;
 use super::plain::dense as plain;
 use super::plain::dense::Layer;
@@ -22,15 +26,21 @@ impl Dense {
     /// See [`plain::outputs`]. `patches` has `layer.inputs` numbers for each patch, `out` one for each of its outputs.
     #[inline(never)] // one copy in flash
     pub(crate) fn outputs(self, layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+        // What a backend does not write must stay.
+        #[cfg(feature = "verify")]
+        let mut expected: heapless::Vec<i8, 1024> = out.iter().copied().collect();
         match self.0 {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `new` has checked that the machine has AVX2.
             Backend::Avx2 => unsafe { avx2::outputs(layer, patches, out) },
+            #[cfg(smr_dsp)]
+            Backend::Dsp => dsp::outputs(layer, patches, out),
+            #[cfg(smr_helium)]
+            Backend::Helium => helium::outputs(layer, patches, out),
             _ => plain::outputs(layer, patches, out),
         }
         #[cfg(feature = "verify")]
         {
-            let mut expected: heapless::Vec<i8, 1024> = out.iter().map(|_| 0).collect();
             plain::outputs(layer, patches, &mut expected);
             assert_eq!(out, &*expected, "outputs of a layer, given and expected");
         }

@@ -51,6 +51,8 @@ mod arm {
     #[cfg(smr_dsp)]
     pub(super) mod dsp {
         pub(in super::super) mod bilinear;
+        #[cfg(feature = "refiner")]
+        pub(in super::super) mod dense;
         pub(in super::super) mod gradients;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
@@ -58,6 +60,8 @@ mod arm {
     #[cfg(smr_helium)]
     pub(super) mod helium {
         pub(in super::super) mod bilinear;
+        #[cfg(feature = "refiner")]
+        pub(in super::super) mod dense;
         pub(in super::super) mod gradients;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
@@ -103,6 +107,8 @@ mod scores;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]
 mod verify {
+    #[cfg(all(feature = "verify", feature = "refiner"))]
+    pub(super) mod dense;
     #[cfg(feature = "verify")]
     pub(super) mod filter;
     pub(super) mod scores;
@@ -134,11 +140,11 @@ pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 #[cfg(feature = "refiner")]
 pub(crate) use dense::Dense;
-#[cfg(feature = "refiner")]
-pub(crate) use plain::dense::Layer;
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, PACKED, Packed};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};
+#[cfg(feature = "refiner")]
+pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use unrolling::rolled;
@@ -149,6 +155,8 @@ pub(crate) use weights::{GradientStep, ScaledSums, scale_by};
 #[cfg(test)]
 mod tests {
     mod backends;
+    #[cfg(feature = "refiner")]
+    mod dense;
     mod guard;
     mod products;
     mod scores;

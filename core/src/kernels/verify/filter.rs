@@ -20,10 +20,10 @@ const EXTREMES: [i32; 12] =
     [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
 
 /// Numbers from `-most` to `most` that look random, the same in every run.
-struct Noise(u32);
+pub(super) struct Noise(u32);
 
 impl Noise {
-    fn next(&mut self, most: u32) -> i32 {
+    pub(super) fn next(&mut self, most: u32) -> i32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;
         self.0 ^= self.0 << 5;
@@ -51,6 +51,8 @@ pub fn verify_filter() {
     }
     weights(&mut noise);
     columns(&mut noise);
+    #[cfg(feature = "refiner")]
+    super::dense::layers(&mut noise);
 }
 
 /// Sums of products; the largest possible ones if `extreme`.

@@ -1,0 +1,155 @@
+//! A layer of a small network by Helium: `vmladava` adds 16 products to a register.
+//!
+//! Three outputs of two patches are computed at a time, so five loads serve six sums. In a loop from `dlstp` to `letp` the last round uses only
+//! one lane for each input left: nothing else is read.
+
+use crate::kernels::plain::dense as plain;
+use crate::kernels::plain::dense::Layer;
+use core::arch::asm;
+use core::ptr;
+
+/// Outputs at a time.
+const OUTPUTS: usize = 3;
+
+/// See [`plain::outputs`].
+pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+    let Layer { inputs, weights, biases, shift } = layer;
+    let count = biases.len();
+    let rows = |length: usize, of: usize| length.checked_div(of).unwrap_or(0);
+    let number = rows(patches.len(), inputs);
+    let whole = number * inputs == patches.len() && count >= OUTPUTS;
+    if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
+        return plain::outputs(layer, patches, out);
+    }
+    let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
+    while left > 0 {
+        // The second patch may be missing. It is then the first one again.
+        let second = usize::from(left > 1);
+        let mut run = Run {
+            biases: biases.as_ptr(),
+            inputs,
+            patches: [from, from.wrapping_add(second * inputs)],
+            shift,
+            out: to,
+            apart: second * count,
+            last: to.wrapping_add(count - OUTPUTS),
+        };
+        // SAFETY: `left` patches begin at `from`, and as many times `count` outputs at `to`. There are `count` biases, and `inputs` weights for
+        // each of them.
+        unsafe { run.all(weights.as_ptr()) };
+        from = from.wrapping_add(2 * inputs);
+        to = to.wrapping_add(2 * count);
+        left = left.saturating_sub(2);
+    }
+}
+
+/// What remains to be computed for two patches. The assembly reads and changes this.
+#[repr(C)]
+struct Run {
+    biases: *const [u8; 4],
+    inputs: usize,
+    patches: [*const i8; 2],
+    shift: u32,
+    /// The next output of the first patch.
+    out: *mut i8,
+    /// From an output of the first patch to that of the second; 0 if they are the same patch.
+    apart: usize,
+    /// The last three outputs of the first patch.
+    last: *mut i8,
+}
+
+impl Run {
+    /// Computes all outputs, three at a time. The last three may overlap those before them.
+    ///
+    /// # Safety
+    /// There are at least three outputs. For each, `inputs` weights and a bias can be read and an output written, and one more `apart` bytes
+    /// later. `inputs` bytes of each patch can be read. `inputs` is not 0.
+    #[inline(always)]
+    unsafe fn all(&mut self, weights: *const i8) {
+        // SAFETY: as the caller guarantees. r6 and r7, which `asm!` may not name, are saved on the stack. The address of `self` passes to r6.
+        unsafe {
+            asm!(
+                "push {{r6, r7}}",
+                "mov r6, r11",
+                "2:",
+                "ldrd r7, lr, [r6]",
+                "ldr r0, [r7], #4",
+                "ldr r2, [r7], #4",
+                "ldr r4, [r7], #4",
+                "str r7, [r6]",
+                "mov r8, r0",
+                "mov r10, r2",
+                "mov r12, r4",
+                "ldrd r1, r3, [r6, #8]",
+                "add r9, r5, lr",
+                "add r11, r9, lr",
+                "add r7, r11, lr",
+                "dlstp.8 lr, lr",
+                "3:",
+                "vldrb.u8 q0, [r1], #16",
+                "vldrb.u8 q2, [r5], #16",
+                "vmladava.s8 r0, q0, q2",
+                "vldrb.u8 q1, [r3], #16",
+                "vmladava.s8 r8, q1, q2",
+                "vldrb.u8 q2, [r9], #16",
+                "vmladava.s8 r2, q0, q2",
+                "vmladava.s8 r10, q1, q2",
+                "vldrb.u8 q2, [r11], #16",
+                "vmladava.s8 r4, q0, q2",
+                "vmladava.s8 r12, q1, q2",
+                "letp lr, 3b",
+                // Shift, limit and store.
+                "mov r5, r7",
+                "ldrd r1, r3, [r6, #16]",
+                "ldrd r9, r11, [r6, #24]",
+                "asrs r0, r1",
+                "usat r0, #7, r0",
+                "asrs r2, r1",
+                "usat r2, #7, r2",
+                "asrs r4, r1",
+                "usat r4, #7, r4",
+                "asr r8, r8, r1",
+                "usat r8, #7, r8",
+                "asr r10, r10, r1",
+                "usat r10, #7, r10",
+                "asr r12, r12, r1",
+                "usat r12, #7, r12",
+                "strb r8, [r3, r9]",
+                "strb r0, [r3], #1",
+                "strb r10, [r3, r9]",
+                "strb r2, [r3], #1",
+                "strb r12, [r3, r9]",
+                "strb r4, [r3], #1",
+                "str r3, [r6, #20]",
+                "subs r9, r3, r11",
+                "ble 2b",
+                "cmp r9, #3",
+                "beq 4f",
+                // One output or two are left: go back to the last three.
+                "ldrd r7, lr, [r6]",
+                "sub r7, r7, r9, lsl #2",
+                "str r7, [r6]",
+                "mls r5, r9, lr, r5",
+                "str r11, [r6, #20]",
+                "b 2b",
+                "4:",
+                "pop {{r6, r7}}",
+                inout("r11") ptr::from_mut(self) => _,
+                inout("r5") weights => _,
+                out("r0") _,
+                out("r1") _,
+                out("r2") _,
+                out("r3") _,
+                out("r4") _,
+                out("r8") _,
+                out("r9") _,
+                out("r10") _,
+                out("r12") _,
+                out("lr") _,
+                out("q0") _,
+                out("q1") _,
+                out("q2") _,
+            );
+        }
+    }
+}
