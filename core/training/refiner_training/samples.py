@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from . import clips, crops, cutouts, pairs
+from .errors import BadInput
 from .progress import Progress
 
 CHUNK = 2500
@@ -42,6 +43,9 @@ class Chunk:
 
 def draw(sources, pair_count, cutout_count, seed, folder, processes):
     """The samples, in files of `folder`: pairs, then cut-outs."""
+    # Also before other processes read them: a pool whose processes fail at their start never ends.
+    if not clips.read(sources):
+        raise BadInput("no recording shows its target in two frames")
     samples = opened(folder, pair_count + cutout_count)
     chunks = [*chunked(folder, seed, False, 0, pair_count), *chunked(folder, seed, True, pair_count, cutout_count)]
     # Processes that start afresh: a fork would copy threads of OpenCV and JAX in any state.

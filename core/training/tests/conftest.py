@@ -70,7 +70,7 @@ if sys.argv[1] == "--version":
     sys.exit(print("host-sim 0"))
 assert sys.argv[3:] == ["--method", "robust", "--without", "refiner", "--format", "tld"], sys.argv
 for number, line in enumerate(open(sys.argv[2] + "/gt.txt")):
-    print("NaN,NaN,NaN,NaN" if number == 5 else ",".join(str(int(word) + 1) for word in line.split(",")))
+    print("NaN,NaN,NaN,NaN" if number == 5 else ",".join(str(float(word) + 1) for word in line.split(",")))
 """
     )
     program.chmod(0o755)

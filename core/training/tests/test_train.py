@@ -105,6 +105,13 @@ def test_bad_recordings(train, recordings, tmp_path):
     fails(train(copied, *out), "two recordings are named 01_david")
 
 
+def test_a_target_that_is_seen_once(train, recordings, tmp_path):
+    truth = recordings / "Car1" / "gt.txt"
+    lines = truth.read_text().splitlines()
+    truth.write_text("\n".join([lines[0], *["NaN,NaN,NaN,NaN"] * (len(lines) - 1)]))
+    fails(train("--half", "a", "--out", tmp_path / "weights.bin"), "no recording shows its target in two frames")
+
+
 def test_bad_options(train, tmp_path):
     fails(train(), "--out FILE is missing")
     fails(train("--out", tmp_path / "weights.bin", "--steps", "none"), "--steps", "expected a whole number, 1 or more")
