@@ -104,5 +104,4 @@ def decoded(video):
         more, frame = capture.read()
         if not more:
             return
-        # The recordings are gray: the three channels are equal.
-        yield frame if frame.ndim == 2 else frame[..., 0]
+        yield frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
