@@ -1,0 +1,57 @@
+"""A recording at hand: its reduced frames, and in their pixels the true boxes and the tracker's."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from . import boxes
+
+# A target with fewer pixels in the recording says nothing about size.
+SMALLEST_SIDE = 3
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a clip is read from. Small, so that it goes to other processes."""
+
+    truth: Path
+    frames: Path
+    tracked: Path
+    reduction: float
+
+
+class Clip:
+    def __init__(self, source):
+        self.frames = np.load(source.frames, mmap_mode="r")
+        truth = boxes.read(source.truth)
+        count = min(len(truth), len(self.frames))
+        self.frames = self.frames[:count]
+        self.truth = [scaled(box, source.reduction) if large(box) else None for box in truth[:count]]
+        self.tracked = [scaled(box, source.reduction) for box in answers(source.tracked, truth[0], count)]
+
+    @cached_property
+    def visible(self):
+        """The frames that have a true box."""
+        return [index for index, box in enumerate(self.truth) if box is not None]
+
+
+def large(box):
+    return box is not None and box[2:].min() >= SMALLEST_SIDE
+
+
+def scaled(box, factor):
+    return None if box is None else box * factor
+
+
+def answers(path, start, count):
+    """The tracker's answers, one for each frame."""
+    lines = boxes.read(path)[:count]
+    lines += [None] * (count - len(lines))
+    return boxes.aligned(lines, start) if any(line is not None for line in lines) else lines
+
+
+def read(sources):
+    """The clips that training can use: those whose target is seen twice."""
+    return [clip for clip in map(Clip, sources) if len(clip.visible) > 1]

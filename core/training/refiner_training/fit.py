@@ -1,0 +1,82 @@
+"""Training: Adam on a robust loss, the learning rate on a cosine, the last three quarters of the steps with rounded numbers."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from . import network
+from .progress import Progress
+
+BATCH = 256
+LEARNING_RATE, WARM_UP, LEAST_RATE = 2.5e-3, 200, 1e-6
+DECAY = 2e-3  # of weights, times the learning rate
+MOMENTUM, SQUARES = 0.9, 0.999
+LARGEST_GRADIENT = 5.0
+UNROUNDED_SHARE = 0.25
+# Below this error the loss is quadratic.
+SMOOTH = 0.03
+# Bounds of the learned log spreads, and where the network's zero lies.
+LEAST_SPREAD, MOST_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
+
+
+def loss(parameters, inputs, corrections, rounded):
+    """The negative log likelihood of the errors, were they spread as the network says: one spread for the place, one for the size."""
+    outputs = network.forward(parameters, inputs, rounded)
+    errors = smooth(jnp.abs(outputs[:, :4] - corrections))
+    spreads = jnp.clip(outputs[:, 4:6] + SPREAD_AT_ZERO, LEAST_SPREAD, MOST_SPREAD)
+    sums = jnp.stack([errors[:, 0] + errors[:, 1], errors[:, 2] + errors[:, 3]], 1)
+    return (sums * jnp.exp(-spreads) + 2 * spreads).sum(1).mean()
+
+
+def smooth(error):
+    return jnp.where(error < SMOOTH, error * error / (2 * SMOOTH) + SMOOTH / 2, error)
+
+
+def learning_rate(step, steps):
+    return LEARNING_RATE * (0.5 + 0.5 * jnp.cos(jnp.pi * step / steps)) * jnp.minimum(1, step / WARM_UP) + LEAST_RATE
+
+
+def clipped(gradients):
+    norm = jnp.sqrt(sum((gradient * gradient).sum() for gradient in jax.tree.leaves(gradients)))
+    return jax.tree.map(lambda gradient: gradient * jnp.minimum(1, LARGEST_GRADIENT / (norm + 1e-9)), gradients)
+
+
+def advanced(state, inputs, corrections, step, steps, rounded):
+    """The state after a step of Adam: parameters, means of the gradients and of their squares."""
+    parameters, means, squares = state
+    value, gradients = jax.value_and_grad(loss)(parameters, inputs, corrections, rounded)
+    gradients = clipped(gradients)
+    rate = learning_rate(step, steps)
+    means = jax.tree.map(lambda mean, new: MOMENTUM * mean + (1 - MOMENTUM) * new, means, gradients)
+    squares = jax.tree.map(lambda mean, new: SQUARES * mean + (1 - SQUARES) * new * new, squares, gradients)
+    mean_scale, square_scale = 1 - MOMENTUM ** (step + 1), 1 - SQUARES ** (step + 1)
+
+    def moved(parameter, mean, square):
+        return parameter * (1 - rate * DECAY) - rate * (mean / mean_scale) / (jnp.sqrt(square / square_scale) + 1e-7)
+
+    return (jax.tree.map(moved, parameters, means, squares), means, squares), value
+
+
+def batch(samples, rng, step):
+    """Samples drawn at random, in every second step mirrored, in two of four turned upside down."""
+    chosen = np.sort(rng.integers(0, len(samples), BATCH))
+    inputs, corrections = samples.inputs[chosen], samples.corrections[chosen]
+    if step & 1:
+        inputs, corrections = inputs[:, :, ::-1], corrections * np.float32([-1, 1, 1, 1])
+    if step & 2:
+        inputs, corrections = inputs[:, ::-1], corrections * np.float32([1, -1, 1, 1])
+    return np.ascontiguousarray(inputs), corrections
+
+
+def fit(samples, steps, seed):
+    """The trained parameters."""
+    parameters = network.initial(seed)
+    zeros = jax.tree.map(jnp.zeros_like, parameters)
+    state = (parameters, zeros, zeros)
+    step_of = jax.jit(advanced, static_argnums=(4, 5))
+    rng = np.random.default_rng(seed)
+    with Progress("training", steps) as progress:
+        for step in range(steps):
+            state, value = step_of(state, *batch(samples, rng, step), step, steps, step >= steps * UNROUNDED_SHARE)
+            progress.advance(note=f"loss {float(value):.3f}")
+    return state[0]

@@ -1,0 +1,45 @@
+"""The network's layers: a table. The tracker's code has the same.
+
+Two crops -> four 3x3 convolutions with padding 1 -> 4x4x24 numbers -> 24 -> 6 outputs: dx, dy in sides of the box, log width, log height,
+and the log spreads of place and size. Pixels and numbers lie in rows, the channels of a pixel side by side.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Layer:
+    """`shift` is also the scale of the weights: a whole weight is 1/2^shift. An activation is 1/16, an output of the last layer 1/4096."""
+
+    inputs: int  # channels of a convolution
+    outputs: int
+    shift: int
+    stride: int = 0  # 0: a full layer
+
+    @property
+    def convolution(self):
+        return self.stride > 0
+
+    @property
+    def row(self):
+        """Weights of one output."""
+        return 9 * self.inputs if self.convolution else self.inputs
+
+    @property
+    def padded_row(self):
+        """As stored: a multiple of 4."""
+        return -(-self.row // 4) * 4
+
+
+LAYERS = (
+    Layer(2, 8, 6, 2),
+    Layer(8, 16, 7, 2),
+    Layer(16, 24, 7, 1),
+    Layer(24, 24, 7, 2),
+    Layer(384, 24, 8),
+    Layer(24, 6, 8),
+)
+LARGEST_WEIGHT = 127
+LARGEST_ACTIVATION = 127
+ACTIVATION_UNIT = 16
+OUTPUT_UNIT = ACTIVATION_UNIT << LAYERS[-1].shift

@@ -1,0 +1,39 @@
+"""Wrong boxes, drawn at random around a right one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Standard deviations: of log size, of log aspect, of the centre in sides of the box."""
+
+    size: float
+    aspect: float
+    centre: float
+
+    def times(self, factor):
+        return Spread(self.size * factor, self.aspect * factor, self.centre * factor)
+
+
+# What the tracker errs by, or some more.
+WIDE = Spread(0.21, 0.15, 0.11)
+# In this share of the draws, errors that are 1.6 times larger.
+WIDER_SHARE, WIDER_FACTOR = 0.15, 1.6
+LIMIT = Spread(0.6, 0.35, 0.3)
+
+
+def drawn(rng, box, spread=WIDE):
+    """`box` with an error."""
+    if rng.random() < WIDER_SHARE:
+        spread = spread.times(WIDER_FACTOR)
+    size = limited(rng, spread.size, LIMIT.size)
+    aspect = limited(rng, spread.aspect, LIMIT.aspect)
+    sides = box[2:] * np.exp([size + aspect, size - aspect])
+    move = np.array([limited(rng, spread.centre, LIMIT.centre), limited(rng, spread.centre, LIMIT.centre)])
+    return np.concatenate([box[:2] + move * sides, sides])
+
+
+def limited(rng, deviation, limit):
+    return float(np.clip(rng.normal(0, deviation), -limit, limit))

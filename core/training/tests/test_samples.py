@@ -1,0 +1,81 @@
+"""Crops, pairs and cut-outs: what they show is where the correction says."""
+
+import math
+
+import numpy as np
+import pytest
+
+from refiner_training import boxes, crops, cutouts, offsets
+
+
+def test_a_pixel_of_a_crop_lies_where_the_format_says():
+    # Gray levels that are places: pixel x of a row covers x to x + 1, its middle x + 0.5.
+    frame = np.tile(np.arange(128, dtype=np.float32) + 0.5, (128, 1))
+    box = np.array([60.25, 50.0, 24.0, 16.0])
+    places = box[0] - 1.75 * box[2] / 2 + (np.arange(32) + 0.5) * 1.75 * box[2] / 32
+    # OpenCV interpolates in steps of 1/32 pixel.
+    assert crops.crop(frame, box)[16] == pytest.approx(places, abs=1 / 32)
+    assert crops.crop(frame.T.copy(), box[[1, 0, 3, 2]])[:, 16] == pytest.approx(places, abs=1 / 32)
+
+
+@pytest.mark.parametrize("side", [40.0, 60.0, 120.0])
+def test_a_coarse_crop_lies_there_too(side):
+    frame = np.tile(np.arange(256, dtype=np.float32) + 0.5, (256, 1))
+    box = np.array([128.0, 128.0, side, side])
+    places = box[0] - 1.75 * side / 2 + (np.arange(32) + 0.5) * 1.75 * side / 32
+    assert crops.crop(frame, box)[16] == pytest.approx(places, abs=1 / 8)
+
+
+def normalised_plainly(crop):
+    """As the tracker computes it, pixel by pixel."""
+    pixels = [int(pixel) for pixel in crop.ravel()]
+    mean = (sum(pixels) + 512) >> 10
+    root = math.isqrt(sum((pixel - mean) ** 2 for pixel in pixels))
+    factor = 2**21 // (root + 128)
+    return [min(max(((pixel - mean) * factor) >> 12, -64), 63) + 64 for pixel in pixels]
+
+
+def test_normalised_crops():
+    rng = np.random.default_rng(1)
+    noise = [rng.integers(low, high, (32, 32), dtype=np.uint8) for low, high in ((0, 256), (100, 103), (250, 256))]
+    halves = np.repeat([[0, 255]], 16, 1).reshape(1, 32).repeat(32, 0).astype(np.uint8)
+    dot = np.zeros((32, 32), np.uint8)
+    dot[3, 4] = 255
+    for crop in [*noise, halves, dot, np.full((32, 32), 255, np.uint8)]:
+        assert list(crops.normalised(crop).ravel()) == normalised_plainly(crop)
+
+
+def test_a_flat_crop_is_zero_everywhere():
+    assert (crops.normalised(np.full((32, 32), 77, np.uint8)) == crops.ZERO).all()
+
+
+def test_a_wrong_box_is_within_reach():
+    rng = np.random.default_rng(2)
+    changes = np.array([boxes.correction(offsets.drawn(rng, cutouts.UNIT), cutouts.UNIT) for _ in range(500)])
+    assert abs(changes[:, :2]).max() <= offsets.LIMIT.centre + 1e-6
+    assert abs(changes[:, 2:]).max() <= offsets.LIMIT.size + offsets.LIMIT.aspect + 1e-6
+    assert changes.std(0) == pytest.approx([0.12, 0.12, 0.27, 0.27], abs=0.04)
+
+
+def test_a_pasted_piece_fills_its_true_box():
+    rng = np.random.default_rng(3)
+    frame, behind = np.full((80, 80), 255, np.uint8), np.zeros((32, 32), np.float32)
+    middle = np.array([16.0, 16.0, 32 / 1.75, 32 / 1.75])
+    for _ in range(50):
+        piece = cutouts.Piece(frame, np.array([40.0, 40, 20, 16]), cutouts.shape(rng))
+        box = offsets.drawn(rng, cutouts.UNIT, offsets.Spread(0.1, 0.1, 0.05))
+        seen = cutouts.pasted(piece, box, 0.0, behind) > 127
+        rows, columns = np.flatnonzero(seen.any(1)), np.flatnonzero(seen.any(0))
+        truth = boxes.corrected(middle, boxes.correction(box, cutouts.UNIT))
+        found = boxes.from_corners(columns[0], rows[0], columns[-1] + 1, rows[-1] + 1)
+        # A mask has 64 pixels, and a polygon's corner may be too sharp to be seen.
+        assert found == pytest.approx(truth, abs=3.5)
+
+
+def test_the_content_of_a_piece_does_not_shift():
+    # A place's gray level is its x, so the pasted crop of the piece's own box is the crop from the frame.
+    frame = np.tile(np.arange(80, dtype=np.uint8), (80, 1))
+    box = np.array([40.0, 40, 20, 20])
+    piece = cutouts.Piece(frame, box, np.full((64, 64), 255, np.uint8))
+    pasted = cutouts.pasted(piece, cutouts.UNIT, 0.0, np.zeros((32, 32), np.float32))
+    assert pasted[4:-4, 4:-4] == pytest.approx(crops.crop(frame, box)[4:-4, 4:-4].astype(float), abs=1)
