@@ -6,10 +6,10 @@ use crate::similarity::Scorer;
 use crate::track::robust::{Config, Robust, Workspace};
 use crate::track::{UpdateError, robust};
 
-pub use robust::config::Part;
 /// The bytes of the refiner's weights, layer by layer.
 #[cfg(feature = "refiner")]
 pub use robust::REFINER_WEIGHTS;
+pub use robust::config::Part;
 
 /// `config` without one part of the robust tracker.
 ///

@@ -6,13 +6,11 @@ use smr_tests::{FRAME_PIXELS, PAPER, Passed, REFINER, ROBUST, SmallPaper, Vector
 
 #[test]
 fn the_vectors_are_current() {
-    for (method, kept, made) in
-        [
-            ("smr", PAPER, host_sim::vectors::text()),
-            ("robust", ROBUST, host_sim::vectors::robust::text()),
-            ("robust --refiner", REFINER, host_sim::vectors::robust::refined_text()),
-        ]
-    {
+    for (method, kept, made) in [
+        ("smr", PAPER, host_sim::vectors::text()),
+        ("robust", ROBUST, host_sim::vectors::robust::text()),
+        ("robust --refiner", REFINER, host_sim::vectors::robust::refined_text()),
+    ] {
         assert!(
             made == kept,
             "the vectors are not current: \

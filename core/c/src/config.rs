@@ -285,7 +285,7 @@ mod tests {
         let numbers = printed(config);
         assert_eq!(
             numbers.matches(": ").count(),
-            14,
+            15,
             "if Config has a new number, smr_robust_config needs it: {numbers}"
         );
     }
@@ -349,7 +349,8 @@ mod tests {
         let expected = "reach: 1, size: false, sweep: true, refiner: false, patience: 2, lost_below: 3, uncertain_below: 4, learning_rate: 5, \
                         early_rate: 6";
         assert!(text.contains(expected), "{text}");
-        let swapped = smr_config { robust: smr_robust_config { size: 1, sweep: 0, refiner: 1, ..robust }, ..all }.robust();
+        let swapped =
+            smr_config { robust: smr_robust_config { size: 1, sweep: 0, refiner: 1, ..robust }, ..all }.robust();
         assert!(swapped.size && !swapped.sweep && swapped.refiner);
         let plain = smr_config { plain_loop: 1, ..all };
         assert_eq!((all.robust().backend, plain.robust().backend), (None, Some(Backend::Scalar)));

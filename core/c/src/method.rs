@@ -4,8 +4,8 @@
 
 use crate::answer::smr_answer;
 use crate::capacity::{
-    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_SAVED_SIZE, ROBUST_TARGET_SIZE,
-    ROBUST_WORKSPACE_SIZE,
+    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_SAVED_SIZE,
+    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE,
 };
 use crate::config::{smr_config, smr_method};
 use crate::frame::smr_image;

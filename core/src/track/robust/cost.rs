@@ -121,7 +121,8 @@ impl Shape {
         let search = self.search() + REFINED * self.pixels();
         let scales = if config.size { self.scales() } else { 0 };
         // A frame is either learned or searched elsewhere.
-        let (learn, elsewhere) = (self.learn() + Self::refiner(config), if config.sweeps() { self.search() } else { 0 });
+        let (learn, elsewhere) =
+            (self.learn() + Self::refiner(config), if config.sweeps() { self.search() } else { 0 });
         begin + search + scales + if learn > elsewhere { learn } else { elsewhere }
     }
 

@@ -21,9 +21,9 @@ use super::displacement::Displacement;
 use super::grid::Grid;
 use super::learning::{Learning, Training};
 use super::motion::{Motion, Place};
+use super::refinement::{Refined, refine};
 #[cfg(feature = "refiner")]
 use super::refiner::{self, Crop, Refinement};
-use super::refinement::{Refined, refine};
 use super::response::layout;
 use super::sampling::Lattice;
 use super::scale::{self, ScaleSearch, Tools};

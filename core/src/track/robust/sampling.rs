@@ -422,7 +422,12 @@ mod tests {
                 for (x, y) in [(0, 0), (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3), (12_345, 543_210)]
                 {
                     let (x, y) = (x.min(i64::from(width - 1) * PIXEL), y.min(i64::from(height - 1) * PIXEL));
-                    samples_as_plainly(&Lattice { x, y, step, step_down: step, columns: 14, rows: 9 }, &pixels, width, height);
+                    samples_as_plainly(
+                        &Lattice { x, y, step, step_down: step, columns: 14, rows: 9 },
+                        &pixels,
+                        width,
+                        height,
+                    );
                 }
             }
         }

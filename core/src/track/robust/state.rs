@@ -2,9 +2,9 @@
 
 use super::confidence::Confidence;
 use super::config::{Config, Parts};
-use super::constants::{CELL, CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL, PIXEL_BITS, SCALE, WEIGHTS};
 #[cfg(feature = "refiner")]
 use super::constants::MARGIN;
+use super::constants::{CELL, CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL, PIXEL_BITS, SCALE, WEIGHTS};
 use super::grid::Grid;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;

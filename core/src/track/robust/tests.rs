@@ -242,7 +242,14 @@ fn the_largest_blocks_of_means() {
     let white = vec![255; usize::from(side) * usize::from(side)];
     for step in [8191, 65535] {
         let mut sample = Fixed::<u8, 4>::new();
-        let lattice = Lattice { x: 2047 * PIXEL, y: 2047 * PIXEL, step: step * PIXEL, step_down: step * PIXEL, columns: 2, rows: 2 };
+        let lattice = Lattice {
+            x: 2047 * PIXEL,
+            y: 2047 * PIXEL,
+            step: step * PIXEL,
+            step_down: step * PIXEL,
+            columns: 2,
+            rows: 2,
+        };
         assert!(lattice.sample(&whole(&white, side, side), &mut Scratch::new(), &mut sample));
         assert_eq!(sample, [255; 4], "a step of {step}");
     }

@@ -2,9 +2,9 @@
 //!
 //! The weights are those of `smr-core`; all arithmetic is written anew. A layer's sum is exact in f64, then rounded down on a grid.
 
+use super::Numbers;
 use super::grid::{Lattice, Picture};
 use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
-use super::Numbers;
 
 /// Samples on a side of a crop, and how much wider it is than the box.
 const SIDE: i64 = 32;

@@ -123,6 +123,9 @@ mod tests {
         faded.fade();
         assert_eq!((faded.centre, faded.sides), ([375, -375], [ONE + 6750, ONE - 6750]));
         let Correction { centre, sides } = correction;
-        assert!(centre.iter().all(|by| by.abs() < 17) && sides.iter().all(|side| (side - ONE).abs() < 17), "{correction:?}");
+        assert!(
+            centre.iter().all(|by| by.abs() < 17) && sides.iter().all(|side| (side - ONE).abs() < 17),
+            "{correction:?}"
+        );
     }
 }

@@ -127,7 +127,7 @@ mod tests {
         let mut spot = [0; FIRST];
         spot[7] = -1;
         normalise(&mut spot);
-        assert_eq!([spot[0], spot[7]], [63, 127]);
+        assert_eq!([spot[0], spot[7]], [64, 127]);
     }
 
     /// A crop with every sample within what `reachable` says, and not far from it.
@@ -136,7 +136,8 @@ mod tests {
         let bounds = Rect::new(0, 0, 900, 700);
         for (width, height) in [(40, 40), (13, 9), (300, 40), (30, 600), (5, 5), (420, 420)] {
             for (x, y) in [(200, 150), (3, 640), (-20, -5), (850, 20)] {
-                let target = FineRect { x: x * 256 + 77, y: y * 256 - 31, width: width * 256 + 11, height: height * 256 };
+                let target =
+                    FineRect { x: x * 256 + 77, y: y * 256 - 31, width: width * 256 + 11, height: height * 256 };
                 let (read, reach) = (crop_of(target).pixels(bounds), reachable(target, [0; 2], bounds));
                 assert!(reach.contains(read), "{target:?}: {read:?} is not within {reach:?}");
             }

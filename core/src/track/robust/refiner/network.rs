@@ -158,7 +158,8 @@ impl Layers {
             let (first, (present, _)) = (first.as_chunks::<SIDE>().0, present.as_chunks::<SIDE>());
             for (row, (first, present)) in rows.zip(first.iter().zip(present)) {
                 let both = first.iter().zip(present);
-                rolled(row.iter_mut().skip(1).zip(both)).for_each(|(pair, (&first, &present))| *pair = [first, present]);
+                rolled(row.iter_mut().skip(1).zip(both))
+                    .for_each(|(pair, (&first, &present))| *pair = [first, present]);
             }
         }
         work.spend(FIRST_INPUTS);
