@@ -466,6 +466,7 @@ static void run(unsigned *cases, unsigned *compared)
         } else if (strcmp(keyword, "case") == 0) {
             read_word(name, sizeof name);
             must(robust ? smr_config_robust(&config) : smr_config_paper(&config));
+            config.robust.refiner = 0; /* a case says so if it is on */
             ++*cases;
         } else if (strcmp(keyword, "size") == 0) {
             sensor.width = (uint16_t)number(10);

@@ -15,7 +15,8 @@ use crate::kernels::rolled;
 use crate::track::update::UnderWay;
 
 /// Samples on a side.
-pub(in super::super) const SIDE: usize = 32;
+pub(super) const SIDE: usize = 32;
+const ROWS: u16 = 32;
 /// Samples of a crop.
 pub(in super::super) const FIRST: usize = SIDE * SIDE;
 /// The value of the mean.
@@ -41,7 +42,7 @@ fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
 /// The crop of a box.
 pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
-    Lattice { x, y, step, step_down, columns: SIDE as u16, rows: SIDE as u16 }
+    Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
 }
 
 /// All pixels that the crop of a box may read if the box moves by up to `by`, in units of 1/4096 pixel, in a frame with these `bounds`.

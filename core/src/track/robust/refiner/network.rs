@@ -17,6 +17,7 @@
 //! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its inputs row by row, with
 //! zeroes up to a multiple of 4. `weights.json` says how it was made.
 
+use super::super::cost::units;
 use super::crop::{FIRST, MEAN, SIDE};
 use crate::kernels::{Dense, Layer, rolled};
 use crate::track::update::UnderWay;
@@ -102,7 +103,7 @@ fn layer(number: usize, shift: u32) -> Layer<'static> {
 /// The work of the network: its products, and its inputs each time they are copied.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // at compile time
 pub(in super::super) const WORK: u32 = {
-    let (mut sum, mut number) = (FIRST_INPUTS as usize, 0);
+    let (mut sum, mut number) = (2 * FIRST, 0);
     while number < LAYERS.len() {
         let (inputs, outputs) = LAYERS[number];
         sum += if number < CONVOLUTIONS.len() {
@@ -114,8 +115,6 @@ pub(in super::super) const WORK: u32 = {
     }
     sum as u32
 };
-/// Inputs of the first layer.
-const FIRST_INPUTS: u32 = 2 * FIRST as u32;
 
 /// Scratch memory: the patches of a row, and two layers of inputs, which take turns. The present crop lies where patches are made later.
 const PATCHES: usize = 1152;
@@ -162,7 +161,7 @@ impl Layers {
                     .for_each(|(pair, (&first, &present))| *pair = [first, present]);
             }
         }
-        work.spend(FIRST_INPUTS);
+        work.spend(units(2 * FIRST));
         Self { number: 0, row: 0 }
     }
 
@@ -181,7 +180,7 @@ impl Layers {
         }
         let (patches, outputs) = (patches.get(..count), outputs.get_mut(from..from + row));
         dense.outputs(layer, patches.unwrap_or_default(), outputs.unwrap_or_default());
-        work.spend(u32::try_from(count * (layer.biases.len() + 1)).unwrap_or(u32::MAX));
+        work.spend(units(count * (layer.biases.len() + 1)));
         self.row += 1;
         if self.row == convolution.side {
             *self = Self { number: self.number + 1, row: 0 };
@@ -229,7 +228,7 @@ fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
     let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
     let number = CONVOLUTIONS.len();
     dense.outputs(layer(number, FULL_SHIFT), inputs.get(..count).unwrap_or_default(), &mut hidden);
-    work.spend(u32::try_from(outputs * (count + last)).unwrap_or(u32::MAX));
+    work.spend(units(outputs * (count + last)));
     let [right, down, width, height, ..] = Dense::sums::<6>(layer(number + 1, 0), &hidden);
     [right, down, width, height]
 }
