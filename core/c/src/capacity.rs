@@ -29,7 +29,7 @@ pub const PAPER_SAVED_SIZE: usize = PIXELS + 42;
 pub(crate) const REFINER: usize = 1040;
 
 /// `SMR_ROBUST_TARGET_SIZE` in the header.
-pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
+pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 7]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` in the header.
 pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + size_of::<[usize; 16]>();

@@ -17,6 +17,8 @@ use crate::correlation::Filter;
 use crate::image::{FineRect, Rect};
 use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
 use crate::track::{Quality, RestoreError, SaveError};
+#[cfg(feature = "refiner")]
+use heapless::Vec;
 
 /// Everything that the tracker remembers of a target.
 pub(super) struct Memory {
@@ -26,7 +28,7 @@ pub(super) struct Memory {
     pub(super) template: Template,
     /// The first frame's target, as the refiner sees it.
     #[cfg(feature = "refiner")]
-    pub(super) first: [i8; FIRST],
+    pub(super) first: Vec<i8, FIRST>,
 }
 
 impl Memory {
@@ -37,7 +39,7 @@ impl Memory {
             filter: Filter::new(),
             template: Template::new(),
             #[cfg(feature = "refiner")]
-            first: [0; FIRST],
+            first: Vec::new(),
         }
     }
 }
@@ -94,6 +96,7 @@ impl Track {
     }
 
     /// The target's box, as it is answered.
+    #[inline(never)] // one copy in flash
     pub(super) fn bbox(&self) -> FineRect {
         #[cfg(feature = "refiner")]
         return self.correction.correct(self.followed());
@@ -109,7 +112,7 @@ impl Track {
         let pixels = (reach + 1) * CELL + MARGIN + 2;
         let by = i64::from(pixels) * self.grid.step_at(larger);
         let target = Self { motion: Motion::at(Place { scale: larger, ..centre }), ..*self };
-        reachable(target.bbox(), [by; 2], self.bounds)
+        reachable(target.bbox(), by, self.bounds)
     }
 
     /// The box of the followed place and scale.
@@ -193,7 +196,7 @@ impl Memory {
             if first.iter().any(|&input| input > 127) {
                 return Err(RestoreError::Damaged);
             }
-            self.first.iter_mut().zip(first).for_each(|(to, &input)| *to = input.cast_signed());
+            self.first = first.iter().map(|input| input.cast_signed()).collect();
         }
         self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
         self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));

@@ -8,7 +8,7 @@ use super::grid::Grid;
 use super::motion::Place;
 use super::pipeline::Model;
 #[cfg(feature = "refiner")]
-use super::refiner::reachable;
+use super::refiner::{FIRST, reachable};
 use super::sampling::Lattice;
 use super::scale::other_scales;
 use super::state::{self, Memory, Track};
@@ -181,7 +181,7 @@ impl Target for Robust {
             let window = window.pixels(bounds);
             #[cfg(feature = "refiner")]
             if self.config.refiner {
-                return union(window, reachable(Track::new(bounds, target).bbox(), [0; 2], bounds));
+                return union(window, reachable(Track::new(bounds, target).followed(), 0, bounds));
             }
             window
         } else {
@@ -333,8 +333,10 @@ impl Steps for Robust {
             self.memory.template.start(patch);
         }
         #[cfg(feature = "refiner")]
-        if let Some(first) = buffers.scale_cells.first_chunk().filter(|_| self.config.refiner) {
-            self.memory.first = *first;
+        if self.config.refiner {
+            self.memory.first.clear();
+            // Cannot fail: there is room for all.
+            let _ = self.memory.first.extend_from_slice(buffers.scale_cells.get(..FIRST).unwrap_or_default());
         }
         self.memory.track = Some(track);
         track.quality

@@ -14,7 +14,9 @@
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
 use super::config::Config;
-use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK, REFINED_FROM};
+#[cfg(feature = "refiner")]
+use super::constants::REFINED_FROM;
+use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK};
 use super::cost::{COMPARED, RELIT, VIEWED};
 use super::displacement::{Displacement, Search, in_view};
 use super::grid::Grid;
@@ -58,6 +60,7 @@ impl Candidate {
     }
 
     /// True if the early template agrees so well that it gives the exact place and size.
+    #[cfg(feature = "refiner")]
     pub(super) const fn is_exact(&self) -> bool {
         self.agreement >= REFINED_FROM
     }

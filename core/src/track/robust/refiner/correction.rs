@@ -53,6 +53,7 @@ impl Correction {
     }
 
     /// The corrected box.
+    #[inline(never)] // one copy in flash
     pub(in super::super) fn correct(&self, target: FineRect) -> FineRect {
         let [right, down] = self.centre;
         let [wider, higher] = self.sides;
@@ -70,6 +71,7 @@ impl Correction {
 }
 
 /// One axis of a corrected box.
+#[inline(never)] // one copy in flash
 fn corrected(from: i32, side: u32, moved: i32, factor: i32) -> (i32, u32) {
     let new = (i64::from(side) * i64::from(factor) + (1 << 15)) >> 16;
     let middle = i64::from(from) + i64::from(side / 2) + ((i64::from(moved) * new) >> 12);

@@ -40,6 +40,7 @@ fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
 }
 
 /// The crop of a box.
+#[inline(never)] // one copy in flash
 pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
     Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
@@ -48,24 +49,28 @@ pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
 /// All pixels that the crop of a box may read if the box moves by up to `by`, in units of 1/4096 pixel, in a frame with these `bounds`.
 ///
 /// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the mean of the steps.
-pub(in super::super) fn reachable(target: FineRect, by: [i64; 2], bounds: Rect) -> Rect {
+#[inline(never)] // one copy in flash
+pub(in super::super) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
     let blocks = right + down + (2 << 12);
-    let range = |middle: i64, reach: i64, size: u16| {
-        let last = i64::from(size.max(1)) - 1;
-        let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
-        // Of a box beyond the edge the blocks at the edge are read.
-        let middle = middle.clamp(0, last << 12);
-        (at(middle - reach), at(middle + reach))
-    };
-    let [by_right, by_down] = by;
-    let (left, last) = range(x, 16 * right + blocks + by_right, bounds.width);
-    let (top, lowest) = range(y, 16 * down + blocks + by_down, bounds.height);
-    let side = |from: i32, to: i32| u16::try_from(to - from + 1).unwrap_or(u16::MAX);
-    Rect::new(left, top, side(left, last), side(top, lowest))
+    let (left, width) = range(x, 16 * right + blocks + by, bounds.width);
+    let (top, height) = range(y, 16 * down + blocks + by, bounds.height);
+    Rect::new(left, top, width, height)
+}
+
+/// The first pixel, and the number of pixels, on an axis of a frame with `size` pixels.
+#[inline(never)] // one copy in flash
+fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
+    let last = i64::from(size.max(1)) - 1;
+    let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
+    // Of a box beyond the edge the blocks at the edge are read.
+    let middle = middle.clamp(0, last << 12);
+    let (from, to) = (at(middle - reach), at(middle + reach));
+    (from, u16::try_from(to - from + 1).unwrap_or(u16::MAX))
 }
 
 impl Crop {
+    #[inline(never)] // one copy in flash
     pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut sampling::Scratch) -> Self {
         let lattice = crop_of(target);
         lattice.prepare(bounds, sampling);
@@ -139,7 +144,7 @@ mod tests {
             for (x, y) in [(200, 150), (3, 640), (-20, -5), (850, 20)] {
                 let target =
                     FineRect { x: x * 256 + 77, y: y * 256 - 31, width: width * 256 + 11, height: height * 256 };
-                let (read, reach) = (crop_of(target).pixels(bounds), reachable(target, [0; 2], bounds));
+                let (read, reach) = (crop_of(target).pixels(bounds), reachable(target, 0, bounds));
                 assert!(reach.contains(read), "{target:?}: {read:?} is not within {reach:?}");
             }
         }

@@ -44,7 +44,7 @@ impl Refinement {
         &mut self,
         dense: Dense,
         frame: &Frame<'_>,
-        first: &[i8; FIRST],
+        first: &[i8],
         sampling: &mut sampling::Scratch,
         cells: &mut [i8],
         work: &mut UnderWay,

@@ -148,7 +148,7 @@ pub(in super::super) struct Layers {
 impl Layers {
     /// Makes the inputs of the first layer: both crops, sample by sample, with their mean beyond the edge.
     #[inline(never)] // one copy in flash
-    pub(super) fn begin(first: &[i8; FIRST], scratch: &mut [i8], work: &mut UnderWay) -> Self {
+    pub(super) fn begin(first: &[i8], scratch: &mut [i8], work: &mut UnderWay) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
         if let Some((present, [inputs, _])) = regions(scratch) {
             inputs.fill(MEAN);
@@ -166,6 +166,7 @@ impl Layers {
     }
 
     /// A row of a convolution, or both full layers; their outputs after the last unit.
+    #[inline(never)] // one copy in flash
     pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
         let Some((patches, [even, odd])) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
