@@ -8,7 +8,7 @@ use crate::track::{UpdateError, robust};
 
 /// The bytes of the refiner's weights, layer by layer.
 #[cfg(feature = "refiner")]
-pub use robust::REFINER_WEIGHTS;
+pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
 pub use robust::config::Part;
 
 /// `config` without one part of the robust tracker.

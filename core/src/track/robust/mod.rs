@@ -70,7 +70,7 @@ pub(crate) use constants::SPAN;
 pub use constants::{CELL, CHANNELS, REACH};
 pub use grid::Grid;
 #[cfg(all(feature = "refiner", feature = "unstable"))]
-pub use refiner::REFINER_WEIGHTS;
+pub(crate) use refiner::REFINER_WEIGHTS;
 pub(super) use state::numbers;
 pub use target::Robust;
 pub use workspace::Workspace;

@@ -20,7 +20,7 @@ mod network;
 pub(super) use correction::Correction;
 pub(super) use crop::{Crop, FIRST, reachable};
 #[cfg(feature = "unstable")]
-pub use network::REFINER_WEIGHTS;
+pub(crate) use network::REFINER_WEIGHTS;
 pub(super) use network::{ROOM, WORK};
 
 use super::sampling;

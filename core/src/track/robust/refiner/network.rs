@@ -32,7 +32,7 @@ const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6
 
 /// The bytes of the weights, for a reference.
 #[cfg(feature = "unstable")]
-pub const REFINER_WEIGHTS: &[u8] = FILE;
+pub(crate) const REFINER_WEIGHTS: &[u8] = FILE;
 
 /// The biases and the weights of all layers.
 static BIASES: [[u8; 4]; ALL_BIASES] = parts().0;
