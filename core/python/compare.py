@@ -81,7 +81,12 @@ def networks(folder):
 
 def trackers(models):
     """Makers of trackers by name, and why others are skipped."""
-    makers = {"smr.Robust": lambda: OfSmr(smr.Robust()), "smr.Paper": lambda: OfSmr(smr.Paper())}
+    makers = {
+        "smr.Robust": lambda: OfSmr(smr.Robust()),
+        # The network of the refiner may have learned from these very recordings.
+        "smr.Robust(refiner=False)": lambda: OfSmr(smr.Robust(refiner=False)),
+        "smr.Paper": lambda: OfSmr(smr.Paper()),
+    }
     for name in ("CSRT", "KCF", "MIL"):
         create = getattr(cv2, f"Tracker{name}_create")
         makers[name] = lambda create=create: OfOpenCV(create())

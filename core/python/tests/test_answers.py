@@ -12,6 +12,7 @@ from conftest import recorded
 TRACKERS = {
     "robust": (smr.Robust, []),
     "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=False), ["--reach=5", "--patience=200", "--without=sweep"]),
+    "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--without=refiner"]),
     "camera": (smr.Paper, ["--method=smr", "--config=camera"]),
     "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=smr", "--k=7/20", "--runner-up-always"]),
 }  # fmt: skip

@@ -336,7 +336,8 @@ async function copy() {
 }
 
 function change() {
-  settings.robust = { reach: Number(byId("reach").value), size: byId("size").checked, sweep: byId("sweep").checked };
+  const isChecked = (id) => byId(id).checked;
+  settings.robust = { reach: Number(byId("reach").value), size: isChecked("size"), sweep: isChecked("sweep"), refiner: isChecked("refiner") };
   settings.smr.config = byId("config").value;
   player.restart();
   if (player.source.kind === "camera") {

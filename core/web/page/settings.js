@@ -2,7 +2,7 @@
 
 import { SETTINGS } from "./methods.js";
 
-const PARTS = ["size", "sweep"];
+const PARTS = ["size", "sweep", "refiner"];
 
 /** The options of `host-sim track` that differ from its defaults, by name. */
 export function optionsOf(method, settings) {

@@ -65,8 +65,8 @@ test("rows are those of host-sim", () => {
 });
 
 test("settings and command lines are those of host-sim", () => {
-  const settings = { ...SETTINGS, robust: { reach: 6, size: false, sweep: false } };
-  assert.equal(toml("robust", settings), 'method = "robust"\nreach = 6\nwithout = ["size","sweep"]\n');
+  const settings = { ...SETTINGS, robust: { reach: 6, size: false, sweep: false, refiner: false } };
+  assert.equal(toml("robust", settings), 'method = "robust"\nreach = 6\nwithout = ["size","sweep","refiner"]\n');
   assert.equal(toml("smr", { ...settings, smr: { config: "paper" } }), 'method = "smr"\n');
   const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: BOX }] };
   const file = { kind: "video", name: "it's a car.mp4" };

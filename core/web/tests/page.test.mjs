@@ -226,15 +226,16 @@ onPage("locks are repeated when a recording starts again, with other settings to
   await page.until(`document.getElementById("command").textContent.includes("@${next}")`);
   await page.select("reach", "6");
   await page.click("#sweep");
+  await page.click("#refiner");
   await page.click("#play");
   await pausedAt(page, next + 10);
   const command = await page.text("command");
-  assert.match(command, /--init 36,24,24,28 --init 100,60,30,30@\d+ --method robust --reach 6 --without sweep$/);
+  assert.match(command, /--init 36,24,24,28 --init 100,60,30,30@\d+ --method robust --reach 6 --without sweep,refiner$/);
   const expected = lines(host(...command.split(" ").slice(1), "--json").stdout).map((line) => JSON.parse(line));
   same(await answers(page, "robust"), expected, "robust");
   const file = await downloaded(page, "toml", "settings-robust.toml");
   const repeated = host("track", "synthetic", "--settings", file, "--json");
-  assert.deepEqual(JSON.parse(lines(repeated.stdout)[0]).options, { reach: 6, without: ["sweep"] });
+  assert.deepEqual(JSON.parse(lines(repeated.stdout)[0]).options, { reach: 6, without: ["sweep", "refiner"] });
 });
 
 onPage("a box of 0x0, a tracker that is switched off, a removed target", async (page) => {
