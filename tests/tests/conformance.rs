@@ -24,21 +24,21 @@ fn the_vectors_are_current() {
 fn smr_core_answers_as_the_vectors_say() {
     passes::<SmallPaper>(|tracker, frame| tracker.update(frame).ok());
     passes::<Robust>(|tracker, frame| tracker.update(frame).ok());
-    passes_text::<Robust>(REFINER, |tracker, frame| tracker.update(frame).ok(), (5, 25));
+    passes_text::<Robust>(REFINER, |tracker, frame| tracker.update(frame).ok(), (3, 15));
 }
 
 #[test]
 fn it_does_so_in_steps() {
     passes::<SmallPaper>(stepwise);
     passes::<Robust>(stepwise);
-    passes_text::<Robust>(REFINER, stepwise, (5, 25));
+    passes_text::<Robust>(REFINER, stepwise, (3, 15));
 }
 
 #[test]
 fn it_does_so_saved_and_restored_after_every_frame() {
     passes::<SmallPaper>(restored);
     passes::<Robust>(restored);
-    passes_text::<Robust>(REFINER, restored, (5, 25));
+    passes_text::<Robust>(REFINER, restored, (3, 15));
 }
 
 #[test]

@@ -35,7 +35,7 @@ const VECTORS = {
   },
   robust: {
     // Cases name the refiner only if it is on.
-    files: { "robust.txt": 85, "refiner.txt": 30 },
+    files: { "robust.txt": 85, "refiner.txt": 15 },
     preset: { refiner: false },
     // Without the response and the weights, which the C interface does not give. All later answers depend on them.
     expected: ([x, y, width, height, state, confidence, ratio, , scale, found, template]) => [

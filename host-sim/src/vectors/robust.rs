@@ -131,17 +131,18 @@ fn plain() -> Config {
     config
 }
 
-/// With the refiner: targets that grow, leave the frame, are long, are reduced, and are hidden.
-fn refined() -> [Case; 5] {
-    let named = |name: &'static str, case: Case| Case { name, ..case };
-    [
-        follow("refined"),
-        named("refined-border", border()),
-        named("refined-long", long()),
-        named("refined-large", large()),
-        hidden("refined-hidden"),
-    ]
-    .map(|mut case| {
+/// With the refiner: targets that come nearer, leave the frame, and are reduced.
+fn refined() -> [Case; 3] {
+    let nearer = [
+        (40, 32, 100, 100),
+        (41, 32, 112, 100),
+        (43, 31, 125, 104),
+        (44, 30, 140, 110),
+        (45, 30, 155, 104),
+        (46, 29, 170, 96),
+    ];
+    let nearer = recorded("refined", (64, 48), Rect::new(10, 8, 14, 12), &nearer);
+    [nearer, Case { name: "refined-border", ..border() }, Case { name: "refined-large", ..large() }].map(|mut case| {
         case.config.refiner = true;
         case
     })
@@ -265,6 +266,15 @@ mod tests {
         let whole = [follow("").answers(), hidden("").answers()];
         for case in changed() {
             assert!(!whole.contains(&case.answers()), "{}", case.name);
+        }
+    }
+
+    #[test]
+    fn the_refiner_corrects_boxes_in_each_of_its_cases() {
+        for mut case in refined() {
+            let with = case.answers();
+            case.config.refiner = false;
+            assert_ne!(with, case.answers(), "{}", case.name);
         }
     }
 }
