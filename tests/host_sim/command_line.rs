@@ -381,11 +381,11 @@ fn ablate_has_a_row_for_every_part() {
     let names = said.out.lines().skip(1).map(|line| line.split("  ").next().unwrap());
     let expected = ["smr", "robust", "without velocity", "without distance-penalty", "without size"];
     assert_eq!(names.clone().take(5).collect::<Vec<_>>(), expected);
-    assert_eq!(names.count(), 8);
+    assert_eq!(names.count(), 9);
 
     let report = host_sim(&[&arguments[..], &["--json"]].concat()).json();
     let means = report["means"].as_array().unwrap();
-    assert_eq!((means.len(), &means[7]["tracker"]), (8, &Value::from("without sweep")));
+    assert_eq!((means.len(), &means[8]["tracker"]), (9, &Value::from("without refiner")));
     let alone =
         host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "150", "--method", "robust", "--json"])
             .json();

@@ -148,7 +148,7 @@ fn a_flight_is_replayed_bit_for_bit() {
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
         // As documented: a lock takes 36 bytes plus its pixels, a frame 82 bytes plus its pixels.
-        let begin = if kind == CoreKind::Smr { 584 } else { 556 };
+        let begin = if kind == CoreKind::Smr { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
         let expected = begin + 36 + 82 * 239 + 36 + 24 + saved as u64 + flight.pixels;
@@ -222,7 +222,7 @@ fn a_changed_pixel_or_configuration_is_noticed() {
         // In the configuration: the window's radius, or the learning rate.
         let (end, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
-        changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 4 }] ^= 3;
+        changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 6 }] ^= 3;
         let report = replayed(&signed(changed, 0)).expect("a record");
         assert!(report.difference.is_some(), "{kind:?}");
     }

@@ -248,7 +248,7 @@ mod tests {
     /// bounds that this recording does not meet.
     #[test]
     fn other_numbers_are_noticed() {
-        let others: [Change<Numbers>; 36] = [
+        let others: [Change<Numbers>; 35] = [
             ("pixels", |numbers| numbers.pixels = 1599),
             ("cell", |numbers| numbers.cell = 5),
             ("cover", |numbers| numbers.cover = (3.0, 2.0)),
@@ -268,7 +268,6 @@ mod tests {
             ("velocity_part", |numbers| numbers.velocity_part = 0.25),
             ("velocity_rate", |numbers| numbers.velocity_rate = 0.25),
             ("scale_step", |numbers| numbers.scale_step = 1.03),
-            ("scale_reach", |numbers| numbers.scale_reach = 0),
             ("early_rate", |numbers| numbers.early_rate = 1.0 / 64.0),
             ("similarity_scale", |numbers| numbers.similarity_scale = 250.0),
             ("alpha_bounds.0", |numbers| numbers.alpha_bounds.0 = 99.0),
@@ -287,6 +286,13 @@ mod tests {
             ("parts.size", |numbers| numbers.parts.size = false),
         ];
         noticed(&others, |numbers| checked(CHECKED[0], Config::robust(), numbers, 40));
+        // The refiner reads more of the frame than the scale search, which then changes no window.
+        let scale_reach: [Change<Numbers>; 1] = [("scale_reach", |numbers| numbers.scale_reach = 0)];
+        noticed(&scale_reach, |mut numbers| {
+            let mut config = Config::robust();
+            (config.refiner, numbers.parts.refiner) = (false, false);
+            checked(CHECKED[0], config, numbers, 40)
+        });
     }
 
     /// The numbers that a target needs which jumps by so much that the filter errs by pixels, and grows while half of it looks otherwise.
@@ -315,10 +321,7 @@ mod tests {
         };
         let jumps = [(43, 45), (41, 50), (48, 47), (45, 41), (52, 44), (47, 49), (53, 43), (50, 50), (44, 46)];
         let grows = (33..43).map(|side| frame((44, 46), side));
-        // The refiner reads more of the frame than the scale search and would hide its window.
-        let (mut numbers, mut config) = (numbers, Config::robust());
-        (numbers.parts.refiner, config.refiner) = (false, false);
-        let check = lock("jumping", numbers, config, &frame((40, 40), 32), Rect::new(40, 40, 32, 32));
+        let check = lock("jumping", numbers, Config::robust(), &frame((40, 40), 32), Rect::new(40, 40, 32, 32));
         through(check, jumps.map(|at| frame(at, 32)).into_iter().chain(grows))
     }
 

@@ -195,7 +195,12 @@ impl<T: Target> Follows for Tracker<T> {
 fn tracker(method: CoreKind, radius: u16) -> Result<Box<dyn Follows>> {
     Ok(match method {
         CoreKind::Smr => Box::new(Tracker::<Paper>::new(paper::Config::camera_within(radius))?),
-        CoreKind::Robust => Box::new(Tracker::<Robust>::new(robust::Config::robust())?),
+        CoreKind::Robust => {
+            // The firmware is built without the refiner.
+            let mut config = robust::Config::robust();
+            config.refiner = false;
+            Box::new(Tracker::<Robust>::new(config)?)
+        }
     })
 }
 
