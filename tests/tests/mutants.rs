@@ -101,7 +101,7 @@ const PAPER: [Mutant; 22] = [
 ];
 
 /// The same for the robust tracker.
-const ROBUST: [Mutant; 24] = [
+const ROBUST: [Mutant; 29] = [
     ("cells of the filter", "track/robust/constants.rs", "MOST_CELLS: usize = 200;", "MOST_CELLS: usize = 190;"),
     ("a direction", "kernels/plain/gradients.rs", "(703, 256)", "(702, 256)"),
     (
@@ -146,6 +146,16 @@ const ROBUST: [Mutant; 24] = [
     ("alpha's bound", "track/robust/constants.rs", "MOST_ALPHA: u32 = 100;", "MOST_ALPHA: u32 = 9;"),
     ("confidence", "track/robust/config.rs", "patience: 179,", "patience: 180,"),
     ("gated learning", "track/robust/constants.rs", "LEARNED_FROM: i32 = 37_500;", "LEARNED_FROM: i32 = 98_304;"),
+    (
+        "the refiner's leak",
+        "track/robust/refiner/correction.rs",
+        "bounded(new)) * 15) >> 6",
+        "bounded(new)) * 14) >> 6",
+    ),
+    ("its fading", "track/robust/refiner/correction.rs", "(3 * (side - ONE)) >> 2", "(3 * (side - ONE)) >> 3"),
+    ("its crop", "track/robust/refiner/crop.rs", "(7 * i64::from(side)) >> 3", "(6 * i64::from(side)) >> 3"),
+    ("its inputs", "track/robust/refiner/crop.rs", "(root(squares) + 128)", "(root(squares) + 127)"),
+    ("a layer of its network", "track/robust/refiner/network.rs", "channels: 16, shift: 7", "channels: 16, shift: 6"),
 ];
 
 /// Mutants that only a lost and returning target shows. The robust tracker loses none of the targets in the built-in recordings; the

@@ -26,6 +26,8 @@ pub(super) const SLOPED: u32 = 64;
 /// For each weight that is coded or changed, and for each copied pixel of the template.
 pub(super) const CODED: u32 = 16;
 
+/// For each sample of the refiner's crop that is normalised.
+pub(super) const NORMALISED: u32 = 16;
 /// Samples on a side of the refiner's crop.
 const CROP: u32 = 32;
 /// The refiner's network: its products, and its inputs each time they are gathered.
@@ -108,7 +110,7 @@ impl Shape {
 
     /// A crop for the refiner: steps of columns and rows are less than four blocks together.
     const fn crop(config: &Config) -> u32 {
-        if config.refiner { CROP * CROP * VIEWED + 4 * (2 * CROP + 2) * (2 * CROP + 2) } else { 0 }
+        if config.refiner { CROP * CROP * (VIEWED + NORMALISED) + 4 * (2 * CROP + 2) * (2 * CROP + 2) } else { 0 }
     }
 
     /// The refiner: its crop, and its network.

@@ -160,6 +160,7 @@ impl Model<'_> {
         #[cfg(feature = "refiner")]
         if self.config.refiner {
             let crop = Crop::begin(self.track.bbox(), self.track.bounds, buffers.extractor.sampling());
+            // Cannot fail: a lock searches no scales, and their features take more.
             let _ = buffers.scale_cells.resize_default(refiner::FIRST);
             pipeline.stage = Stage::FirstCrop(crop);
             return;
@@ -263,7 +264,9 @@ impl Model<'_> {
                 if length.is_some() {
                     (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
                     #[cfg(feature = "refiner")]
-                    self.begin_refiner(pipeline, buffers);
+                    if self.config.refiner {
+                        self.begin_refiner(pipeline, buffers);
+                    }
                 }
             }
             #[cfg(feature = "refiner")]
@@ -278,30 +281,31 @@ impl Model<'_> {
             Stage::Refiner(refinement) => {
                 let Buffers { extractor, cells, .. } = buffers;
                 let dense = Dense::new(self.config.backend());
-                let said = refinement.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
-                if let (Some(said), Some(track)) = (said, &mut pipeline.outcome.track) {
-                    track.correction.take(said);
+                let estimate = refinement.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
+                if let (Some(estimate), Some(track)) = (estimate, &mut pipeline.outcome.track) {
+                    track.correction.take(estimate);
                     pipeline.stage = Stage::Done;
                 }
             }
         }
     }
 
-    /// Begins the refinement of the box in an update. The window's features are not needed any more, so their memory is free.
+    /// After the learning of an update: begins the refinement of the box, unless the early template gave the exact place and size. The
+    /// window's features are not needed any more, so the refiner may use their memory.
     #[cfg(feature = "refiner")]
     #[inline(never)] // see `advance_stage`
     fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         let Outcome { track: Some(track), candidate, steps_left: 0, .. } = &mut pipeline.outcome else { return };
-        if !self.config.refiner {
-        } else if candidate.is_exact() {
+        if candidate.is_exact() {
             track.correction.fade();
-        } else {
-            let Buffers { extractor, cells, .. } = buffers;
-            cells.clear();
-            let _ = cells.resize_default(refiner::ROOM);
-            let crop = Crop::begin(track.bbox(), track.bounds, extractor.sampling());
-            pipeline.stage = Stage::Refiner(Refinement::Crop(crop));
+            return;
         }
+        let Buffers { extractor, cells, .. } = buffers;
+        cells.clear();
+        // Cannot fail: a window of features is larger.
+        let _ = cells.resize_default(refiner::ROOM);
+        let crop = Crop::begin(track.bbox(), track.bounds, extractor.sampling());
+        pipeline.stage = Stage::Refiner(Refinement::Crop(crop));
     }
 
     /// Begins the search of a window.

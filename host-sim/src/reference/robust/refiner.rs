@@ -11,8 +11,8 @@ const SIDE: i64 = 32;
 const WIDER: f64 = 1.75;
 /// An input at the mean of its crop.
 const MEAN: f64 = 64.0;
-/// What the network says lies on a grid of this.
-const SAID: f64 = 4096.0;
+/// The network's estimates lie on a grid of this.
+const ESTIMATE: f64 = 4096.0;
 
 /// Layers: side of the outputs, step, input channels, outputs, and what sums are divided by. A full layer has one pixel.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
@@ -58,7 +58,7 @@ fn activation(sum: f64, divisor: f64) -> f64 {
     (sum / divisor).floor().clamp(0.0, 127.0)
 }
 
-/// What the network says of two crops: right, down, width, height.
+/// The network's estimate for two crops: right, down, width, height.
 fn network(weights: &[u8], first: &[f64], present: &[f64]) -> [f64; 4] {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
@@ -83,7 +83,7 @@ fn network(weights: &[u8], first: &[f64], present: &[f64]) -> [f64; 4] {
         // The last layer's sums are the outputs.
         numbers = if outputs == 6 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
     }
-    [numbers[0], numbers[1], numbers[2], numbers[3]].map(|sum| sum / SAID)
+    [numbers[0], numbers[1], numbers[2], numbers[3]].map(|sum| sum / ESTIMATE)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -131,23 +131,23 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Looks at the corrected box, and corrects the correction: by a quarter of what the network says, less a sixteenth of all.
+    /// Looks at the corrected box, and corrects the correction: by a quarter of the network's estimate, less a sixteenth of all.
     pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) {
         let present = crop(numbers, frame, self.correct(target));
         let [right, below, width, height] =
-            network(self.weights, &self.first, &present).map(|said| said.clamp(-1.0, 1.0));
-        for (centre, said) in self.centre.iter_mut().zip([right, below]) {
-            *centre = down((*centre + said / 4.0) * 15.0 / 16.0, SAID).clamp(-0.5, 0.5);
+            network(self.weights, &self.first, &present).map(|estimate| estimate.clamp(-1.0, 1.0));
+        for (centre, estimate) in self.centre.iter_mut().zip([right, below]) {
+            *centre = down((*centre + estimate / 4.0) * 15.0 / 16.0, ESTIMATE).clamp(-0.5, 0.5);
         }
-        for (side, said) in self.sides.iter_mut().zip([width, height]) {
-            let grown = *side + down(*side * said / 4.0, SCALE);
+        for (side, estimate) in self.sides.iter_mut().zip([width, height]) {
+            let grown = *side + down(*side * estimate / 4.0, SCALE);
             *side = (1.0 + down((grown - 1.0) * 15.0 / 16.0, SCALE)).clamp(0.5, 2.0);
         }
     }
 
     /// Place and size are exact without a correction: it fades by a quarter.
     pub fn fade(&mut self) {
-        self.centre = self.centre.map(|centre| down(centre * 0.75, SAID));
+        self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));
         self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
     }
 

@@ -1,12 +1,12 @@
-//! What the network says, carried from frame to frame.
+//! The correction of a box: the network's estimates, carried from frame to frame.
 //!
 //! ```text
-//! centre' = 15/16 (centre + said / 4)                     in units of the box's side
-//! factor' = 1 + 15/16 (factor (1 + said / 4) - 1)         of width and height
+//! centre' = 15/16 (centre + estimate / 4)                     in units of the box's side
+//! factor' = 1 + 15/16 (factor (1 + estimate / 4) - 1)         of width and height
 //! ```
 //!
 //! The next crop is that of the corrected box, so errors of the network are corrected by the network. Without the leak of 1/16 they would
-//! add up. If the early template gives the exact place and size, the network is not asked, and the correction fades by a quarter.
+//! add up. If the early template gives the exact place and size, the network does not run, and the correction fades by a quarter.
 
 use crate::image::FineRect;
 
@@ -17,8 +17,8 @@ const LEAST: i32 = ONE / 2;
 const MOST: i32 = 2 * ONE;
 /// The farthest centre: half a box, in units of 1/4096 of its side.
 const FARTHEST: i32 = 1 << 11;
-/// The most that is believed of an output: 1.
-const MOST_SAID: i32 = 1 << 12;
+/// The largest estimate that counts: 1.
+const MOST_ESTIMATE: i32 = 1 << 12;
 
 /// The correction of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,15 +33,15 @@ impl Correction {
     /// After a lock.
     pub(in super::super) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
-    /// Takes what the network said: right, down, logarithms of width and height, in units of 1/4096.
+    /// Adds an estimate: right, down, logarithms of width and height, in units of 1/4096.
     pub(in super::super) fn take(&mut self, [right, down, width, height]: [i32; 4]) {
-        let said = |said: i32| said.clamp(-MOST_SAID, MOST_SAID);
+        let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
-            *centre = (((4 * *centre + said(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
+            *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
         }
         for (side, new) in self.sides.iter_mut().zip([width, height]) {
             // At most 2^17 * 2^12.
-            let grown = *side + ((*side * said(new)) >> 14);
+            let grown = *side + ((*side * bounded(new)) >> 14);
             *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST, MOST);
         }
     }
@@ -103,15 +103,18 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_again_and_again_stays_within_bounds() {
-        for said in [i32::MIN, -4096, 4096, i32::MAX] {
+    fn the_same_estimate_again_and_again_stays_within_bounds() {
+        for estimate in [i32::MIN, -4096, 4096, i32::MAX] {
             let mut correction = Correction::NONE;
             for _ in 0..100 {
-                correction.take([said; 4]);
+                correction.take([estimate; 4]);
             }
             let Correction { centre, sides } = correction;
-            assert_eq!(Correction::restore(centre, sides), Some(correction), "{said}");
-            assert!(centre[0].abs() == FARTHEST && (sides[0] == LEAST || sides[0] == MOST), "{said}: {correction:?}");
+            assert_eq!(Correction::restore(centre, sides), Some(correction), "{estimate}");
+            assert!(
+                centre[0].abs() == FARTHEST && (sides[0] == LEAST || sides[0] == MOST),
+                "{estimate}: {correction:?}"
+            );
         }
     }
 

@@ -7,7 +7,7 @@
 //!
 //! So x is 64 at the mean and changes by 16 for each standard deviation; the 128 keep the noise of a plain crop small.
 
-use super::super::cost::VIEWED;
+use super::super::cost::{NORMALISED, VIEWED, units};
 use super::super::gradients::root;
 use super::super::sampling::{self, Lattice};
 use crate::image::{FineRect, Frame, Rect};
@@ -100,6 +100,7 @@ impl Crop {
             return false;
         }
         normalise(crop);
+        work.spend(NORMALISED * units(FIRST));
         true
     }
 }

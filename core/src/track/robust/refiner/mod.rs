@@ -1,7 +1,7 @@
 //! The refiner: corrects the answered box by a small learned network. It needs the feature `refiner`.
 //!
 //! The filter finds the target, but its box has one scale for width and height, and lags behind a target that comes nearer or turns. The
-//! network sees the target in the first frame and now, and says how the box is wrong ([`network`]). What it says is carried from frame to
+//! network sees the target in the first frame and now, and estimates how the box is wrong ([`network`]). The estimates are carried from frame to
 //! frame ([`correction`]). It corrects only the answer: place and scale of the tracker, and what it learns, stay as they are.
 //! (In the loop the same network made the tracker worse: it moved the place by its own errors.)
 //!
@@ -39,7 +39,7 @@ pub(super) enum Refinement {
 }
 
 impl Refinement {
-    /// One unit of work; what the network says after the last one. `first` is the crop of the first frame, `cells` scratch memory.
+    /// One unit of work; the network's estimate after the last one. `first` is the crop of the first frame, `cells` scratch memory.
     pub(super) fn advance(
         &mut self,
         dense: Dense,

@@ -22,7 +22,7 @@ use super::crop::{FIRST, MEAN, SIDE};
 use crate::kernels::{Dense, Layer, rolled};
 use crate::track::update::UnderWay;
 
-/// What the network says of a box: centre to the right and down, logarithms of width and height, in units of 1/4096.
+/// The network's estimate of a box: centre to the right and down, logarithms of width and height, in units of 1/4096.
 pub(super) type Outputs = [i32; 4];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -232,4 +232,31 @@ fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
     work.spend(units(outputs * (count + last)));
     let [right, down, width, height, ..] = Dense::sums::<6>(layer(number + 1, 0), &hidden);
     [right, down, width, height]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Inputs of 0 and 127 at their worst: no sum of any layer leaves an `i32`.
+    #[test]
+    fn the_largest_sums() {
+        for (number, (inputs, outputs)) in LAYERS.into_iter().enumerate() {
+            let Layer { weights, biases, .. } = layer(number, 0);
+            assert_eq!((weights.len(), biases.len()), (inputs * outputs, outputs));
+            for (row, &bias) in weights.chunks(inputs).zip(biases) {
+                let products: i64 = row.iter().map(|&weight| 127 * i64::from(weight).abs()).sum();
+                let largest = i64::from(i32::from_le_bytes(bias)).abs() + products;
+                assert!(largest < 1 << 28 && !row.contains(&i8::MIN), "{number}: {largest}");
+            }
+        }
+    }
+
+    /// What `weights.json` says of the file.
+    #[test]
+    fn the_recipe_is_that_of_these_weights() {
+        let recipe = include_str!("weights.json");
+        let bytes = std::format!("\"bytes\": {BYTES}");
+        assert!(recipe.contains(&bytes) && recipe.contains("\"half\": \"all\""));
+    }
 }
