@@ -9,14 +9,15 @@
 //! So a number that was written and a target that was not do not pass for a copy.
 //!
 //! ```
-//! use smr_core::{Frame, Image, Rect, Robust, Tracker, copies, robust};
+//! use smr_core::{Frame, Image, Rect, Robust, Target, Tracker, copies, robust};
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! # let pixels: Vec<u8> = (0..96 * 96).map(|at: u32| (at.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
 //! # let mut tracker = Tracker::<Robust>::new(robust::Config::robust())?;
 //! # tracker.lock(&Frame::whole(Image::new(&pixels, 96, 96)?), Rect::new(30, 30, 24, 24))?;
 //! // Two places in flash. At the start: continue with the newer copy, if there is one.
-//! let mut flash = [[0xFF; copies::size(12_000)], [0xFF; copies::size(12_000)]];
+//! const SIZE: usize = copies::size(Robust::SAVED_SIZE);
+//! let mut flash = [[0xFF; SIZE], [0xFF; SIZE]];
 //! let [first, second] = &flash;
 //! if let Some(copy) = copies::newest(first, second) {
 //!     tracker.restore(copy.saved)?;

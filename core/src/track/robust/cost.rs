@@ -164,7 +164,7 @@ impl Config {
     /// ```
     /// use smr_core::robust::Config;
     /// const MOST: smr_core::MostWork = Config::robust().most_work();
-    /// assert!(MOST.update < 6_500_000 && MOST.lock < 50_500_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
+    /// assert!(MOST.update < 6_500_000 && MOST.lock < 50_600_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
     /// ```
     #[must_use]
     pub const fn most_work(&self) -> MostWork {
