@@ -80,7 +80,7 @@
 /** The most bytes that #smr_save writes for the paper's tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 42)
 /** Bytes of storage for one robust tracker, a constant expression. */
-#define SMR_ROBUST_TARGET_SIZE (12384 + 7 * sizeof(size_t))
+#define SMR_ROBUST_TARGET_SIZE (12392 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (39872 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */

@@ -24,24 +24,27 @@ pub const PAPER_WORKSPACE_SIZE: usize =
 /// `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 42;
 
-/// Bytes that the refiner adds to a target and to its saved form. The header leaves room for them, so that it fits the library with and
+/// Bytes that the refiner adds to a target. The header leaves room for them, so that it fits the library with and
 /// without the refiner.
-pub(crate) const REFINER: usize = 1040;
+pub(crate) const REFINER: usize = 1048;
+/// Bytes that it adds to the saved form.
+const SAVED_REFINER: usize = 1040;
 
 /// `SMR_ROBUST_TARGET_SIZE` in the header.
-pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 7]>();
+pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` in the header.
 pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` in the header.
-pub const ROBUST_SAVED_SIZE: usize = 11276 + REFINER;
+pub const ROBUST_SAVED_SIZE: usize = 11276 + SAVED_REFINER;
 
 /// `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;
 
 const _: () = assert!(PAPER_SAVED_SIZE == PaperTarget::SAVED_SIZE);
-const _: () = assert!(ROBUST_SAVED_SIZE == Robust::SAVED_SIZE || ROBUST_SAVED_SIZE == Robust::SAVED_SIZE + REFINER);
+const _: () =
+    assert!(ROBUST_SAVED_SIZE == Robust::SAVED_SIZE || ROBUST_SAVED_SIZE == Robust::SAVED_SIZE + SAVED_REFINER);
 const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
 
 /// Parses `text` at compile time; `default` if there is no text. Anything but a number above 0 is a compile error.
