@@ -31,7 +31,7 @@ pub struct Config {
     /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
     pub sweep: bool,
     /// Whether a small learned network corrects the answered box (feature `refiner`). With it the box keeps to a target that comes nearer,
-    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window).
+    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). Without the feature, [`Config::check`] refuses it.
     pub refiner: bool,
     /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher value holds on to the
     /// target for longer: through short occlusions, but also through errors.

@@ -29,7 +29,7 @@ pub(super) const CODED: u32 = 16;
 /// For each sample of the refiner's crop that is normalised.
 pub(super) const NORMALISED: u32 = 16;
 /// Samples on a side of the refiner's crop.
-const CROP: u32 = 32;
+pub(super) const CROP: u32 = 32;
 /// The refiner's network: its products, and its inputs each time they are gathered.
 #[cfg(feature = "refiner")]
 const NETWORK: u32 = super::refiner::WORK;

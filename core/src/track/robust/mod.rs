@@ -27,13 +27,13 @@
 //!     |
 //!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        1.59
 //!     |
-//!  refiner       the box by a small learned network (feature `refiner`)                               0.6
+//!  refiner       the box by a small learned network (feature `refiner`)                               0.76
 //!     |
 //!   answer                                                                                    4.55 in all
 //! ```
 //!
-//! The numbers are those of the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The rest of 4.55 is coding of weights. They are without the
-//! refiner.
+//! The numbers are those of the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The rest of 4.55 is coding of weights.
+//! The sum is without the refiner.
 //! A frame is learned or redetected, never both.
 //!
 //! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs` counts the work,

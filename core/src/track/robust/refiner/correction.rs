@@ -46,7 +46,7 @@ impl Correction {
         }
     }
 
-    /// Place and size are exact without it.
+    /// Makes the correction smaller by a quarter, because place and size are exact without it.
     pub(in super::super) fn fade(&mut self) {
         self.centre = self.centre.map(|centre| (3 * centre) >> 2);
         self.sides = self.sides.map(|side| ONE + ((3 * (side - ONE)) >> 2));

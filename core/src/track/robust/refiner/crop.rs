@@ -7,7 +7,7 @@
 //!
 //! So x is 64 at the mean and changes by 16 for each standard deviation; the 128 keep the noise of a plain crop small.
 
-use super::super::cost::{NORMALISED, VIEWED, units};
+use super::super::cost::{CROP, NORMALISED, VIEWED, units};
 use super::super::gradients::root;
 use super::super::sampling::{self, Lattice};
 use crate::image::{FineRect, Frame, Rect};
@@ -15,8 +15,10 @@ use crate::kernels::rolled;
 use crate::track::update::UnderWay;
 
 /// Samples on a side.
-pub(super) const SIDE: usize = 32;
+pub(super) const SIDE: usize = CROP as usize;
+/// The same, as a lattice counts.
 const ROWS: u16 = 32;
+const _: () = assert!(ROWS as usize == SIDE);
 /// Samples of a crop.
 pub(in super::super) const FIRST: usize = SIDE * SIDE;
 /// The value of the mean.

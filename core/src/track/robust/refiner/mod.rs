@@ -3,7 +3,7 @@
 //! The filter finds the target, but its box has one scale for width and height, and lags behind a target that comes nearer or turns. The
 //! network sees the target in the first frame and now, and estimates how the box is wrong ([`network`]). The estimates are carried from frame to
 //! frame ([`correction`]). It corrects only the answer: place and scale of the tracker, and what it learns, stay as they are.
-//! (In the loop the same network made the tracker worse: it moved the place by its own errors.)
+//! (Moving the place or changing the scale by the estimates gained nothing on the recordings.)
 //!
 //! ```text
 //! after learning:  crop -> layers 1 to 4 -> two full layers -> correction
