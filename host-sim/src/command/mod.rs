@@ -45,7 +45,7 @@ use crate::{ending, words};
 use anyhow::{Context, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-#[cfg(not(feature = "bench"))]
+#[cfg(not(all(feature = "bench", feature = "manual")))]
 use not_built::NotBuilt;
 use places::Places;
 pub use recordings::recordings;

@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use std::ffi::OsString;
 
 /// The features of this package, as places in [`FEATURES`].
+#[cfg(any(test, not(feature = "bench")))]
 pub const BENCH: usize = 0;
 #[cfg(not(feature = "emulator"))]
 pub const EMULATOR: usize = 1;
