@@ -1,7 +1,7 @@
 //! **Unstable**: gives `host-sim` and the tests access to the inside of the trackers. It is behind the feature `unstable` and may change in
 //! any version. Firmware does not need it.
 
-use crate::image::{FineRect, Frame};
+use crate::image::{FineRect, Frame, Image};
 use crate::similarity::Scorer;
 use crate::track::robust::{Config, Robust, Workspace};
 use crate::track::{UpdateError, robust};
@@ -85,4 +85,40 @@ pub const fn response(workspace: &Workspace) -> i32 {
 #[inline(always)] // benchmarks measure it alone
 pub fn spread(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     scorer.spread(rows, low, high);
+}
+
+/// Which of four offsets may score at least `floor`, by the backend of `scorer`: bit i is clear only if the offset i columns to the right cannot. The
+/// patch has three more columns than the template.
+///
+/// ```
+/// use smr_core::Image;
+/// use smr_core::similarity::{Backend, CutTable, Scorer, Table};
+/// use smr_core::unstable::candidates;
+/// let table = CutTable::new(&Table::PAPER, 13);
+/// let patch = [0, 0, 90, 90, 90, 90, 0];
+/// let (patch, template) = (Image::new(&patch, 7, 1)?, Image::new(&[90; 4], 4, 1)?);
+/// // The offset 2 equals the template; others may be let through.
+/// assert_eq!(candidates(&Scorer::new(Backend::best(), &table), patch, template, 4 * 65535) & 4, 4);
+/// # Ok::<(), smr_core::ImageError>(())
+/// ```
+#[must_use]
+pub fn candidates(scorer: &Scorer<'_>, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+    scorer.candidates(patch, template, floor)
+}
+
+/// The ranges of [`spread`] in the form of the backend of `scorer`: for [`most_within`].
+pub fn ranges(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+    scorer.ranges(rows, low, high);
+}
+
+/// An upper bound of the score of each of 4x4 offsets, from their [`ranges`]; `None` if it is less than `floor`.
+#[must_use]
+pub fn most_within(
+    scorer: &Scorer<'_>,
+    low: Image<'_>,
+    high: Image<'_>,
+    template: Image<'_>,
+    floor: u32,
+) -> Option<u32> {
+    scorer.most_within(low, high, template, floor)
 }

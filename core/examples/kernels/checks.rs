@@ -1,9 +1,9 @@
 //! The comparisons: every kernel with the plain loop that specifies it.
 
 use crate::memory::{Memory, ROOM};
-use smr_core::Image;
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
-use smr_core::unstable::spread;
+use smr_core::unstable::{candidates, most_within, ranges, spread};
+use smr_core::{Image, Rect};
 
 /// The steepest table, one in between, and the paper's.
 static TABLES: [Table; 3] = [table(1), table(40), Table::PAPER];
@@ -59,7 +59,64 @@ impl Checks {
                 self.between(memory, Shape { width, height, strides }, (width * 7 + height * 13) % 257)?;
             }
         }
+        for (width, height) in (1..=40).flat_map(|width| [1, 2, 6].map(|height| (width, height))) {
+            for threshold in [0, 1, 2, 13, 64, 255, 256] {
+                self.candidates(memory, width, height, threshold)?;
+                self.group(memory, width, height, threshold)?;
+            }
+        }
         (0..=200).try_for_each(|columns| self.spread(columns, memory))
+    }
+
+    /// Compares which of four offsets may reach a score: all that reach it, and not all if none comes near it.
+    fn candidates(&mut self, memory: &Memory, width: u16, height: u16, threshold: u16) -> Outcome {
+        let wrong = |what| Difference { what, width: width.into(), height: height.into(), threshold };
+        let shape = |width| Shape { width, height, strides: (0, 0) };
+        let patch = picture(memory.end, usize::from(width) + 3, shape(width + 3), true);
+        let template = picture(memory.other_end, width.into(), shape(width), true);
+        let (patch, template) = patch.zip(template).ok_or(wrong("no picture"))?;
+        let table = TABLES.get(usize::from((width + height) % 3)).unwrap_or(&Table::PAPER);
+        let table = CutTable::new(table, threshold);
+        let plain = Scorer::new(Backend::Scalar, &table);
+        let score = |offset: u8| {
+            let patch = patch.crop(Rect::new(offset.into(), 0, width, height))?;
+            plain.score(patch, template)
+        };
+        let most = u32::from(width) * u32::from(height) * u32::from(Table::ONE);
+        for floor in (0..4).filter_map(score).flat_map(|score| [score, score.saturating_sub(1)]).chain([0, most]) {
+            let answer = candidates(&Scorer::new(self.backend, &table), patch, template, floor);
+            let right = (0..4).all(|offset| answer >> offset & 1 != 0 || score(offset) < Some(floor));
+            self.compare(right).ok_or(wrong("candidates"))?;
+        }
+        let excludes = self.backend == Backend::Scalar || width < 16 || !(1..=13).contains(&threshold);
+        let answer = candidates(&Scorer::new(self.backend, &table), patch, template, most);
+        self.compare(excludes || answer & 0b1111 != 0b1111).ok_or(wrong("candidates that are none"))
+    }
+
+    /// Compares the bound of a group with the scores of its 16 offsets.
+    fn group(&mut self, memory: &Memory, width: u16, height: u16, threshold: u16) -> Outcome {
+        let wrong = |what| Difference { what, width: width.into(), height: height.into(), threshold };
+        let frame = Shape { width: width + 3, height: height + 3, strides: (0, 0) };
+        let frame = picture(memory.end, frame.width.into(), frame, true).ok_or(wrong("no picture"))?;
+        let shape = Shape { width, height, strides: (0, 0) };
+        let template = picture(memory.other_end, width.into(), shape, false).ok_or(wrong("no picture"))?;
+        let table = CutTable::new(&Table::PAPER, threshold);
+        let (scorer, plain) = (Scorer::new(self.backend, &table), Scorer::new(Backend::Scalar, &table));
+        let (mut low, mut high) = ([0; 240], [0; 240]);
+        let rows = low.chunks_mut(width.into()).zip(high.chunks_mut(width.into()));
+        for (y, (low, high)) in (0..height).zip(rows) {
+            ranges(&scorer, &[0, 1, 2, 3].map(|row| frame.row(y + row)), low, high);
+        }
+        let view = |pixels| Image::new(pixels, width, height).ok();
+        let (low, high) = view(&low).zip(view(&high)).ok_or(wrong("no picture"))?;
+        let score = |at: i32| plain.score(frame.crop(Rect::new(at % 4, at / 4, width, height))?, template);
+        let best = (0..16).filter_map(score).max().ok_or(wrong("no score"))?;
+        for floor in [0, best / 2, best] {
+            let most = most_within(&scorer, low, high, template, floor);
+            self.compare(most >= Some(best)).ok_or(wrong("bound of a group"))?;
+        }
+        let least = most_within(&scorer, low, high, template, best + 1);
+        self.compare(least.is_none_or(|least| least > best)).ok_or(wrong("bound of a group above its floor"))
     }
 
     /// Pictures at both ends of the memory and at its start, with and without gaps between the rows.

@@ -1,5 +1,8 @@
 //! The similarity of two pixels by their difference, as kernels look it up: zero from the threshold on.
 
+#[cfg(any(smr_dsp, smr_helium))]
+use super::arm::points::Points;
+
 /// The similarity of equal pixels: 1.0.
 pub(crate) const ONE: u16 = u16::MAX;
 
@@ -25,6 +28,8 @@ pub struct CutTable {
     /// See [`CutTable::chord`]. Stored on targets that need it in every step and divide slowly.
     #[cfg(any(smr_dsp, smr_helium))]
     chord: u32,
+    #[cfg(any(smr_dsp, smr_helium))]
+    points: Points,
 }
 
 impl CutTable {
@@ -34,6 +39,8 @@ impl CutTable {
         threshold: 0,
         #[cfg(any(smr_dsp, smr_helium))]
         chord: 0,
+        #[cfg(any(smr_dsp, smr_helium))]
+        points: Points::NONE,
     };
 
     /// Sets the entries below `threshold` to those given, and all others to 0.
@@ -47,6 +54,7 @@ impl CutTable {
         #[cfg(any(smr_dsp, smr_helium))]
         {
             self.chord = self.flattest();
+            self.points = Points::of(&self.entries, threshold);
         }
     }
 
@@ -79,6 +87,13 @@ impl CutTable {
     #[inline]
     pub(super) const fn chord(&self) -> u32 {
         self.chord
+    }
+
+    /// How points bound a score.
+    #[cfg(any(smr_dsp, smr_helium))]
+    #[inline]
+    pub(super) const fn points(&self) -> &Points {
+        &self.points
     }
 
     #[cfg(all(target_arch = "x86_64", not(any(smr_dsp, smr_helium))))]

@@ -51,23 +51,29 @@ mod arm {
     #[cfg(smr_dsp)]
     pub(super) mod dsp {
         pub(in super::super) mod bilinear;
+        mod candidates;
         #[cfg(feature = "refiner")]
         pub(in super::super) mod dense;
         pub(in super::super) mod gradients;
+        mod groups;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
     #[cfg(smr_helium)]
     pub(super) mod helium {
         pub(in super::super) mod bilinear;
+        mod candidates;
         #[cfg(feature = "refiner")]
         pub(in super::super) mod dense;
         pub(in super::super) mod gradients;
+        mod groups;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
         pub(in super::super) mod weights;
     }
+    mod effort;
     mod loss;
+    pub(super) mod points;
 }
 mod backend;
 mod bilinear;

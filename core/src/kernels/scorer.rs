@@ -9,7 +9,7 @@ use super::arm::helium::scores as helium;
 use super::backend::Backend;
 use super::cut_table::{CutTable, MAX_PIXELS};
 use super::plain::scores::{self as plain, Plain};
-use super::scores::Scores;
+use super::scores::{ALL_FOUR, Scores};
 #[cfg(feature = "verify")]
 use super::verify::scores as verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -158,6 +158,31 @@ impl<'a> Scorer<'a> {
         #[cfg(feature = "verify")]
         verify::score_between(score, (low, high, template), self.plain.table, floor);
         score
+    }
+
+    /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score.
+    #[inline(always)]
+    pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+        if checked(patch, template).is_none() {
+            return ALL_FOUR;
+        }
+        let candidates = dispatch!(self, kernels => kernels.candidates(patch, template, floor));
+        #[cfg(feature = "verify")]
+        verify::candidates(candidates, (patch, template), self.plain.table, floor);
+        candidates
+    }
+
+    /// The ranges of [`Scorer::spread`], in a form that only [`Scorer::most_within`] reads.
+    #[inline(always)]
+    pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        dispatch!(self, kernels => kernels.ranges(rows, low, high));
+    }
+
+    /// [`Scorer::score_between_at_least`] for ranges of [`Scorer::ranges`].
+    #[inline(always)]
+    pub(crate) fn most_within(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        checked(low, template)?;
+        dispatch!(self, kernels => kernels.most_within(low, high, template, floor))
     }
 
     /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more

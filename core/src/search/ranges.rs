@@ -174,7 +174,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let pixels = u32::from(template.width()) * u32::from(template.height());
             // These rows counted as fully similar so far: replace that by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);
-            let score = scorer.score_between_at_least(low, high, template, needed.max(1).saturating_sub(others));
+            let score = scorer.most_within(low, high, template, needed.max(1).saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
             Some(pixels)
         };
@@ -240,7 +240,7 @@ impl Shape {
 fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
     match frame.patch(Rect::new(x, y, columns, 4)) {
-        Some(pixels) => scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
+        Some(pixels) => scorer.ranges(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
         None => ranges_at_border(frame, x, y, scorer, low, high),
     }
 }
@@ -263,7 +263,7 @@ fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low:
                 to.iter_mut().skip(right).zip(from).for_each(|(to, &from)| *to = from);
             }
         }
-        scorer.spread(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
+        scorer.ranges(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
         x = x.saturating_add(PART.into());
     }
 }

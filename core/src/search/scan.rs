@@ -30,6 +30,8 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     tile: Tile,
     stage: Stage,
     pruning: bool,
+    /// The offsets of the present row of a group that may matter: see [`Scorer::candidates`].
+    candidates: u8,
     /// Comparisons in the present step.
     work: u32,
     /// Comparisons since the floor was raised last.
@@ -107,6 +109,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             tile,
             stage: Stage::Done,
             pruning: false,
+            candidates: 0,
             work: 0,
             since_floor: 0,
         }
@@ -319,7 +322,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.next_tile(scene, place)
     }
 
-    /// Scores an offset of a group, unless an earlier group or tile contains it.
+    /// Scores an offset of a group, unless an earlier group or tile contains it. The first offset of each row of four asks which of them may
+    /// matter.
     fn score_in_group(
         &mut self,
         scene: &Scene<'_>,
@@ -328,11 +332,23 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         new: (usize, usize),
         offset: usize,
     ) {
+        let new = (
+            new.0.max(place.column.saturating_sub(self.tile.column)),
+            new.1.max(place.row.saturating_sub(self.tile.row)),
+        );
         let (column, row) = (group.0 + offset % SIDE, group.1 + offset / SIDE);
-        let is_new = column >= new.0 && row >= new.1;
-        let (column, row) = (self.tile.column + column, self.tile.row + row);
-        if is_new && column >= place.column && row >= place.row {
-            let (x, y) = scene.window.position(column, row);
+        let (x, y) = scene.window.position(self.tile.column + column, self.tile.row + row);
+        if offset.is_multiple_of(SIDE) {
+            // To score one offset is faster than to bound four.
+            let are_many = row >= new.1 && new.0 + 1 < column + SIDE;
+            self.candidates = if are_many { candidates(scene, x, y, self.leaders.needed()) } else { u8::MAX };
+        }
+        if column < new.0 || row < new.1 {
+            return;
+        }
+        if self.candidates >> (offset % SIDE) & 1 == 0 {
+            self.spend(area(scene));
+        } else {
             self.score(scene, x, y);
         }
     }
@@ -376,6 +392,13 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.leaders.note(&scene.window, Peak { x, y, score });
         }
     }
+}
+
+/// Which of the four offsets from (`x`, `y`) to the right may score `needed`: see [`Scorer::candidates`]. All four if the box is not wholly inside the
+/// frame at each of them.
+fn candidates(scene: &Scene<'_>, x: i32, y: i32, needed: u32) -> u8 {
+    let four = Rect::new(x, y, scene.template.width().saturating_add(3), scene.template.height());
+    scene.frame.patch(four).map_or(u8::MAX, |patch| scene.scorer.candidates(patch, scene.template, needed))
 }
 
 const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];

@@ -42,6 +42,12 @@ impl Contrast {
         Self { pixels: count, mean, deviation, cut_off }
     }
 
+    /// True if the patch has enough contrast beside any target of as many pixels, and not too many clipped pixels beside any: no pixel of a
+    /// target deviates by more than half the range, and no target has fewer clipped pixels than none.
+    pub(crate) const fn is_enough_for_any(&self) -> bool {
+        SHOWN * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.cut_off <= self.pixels
+    }
+
     /// True if the patch has at least a quarter of the contrast of `target`, which has as many pixels.
     pub(crate) const fn has_contrast_of(&self, target: Self) -> bool {
         SHOWN * self.deviation >= target.deviation
@@ -55,6 +61,8 @@ impl Contrast {
 
 /// Pixels of a row that are summed at once: 257 * 255 is the most that 16 bits can hold.
 const PART: usize = 257;
+/// The mean absolute deviation of a picture is at most this: half its pixels are 0, the others 255.
+const MOST_DEVIATION: u32 = 128;
 /// The target may have at most this many times the contrast of the patch.
 const SHOWN: u32 = 4;
 

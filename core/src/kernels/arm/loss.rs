@@ -4,9 +4,12 @@
 //! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets
 //! sum bytes fast, but look up a table pixel by pixel. So groups of offsets are bounded by this loss alone.
 
-use crate::kernels::cut_table::CutTable;
+use super::effort::Effort;
+use super::points::{OFFSETS, Points};
+use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::plain::scores::Plain;
 use crate::kernels::rows::Rows;
+use crate::kernels::scores::ALL_FOUR;
 
 /// A table as these kernels look it up, pixel by pixel.
 pub(crate) struct Lookup<'a> {
@@ -33,6 +36,53 @@ impl<'a> Lookup<'a> {
 
     pub(crate) fn entries(&self) -> *const u16 {
         self.plain.table.entries().as_ptr()
+    }
+
+    /// The largest difference of a pixel that counts.
+    pub(crate) fn margin(&self) -> u8 {
+        u8::try_from(self.plain.table.threshold().saturating_sub(1)).unwrap_or(u8::MAX)
+    }
+
+    /// An upper bound of the score of a group, if it is at least `floor`. `misses` is called only for at least `NARROWEST` columns. It counts the
+    /// pixels that cannot count.
+    #[inline(always)]
+    pub(crate) fn most_within<const NARROWEST: usize>(
+        &self,
+        rows: &Rows,
+        floor: u32,
+        misses: unsafe fn(&Rows, u32) -> u32,
+    ) -> Option<u32> {
+        let full = rows.full_after(0);
+        let allowed = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor))?;
+        let some_count = (1..256).contains(&self.plain.table.threshold());
+        if !some_count || rows.width < NARROWEST || rows.patch_stride != rows.high_stride {
+            return Some(full);
+        }
+        // SAFETY: there are enough columns, and both halves of the ranges have the same stride.
+        let misses = unsafe { misses(rows, allowed) };
+        (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
+    }
+
+    /// Which of four offsets may score at least `floor`; all four if the bound is not worth its time. `spare` is called only for at least
+    /// `NARROWEST` columns.
+    #[inline(always)]
+    pub(crate) fn candidates<const NARROWEST: usize>(
+        &self,
+        rows: &Rows,
+        floor: u32,
+        effort: &Effort,
+        spare: unsafe fn(&Rows, &Points, u32) -> [i32; OFFSETS],
+    ) -> u8 {
+        let points = self.plain.table.points();
+        let needed = points.needed(floor);
+        if needed == 0 || rows.width < NARROWEST || !effort.is_worth_it() {
+            return ALL_FOUR;
+        }
+        // SAFETY: there are enough columns. The patch of `Scores::candidates` has three more than the template.
+        let spare = unsafe { spare(rows, points, needed) };
+        let candidates = spare.iter().rev().fold(0, |mask, spare| mask << 1 | u8::from(*spare >= 0));
+        effort.note(candidates != ALL_FOUR);
+        candidates
     }
 
     /// An upper bound of the score of `rows`, if it is at least `floor`. `loss` is called only for at least `NARROWEST` columns.

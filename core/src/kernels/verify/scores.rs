@@ -2,7 +2,7 @@
 
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
-use crate::image::Image;
+use crate::image::{Image, Rect};
 
 /// Checks a score of at least `floor`.
 #[track_caller]
@@ -39,6 +39,20 @@ pub(crate) fn score_between(
         "at threshold {} {answer:?} reached instead of {least:?}, floor {floor}: {template:?}",
         table.threshold()
     );
+}
+
+/// Checks which of four offsets may reach `floor`.
+#[track_caller]
+#[cfg(feature = "verify")]
+pub(crate) fn candidates(answer: u8, (patch, template): (Image<'_>, Image<'_>), table: &CutTable, floor: u32) {
+    for (column, offset) in (0..patch.width().saturating_sub(template.width()).min(3) + 1).zip(0..) {
+        let within = Rect::new(column.into(), 0, template.width(), template.height());
+        let score = patch.crop(within).map_or(u32::MAX, |patch| plain::score(patch, template, table));
+        assert!(
+            answer >> offset & 1 != 0 || score < floor,
+            "offset {offset} scores {score} and was excluded by the floor {floor}: {patch:?}, {template:?}"
+        );
+    }
 }
 
 /// Checks ranges.

@@ -55,7 +55,11 @@ impl<const PIXELS: usize> Template<PIXELS> {
 
     /// Whether `patch`, of the same size, can show the target: enough contrast, and not too many pixels at 0 or 255.
     pub(crate) fn is_shown_by(&self, patch: Image<'_>) -> bool {
-        let (was, is) = (self.image().map_or(Contrast::NONE, Contrast::of), Contrast::of(patch));
+        let is = Contrast::of(patch);
+        if is.is_enough_for_any() {
+            return true;
+        }
+        let was = self.image().map_or(Contrast::NONE, Contrast::of);
         is.has_contrast_of(was) && !is.is_cut_off_beside(was)
     }
 

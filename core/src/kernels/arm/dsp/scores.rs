@@ -9,17 +9,19 @@
 //! memory it faults; external RAM (0xA000_0000 and up) is Device memory until the MPU says otherwise. See
 //! [`Backend`](crate::similarity::Backend).
 
+use super::super::effort::Effort;
 use super::super::loss::{Limit, Lookup, blocks};
+use super::candidates;
+use super::groups;
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::Scores;
 use core::arch::asm;
-use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 /// Pixels in a register.
-const LANES: usize = 4;
+pub(super) const LANES: usize = 4;
 
 /// Columns that `distance` takes at a time: its loop is unrolled for this many.
 const STRIP: usize = 32 * LANES;
@@ -34,16 +36,14 @@ const MAX_PIXELS: usize = 1 << 22;
 
 pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
-    /// The number of scores to compute next without the bound. Atomic, so that a scorer can be shared; no result depends on it.
-    without: AtomicU8,
-    /// One set bit for each successive time that the bound excluded nothing. Atomic for the same reason.
-    in_vain: AtomicU8,
+    points: Effort,
+    loss: Effort,
 }
 
 impl<'a> Dsp<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
+        Self { lookup: Lookup::new(table), points: Effort::NEW, loss: Effort::NEW }
     }
 }
 
@@ -78,6 +78,11 @@ impl Scores for Dsp<'_> {
     }
 
     #[inline(never)]
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+        self.lookup.candidates::<LANES>(&Rows::of(patch, template), floor, &self.points, candidates::spare)
+    }
+
+    #[inline(never)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let pair = Rows::of(patch, template);
         if pair.width < LANES || pair.width * pair.height > MAX_PIXELS {
@@ -96,31 +101,49 @@ impl Scores for Dsp<'_> {
         sum.wrapping_sub(start).cast_unsigned()
     }
 
-    #[inline(never)]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        ranges(rows, 0, low, high);
         let blocks = blocks(rows, low, high);
-        if blocks < LANES {
-            return plain::spread(rows, low, high);
-        }
-        let addresses = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: the rows have the pixels of these blocks, and `low` and `high` have room for them. There are at least four.
-        unsafe { spread(&addresses, low.as_mut_ptr(), high.as_mut_ptr(), blocks) }
+        low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
+    }
+
+    /// The ranges as [`groups::misses`] reads them.
+    #[inline(never)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        ranges(rows, self.lookup.margin(), low, high);
+    }
+
+    #[inline(never)]
+    fn most_within(&self, low: Image<'_>, span: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.lookup.most_within::<LANES>(&Rows::between(low, span, template), floor, groups::misses)
     }
 }
 
+/// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
+fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
+    let blocks = blocks(rows, low, span);
+    if blocks < LANES {
+        plain::spread(rows, low, span);
+        for (low, span) in low.iter_mut().zip(span).take(blocks) {
+            *low = low.saturating_sub(margin);
+            *span = span.saturating_add(margin).wrapping_sub(*low);
+        }
+        return;
+    }
+    let from = Spread { rows: rows.each_ref().map(|row| row.as_ptr()), margin: u32::from_ne_bytes([margin; LANES]) };
+    // SAFETY: the rows have the pixels of these blocks, and `low` and `span` have room for them. There are at least four.
+    unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr(), blocks) }
+}
+
 impl Dsp<'_> {
-    /// True only if the score is less than `floor`. The bound takes half the time of a score. So while it excludes nothing
-    /// it is computed less and less often: in the end for one score in 16.
+    /// True only if the score is less than `floor`. The bound takes half the time of a score.
     #[inline(always)]
     fn excludes(&self, pair: &Rows, floor: u32) -> bool {
-        if let Some(without) = self.without.load(Relaxed).checked_sub(1) {
-            self.without.store(without, Relaxed);
+        if !self.loss.is_worth_it() {
             return false;
         }
         let excluded = self.lookup.most::<LANES>(pair, floor, loss).is_none();
-        let in_vain = if excluded { 0 } else { (self.in_vain.load(Relaxed) << 1 | 1) & 15 };
-        self.in_vain.store(in_vain, Relaxed);
-        self.without.store(in_vain, Relaxed);
+        self.loss.note(excluded);
         excluded
     }
 }
@@ -331,10 +354,20 @@ macro_rules! of_four_columns {
     };
 }
 
+/// What [`spread`] reads. The assembly knows the offsets.
+#[repr(C)]
+struct Spread {
+    rows: [*const u8; 4],
+    /// By how much each range is widened on both sides, in each lane.
+    margin: u32,
+}
+
+/// The smallest pixel less the margin, at least 0; and how far the largest pixel and the margin, at most 255, lie above that.
+///
 /// # Safety
-/// `blocks + 3` bytes can be read at each of `rows`, and `blocks` bytes written at `low` and `high`. `blocks` is at least four.
+/// `blocks + 3` bytes can be read at each of the rows, and `blocks` bytes written at `low` and `span`. `blocks` is at least four.
 #[inline(always)]
-unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usize) {
+unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
     // SAFETY: a round takes four blocks: words at `at` and at `at + 4`. The last round takes the last four blocks, perhaps some of them again,
     // and reads its second word at `last + 3`, the last word of a row.
     unsafe {
@@ -346,10 +379,16 @@ unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usi
             "add {at}, {at}, #4",
             of_four_rows!("{c}", "{d}"),
             of_four_columns!(least, "{a}", "{c}"),
+            "ldr {f}, [{rows}, #16]",
+            "uqsub8 {e}, {e}, {f}",
             "str {e}, [{low}, {at}]",
             "mov {a}, {c}",
             of_four_columns!(most, "{b}", "{d}"),
-            "str {e}, [{high}, {at}]",
+            "ldr {f}, [{rows}, #16]",
+            "uqadd8 {e}, {e}, {f}",
+            "ldr {f}, [{low}, {at}]",
+            "usub8 {e}, {e}, {f}",
+            "str {e}, [{span}, {at}]",
             "mov {b}, {d}",
             "b 2b",
             "3:",
@@ -360,10 +399,16 @@ unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usi
             "add {at}, {at}, #1",
             "lsr {c}, {c}, #8",
             of_four_columns!(least, "{a}", "{c}"),
+            "ldr {f}, [{rows}, #16]",
+            "uqsub8 {e}, {e}, {f}",
             "str {e}, [{low}, {at}]",
             "lsr {d}, {d}, #8",
             of_four_columns!(most, "{b}", "{d}"),
-            "str {e}, [{high}, {at}]",
+            "ldr {f}, [{rows}, #16]",
+            "uqadd8 {e}, {e}, {f}",
+            "ldr {f}, [{low}, {at}]",
+            "usub8 {e}, {e}, {f}",
+            "str {e}, [{span}, {at}]",
             a = out(reg) _,
             b = out(reg) _,
             c = out(reg) _,
@@ -371,10 +416,10 @@ unsafe fn spread(rows: &[*const u8; 4], low: *mut u8, high: *mut u8, blocks: usi
             e = out(reg) _,
             f = out(reg) _,
             g = out(reg) _,
-            rows = in(reg) rows,
+            rows = in(reg) from,
             // `at` is a word ahead when these are written.
             low = in(reg) low.wrapping_sub(LANES),
-            high = in(reg) high.wrapping_sub(LANES),
+            span = in(reg) span.wrapping_sub(LANES),
             at = inout(reg) 0 => _,
             last = in(reg) blocks - LANES,
             options(nostack),

@@ -8,7 +8,9 @@
 //!
 //! There are no intrinsics, so these are `asm!`.
 
+use super::super::effort::Effort;
 use super::super::loss::{Limit, Lookup, blocks};
+use super::{candidates, groups};
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::plain::scores as plain;
@@ -17,14 +19,17 @@ use crate::kernels::scores::Scores;
 use core::arch::asm;
 
 /// Pixels in a vector.
-const LANES: usize = 16;
+pub(super) const LANES: usize = 16;
 
-pub(crate) struct Helium<'a>(Lookup<'a>);
+pub(crate) struct Helium<'a> {
+    lookup: Lookup<'a>,
+    points: Effort,
+}
 
 impl<'a> Helium<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self(Lookup::new(table))
+        Self { lookup: Lookup::new(table), points: Effort::NEW }
     }
 }
 
@@ -77,7 +82,7 @@ impl Scores for Helium<'_> {
                 width = in(reg) pair.width,
                 full = in(reg) plain::full(pair.width),
                 floor = in(reg) floor,
-                entries = in(reg) self.0.entries(),
+                entries = in(reg) self.lookup.entries(),
                 inout("r2") reachable,
                 out("lr") _,
                 out("q0") _,
@@ -90,7 +95,7 @@ impl Scores for Helium<'_> {
 
     #[inline(never)]
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.0.most::<1>(&Rows::between(low, high, template), floor, loss)
+        self.lookup.most::<1>(&Rows::between(low, high, template), floor, loss)
     }
 
     #[inline(never)]
@@ -134,39 +139,67 @@ impl Scores for Helium<'_> {
     }
     #[inline(never)]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        let columns = blocks(rows, low, high);
-        if columns == 0 {
-            return;
-        }
-        let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-        // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `high`: `blocks` has checked that they are there.
-        unsafe {
-            asm!(
-                "dlstp.8 lr, {columns}",
-                "3:",
-                "vmov.i8 q0, #255",
-                "vmov.i8 q1, #0",
-                of_row!("{a}"),
-                of_row!("{b}"),
-                of_row!("{c}"),
-                of_row!("{d}"),
-                "vstrb.8 q0, [{low}], #16",
-                "vstrb.8 q1, [{high}], #16",
-                "letp lr, 3b",
-                a = inout(reg) a => _,
-                b = inout(reg) b => _,
-                c = inout(reg) c => _,
-                d = inout(reg) d => _,
-                low = inout(reg) low.as_mut_ptr() => _,
-                high = inout(reg) high.as_mut_ptr() => _,
-                columns = in(reg) columns,
-                out("lr") _,
-                out("q0") _,
-                out("q1") _,
-                out("q2") _,
-                options(nostack),
-            );
-        }
+        ranges(rows, 0, low, high);
+        let blocks = blocks(rows, low, high);
+        low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
+    }
+
+    /// The ranges as [`groups::misses`] reads them.
+    #[inline(never)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        ranges(rows, self.lookup.margin(), low, high);
+    }
+
+    #[inline(never)]
+    fn most_within(&self, low: Image<'_>, span: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.lookup.most_within::<1>(&Rows::between(low, span, template), floor, groups::misses)
+    }
+
+    #[inline(never)]
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+        self.lookup.candidates::<1>(&Rows::of(patch, template), floor, &self.points, candidates::spare)
+    }
+}
+
+/// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
+fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
+    let columns = blocks(rows, low, span);
+    if columns == 0 {
+        return;
+    }
+    let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
+    // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has checked that they are there.
+    unsafe {
+        asm!(
+            "vdup.8 q3, lr",
+            "dlstp.8 lr, {columns}",
+            "3:",
+            "vmov.i8 q0, #255",
+            "vmov.i8 q1, #0",
+            of_row!("{a}"),
+            of_row!("{b}"),
+            of_row!("{c}"),
+            of_row!("{d}"),
+            "vqsub.u8 q0, q0, q3",
+            "vqadd.u8 q1, q1, q3",
+            "vsub.i8 q1, q1, q0",
+            "vstrb.8 q0, [{low}], #16",
+            "vstrb.8 q1, [{span}], #16",
+            "letp lr, 3b",
+            a = inout(reg) a => _,
+            b = inout(reg) b => _,
+            c = inout(reg) c => _,
+            d = inout(reg) d => _,
+            low = inout(reg) low.as_mut_ptr() => _,
+            span = inout(reg) span.as_mut_ptr() => _,
+            columns = in(reg) columns,
+            inout("lr") u32::from(margin) => _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            out("q3") _,
+            options(nostack),
+        );
     }
 }
 

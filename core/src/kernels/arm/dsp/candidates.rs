@@ -1,0 +1,172 @@
+//! Which of four neighbouring offsets may reach a score, by the DSP extension: counts the points of four offsets at a time.
+//!
+//! Four pixels of an offset take seven instructions:
+//!
+//! | instructions | what |
+//! |---|---|
+//! | `ldr` | the pixels f; the pixels g of the template are loaded once for all four offsets |
+//! | `uqsub8`, `uqsub8`, `orr` | d = the absolute difference of f and g |
+//! | `usub8`, `sel` | 255 instead of d if the pixel does not count |
+//! | `usada8` | adds the distances to 255: the points |
+//!
+//! The score itself takes 17: two loads, three for the difference, four bytes taken out of it, four loads from the table and four
+//! additions.
+
+use super::super::points::{OFFSETS, Points};
+use super::scores::LANES;
+use crate::kernels::rows::Rows;
+use core::arch::asm;
+
+/// What the loop over rows reads from memory. The assembly knows the offsets.
+#[repr(C)]
+struct Row {
+    f_stride: usize,
+    g_stride: usize,
+    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
+    last: usize,
+    /// The number of lower bits of that word that belong to earlier columns.
+    none: usize,
+    /// The address where the rows of the template end.
+    end: *const u8,
+    /// Bytes in the whole words of a row.
+    words: usize,
+    /// The points of a row of equal pixels. Includes those of shifted-in zeroes.
+    full: u32,
+}
+
+/// Adds the pixels of four columns to `sum`, from pixels in `{x}`.
+macro_rules! add {
+    ($sum:literal) => {
+        concat!(
+            "uqsub8 {y}, {x}, {w}\n",
+            "uqsub8 {x}, {w}, {x}\n",
+            "orr {x}, {x}, {y}\n",
+            "usub8 {y}, {largest}, {x}\n",
+            "sel {x}, {x}, {most}\n",
+            concat!("usada8 ", $sum, ", {x}, {most}, ", $sum, "\n"),
+        )
+    };
+}
+
+/// The same for the four columns at `from`.
+macro_rules! add_at {
+    ($from:literal, $sum:literal) => {
+        concat!(concat!("ldr {x}, ", $from, "\n"), add!($sum))
+    };
+}
+
+/// The same for the columns after the last whole word, in the word at `from`.
+macro_rules! add_last {
+    ($from:literal, $sum:literal) => {
+        concat!(
+            "ldr {x}, [sp]\n",
+            "ldr {y}, [{x}, #12]\n",
+            concat!("ldr {x}, ", $from, "\n"),
+            "lsr {x}, {x}, {y}\n", // shifted in on both sides: equal
+            add!($sum),
+        )
+    };
+}
+
+/// For each of four offsets a number that is negative only if its points are fewer than `needed`.
+///
+/// # Safety
+/// The template has at least four columns, the patch as many and three more.
+#[inline(never)]
+pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; OFFSETS] {
+    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
+    let left = pair.width % LANES;
+    let words = pair.width - left;
+    #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
+    let full = u32::from(Points::MOST).wrapping_mul(pair.width.next_multiple_of(LANES) as u32);
+    let row = Row {
+        f_stride: pair.patch_stride.wrapping_sub(words),
+        g_stride: pair.template_stride.wrapping_sub(words),
+        last: if left == 0 { 0 } else { pair.width - LANES },
+        none: 8 * (LANES - left),
+        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+        words,
+        full,
+    };
+    // The points so far and the most that are still to come, less those needed. The offset is excluded once that is negative.
+    let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
+    let mut spare = [start; OFFSETS];
+    let [a, b, c, d] = &mut spare;
+    // SAFETY: only words within a row are read, in the patch up to three columns further. The stack is as before at the end; nothing
+    // else is written.
+    unsafe {
+        asm!(
+            "push {{{x}}}",
+            "2:",
+            "ldr {end}, [{x}, #8]",
+            "cmp {end}, #0",
+            "beq 3f",
+            "ldr {y}, [{x}, #12]",
+            "ldr {w}, [{g}, {end}]",
+            "lsr {w}, {w}, {y}",
+            "add {end}, {end}, {f}",
+            add_last!("[{end}]", "{a}"),
+            add_last!("[{end}, #1]", "{b}"),
+            add_last!("[{end}, #2]", "{c}"),
+            add_last!("[{end}, #3]", "{d}"),
+            "ldr {x}, [sp]",
+            "3:",
+            "ldr {end}, [{x}, #20]",
+            "tst {end}, #4",
+            "add {end}, {end}, {g}",
+            "beq 4f",
+            "ldr {w}, [{g}], #4",
+            add_at!("[{f}], #4", "{a}"),
+            add_at!("[{f}, #-3]", "{b}"),
+            add_at!("[{f}, #-2]", "{c}"),
+            add_at!("[{f}, #-1]", "{d}"),
+            "cmp {g}, {end}",
+            "beq 6f",
+            "4:",
+            "ldr {w}, [{g}], #4",
+            add_at!("[{f}], #4", "{a}"),
+            add_at!("[{f}, #-3]", "{b}"),
+            add_at!("[{f}, #-2]", "{c}"),
+            add_at!("[{f}, #-1]", "{d}"),
+            "ldr {w}, [{g}], #4",
+            add_at!("[{f}], #4", "{a}"),
+            add_at!("[{f}, #-3]", "{b}"),
+            add_at!("[{f}, #-2]", "{c}"),
+            add_at!("[{f}, #-1]", "{d}"),
+            "cmp {g}, {end}",
+            "bne 4b",
+            "6:",
+            "ldr {x}, [sp]",
+            "ldr {w}, [{x}, #16]",
+            "ldr {y}, [{x}, #24]",
+            "sub {a}, {a}, {y}",
+            "sub {b}, {b}, {y}",
+            "sub {c}, {c}, {y}",
+            "sub {d}, {d}, {y}",
+            "and {y}, {a}, {b}",
+            "and {y}, {y}, {c}",
+            "ands {y}, {y}, {d}",
+            "bmi 5f", // no offset is left
+            "ldrd {y}, {end}, [{x}]",
+            "add {f}, {f}, {y}",
+            "add {g}, {g}, {end}",
+            "cmp {g}, {w}",
+            "bne 2b",
+            "5:",
+            "add sp, sp, #4",
+            x = inout(reg) &raw const row => _,
+            y = out(reg) _,
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            w = out(reg) _,
+            end = out(reg) _,
+            largest = in(reg) in_lanes(points.largest),
+            most = in(reg) in_lanes(Points::MOST),
+            a = inout(reg) *a,
+            b = inout(reg) *b,
+            c = inout(reg) *c,
+            d = inout(reg) *d,
+        );
+    }
+    spare
+}

@@ -1,0 +1,125 @@
+//! The bound of a group of offsets by the DSP extension: counts the pixels of the template that cannot count at any offset of the group.
+//!
+//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are stored as that
+//! test needs them: the lower end, and the length. Four pixels take seven instructions: three `ldr`, `usub8` (the distance above the lower end,
+//! modulo 256), `usub8` (sets a flag where that is at most the length), `sel` and `usada8`, which adds one for each pixel outside.
+
+use super::scores::LANES;
+use crate::kernels::rows::Rows;
+use core::arch::asm;
+
+/// What the loop over rows reads from memory. The assembly knows the offsets.
+#[repr(C)]
+struct Row {
+    /// From the end of the whole words of a row to the next row.
+    low_stride: usize,
+    g_stride: usize,
+    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
+    last: usize,
+    /// The number of lower bits of that word that belong to earlier columns.
+    none: usize,
+    /// The address where the rows of the template end.
+    end: *const u8,
+    /// Bytes in the whole words of a row.
+    words: usize,
+    /// Where the code for the first words of a row begins.
+    entry: usize,
+}
+
+/// Bytes of code for a word.
+const WORD: usize = 28;
+
+/// Adds the pixels in `{g}` that are outside the range in `{l}` and `{s}`.
+macro_rules! add {
+    () => {
+        "usub8 {l}, {g}, {l}\nusub8 {l}, {s}, {l}\nsel {l}, {zero}, {one}\nusada8 {misses}, {l}, {zero}, {misses}\n"
+    };
+}
+
+macro_rules! add_word {
+    () => {
+        concat!("ldr.w {g}, [{template}], #4\n", "ldr.w {l}, [{low}], #4\n", "ldr.w {s}, [{span}], #4\n", add!(),)
+    };
+}
+
+/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its upper bound. Stops once
+/// the number exceeds `allowed`.
+///
+/// # Safety
+/// The pictures have at least four columns. Patch and upper bound have the same stride.
+#[inline(never)]
+pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
+    let left = pair.width % LANES;
+    let words = pair.width - left;
+    let mut row = Row {
+        low_stride: pair.patch_stride.wrapping_sub(words),
+        g_stride: pair.template_stride.wrapping_sub(words),
+        last: if left == 0 { 0 } else { pair.width - LANES },
+        none: 8 * (LANES - left),
+        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+        words,
+        // The first round takes 1 to 4 words, all others 4.
+        entry: (words / LANES).wrapping_neg() % 4 * WORD,
+    };
+    // Negative until there are more than allowed. There are at most 65537 pixels.
+    let start = !allowed.cast_signed();
+    let mut sum = start;
+    // SAFETY: only words within a row are read. Nothing but `row` is written.
+    unsafe {
+        asm!(
+            "adr.w {l}, 4f",
+            "ldr {s}, [{row}, #24]",
+            "add {l}, {l}, {s}",
+            "orr {l}, {l}, #1", // Thumb
+            "str {l}, [{row}, #24]",
+            "2:",
+            "ldrd {end}, {one}, [{row}, #8]",
+            "cmp {end}, #0",
+            "beq 3f",
+            "ldr {g}, [{template}, {end}]",
+            "ldr {l}, [{low}, {end}]",
+            "ldr {s}, [{span}, {end}]",
+            "lsr {g}, {g}, {one}", // shifted in everywhere: within the range
+            "lsr {l}, {l}, {one}",
+            "lsr {s}, {s}, {one}",
+            "mov {one}, #0x01010101",
+            add!(),
+            "3:",
+            "mov {one}, #0x01010101",
+            "ldr {end}, [{row}, #20]",
+            "add {end}, {end}, {template}",
+            "ldr.w pc, [{row}, #24]",
+            ".p2align 2", // adr can point to 4 only if it is aligned
+            "4:",
+            add_word!(),
+            add_word!(),
+            add_word!(),
+            add_word!(),
+            "cmp {template}, {end}",
+            "bne 4b",
+            "cmp {misses}, #0",
+            "bpl 5f",
+            "ldrd {l}, {s}, [{row}]",
+            "add {low}, {low}, {l}",
+            "add {span}, {span}, {l}",
+            "add {template}, {template}, {s}",
+            "ldr {s}, [{row}, #16]",
+            "cmp {template}, {s}",
+            "bne 2b",
+            "5:",
+            low = inout(reg) pair.patch => _,
+            span = inout(reg) pair.high => _,
+            template = inout(reg) pair.template => _,
+            l = out(reg) _,
+            s = out(reg) _,
+            g = out(reg) _,
+            end = out(reg) _,
+            one = out(reg) _,
+            zero = in(reg) 0,
+            misses = inout(reg) sum,
+            row = in(reg) &raw mut row,
+            options(nostack),
+        );
+    }
+    sum.wrapping_sub(start).cast_unsigned()
+}

@@ -1,0 +1,79 @@
+//! Which of four neighbouring offsets may reach a score, by Helium: counts the points of four offsets at a time.
+
+use super::super::points::{OFFSETS, Points};
+use super::scores::LANES;
+use crate::kernels::rows::Rows;
+use core::arch::asm;
+
+/// Adds the points of the pixels at `from` to `sum`.
+macro_rules! add {
+    ($from:literal, $sum:literal) => {
+        concat!(
+            concat!("vldrb.u8 q1, ", $from, "\n"),
+            "vabd.u8 q1, q0, q1\n",
+            "vmvn q1, q1\n",
+            "vpt.u8 cs, q1, q2\n",
+            concat!("vaddvat.u8 ", $sum, ", q1\n"),
+        )
+    };
+}
+
+/// For each of four offsets a number that is negative only if its points are fewer than `needed`.
+///
+/// # Safety
+/// The patch has three more columns than the template.
+#[inline(never)]
+pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; OFFSETS] {
+    let advance = pair.width.next_multiple_of(LANES);
+    #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
+    let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
+    // The points so far and the most that are still to come, less those needed. The offset is excluded once that is negative.
+    let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
+    let mut spare = [start; OFFSETS];
+    let [a, b, c, d] = &mut spare;
+    // SAFETY: only the `width` pixels of a row are read, in the patch up to three columns further. Nothing is written.
+    unsafe {
+        asm!(
+            "vdup.8 q2, lr",
+            "2:",
+            "dlstp.8 lr, {width}",
+            "3:",
+            "vldrb.u8 q0, [{g}], #16",
+            add!("[{f}, #1]", "r2"),
+            add!("[{f}, #2]", "r4"),
+            add!("[{f}, #3]", "r12"),
+            add!("[{f}], #16", "r0"),
+            "letp lr, 3b",
+            "sub r0, r0, {full}",
+            "sub r2, r2, {full}",
+            "sub r4, r4, {full}",
+            "sub r12, r12, {full}",
+            "and lr, r0, r2",
+            "and lr, lr, r4",
+            "ands lr, lr, r12",
+            "bmi 4f", // no offset is left
+            "add {f}, {f}, {f_stride}",
+            "add {g}, {g}, {g_stride}",
+            "subs {rows}, {rows}, #1",
+            "bne 2b",
+            "4:",
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
+            g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+            rows = inout(reg) pair.height => _,
+            width = in(reg) pair.width,
+            full = in(reg) full,
+            inout("r0") *a,
+            inout("r2") *b,
+            inout("r4") *c,
+            inout("r12") *d,
+            inout("lr") u32::from(Points::MOST - points.largest) => _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            options(readonly, nostack),
+        );
+    }
+    spare
+}

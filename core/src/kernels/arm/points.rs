@@ -1,0 +1,39 @@
+//! A bound of scores by one sum of bytes: points.
+//!
+//! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference almost as similarities do. So a
+//! score is at most the number of points divided by a fixed rate, and an offset with too few points is excluded without looking up a table.
+
+/// How points bound the score by a table that is cut off at a threshold.
+#[derive(Clone, Debug)]
+pub(crate) struct Points {
+    /// The largest difference of a pixel that counts.
+    pub(super) largest: u8,
+    /// A pixel that scores p has at least p * `rate` / 2^24 points. 0: points bound nothing.
+    rate: u32,
+}
+
+impl Points {
+    /// The points of an equal pixel, the most.
+    pub(super) const MOST: u8 = u8::MAX;
+
+    pub(crate) const NONE: Self = Self { largest: 0, rate: 0 };
+
+    /// For `entries` cut off at `threshold`. Points bound nothing if no pixel counts or every pixel does.
+    pub(crate) fn of(entries: &[u16; 256], threshold: u16) -> Self {
+        let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) else {
+            return Self::NONE;
+        };
+        let points = |d: u8| u32::from(Self::MOST - d) << 24;
+        let rates = (0..=largest).zip(entries).map(|(d, &p)| points(d) / u32::from(p.max(1)));
+        Self { largest, rate: rates.min().unwrap_or(0) }
+    }
+
+    /// The fewest points of an offset that scores at least `floor`; 0 if points bound nothing.
+    pub(super) fn needed(&self, floor: u32) -> u32 {
+        // The rate is at most 255 * 2^24 / 65535, that of equal pixels. So the quotient fits.
+        u32::try_from((u64::from(floor) * u64::from(self.rate)).div_ceil(1 << 24)).unwrap_or(u32::MAX)
+    }
+}
+
+/// The offsets that are compared at once: the next ones to the right.
+pub(super) const OFFSETS: usize = 4;
