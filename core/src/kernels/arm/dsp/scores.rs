@@ -26,10 +26,8 @@ pub(super) const LANES: usize = 4;
 /// Columns that `distance` takes at a time: its loop is unrolled for this many.
 const STRIP: usize = 32 * LANES;
 
-/// Columns that `loss` takes at a time.
-const LOSS_STRIP: usize = 16 * LANES;
-/// Bytes of its code for a word.
-const LOSS_WORD: usize = 34;
+/// Bytes of code of `loss` for a word.
+const LOSS_WORD: usize = 40;
 
 /// A distance of this many pixels is below 2^30.
 const MAX_PIXELS: usize = 1 << 22;
@@ -427,30 +425,123 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
     }
 }
 
+/// Adds the differences in `r2` to both sums.
+macro_rules! clipped {
+    () => {
+        concat!(
+            "uqsub8 {d}, {threshold}, r2\n",
+            "uqsub8 r2, {one_less}, r2\n",
+            "usada8 {sum}, {threshold}, {d}, {sum}\n",
+            "usada8 {less}, {one_less}, r2, {less}\n",
+        )
+    };
+}
+
+/// The same for the next word of a row.
+macro_rules! clipped_word {
+    () => {
+        concat!(
+            "ldr.w r2, [{f}], #4\n",
+            "ldr.w r3, [{g}], #4\n",
+            "uqsub8 {d}, r2, r3\n",
+            "ldr.w r2, [{h}], #4\n",
+            "uqsub8 r2, r3, r2\n",
+            "orr.w r2, r2, {d}\n",
+            clipped!(),
+        )
+    };
+}
+
 /// The least loss of the pictures, which have at least four columns. Stops once it is more than allowed.
+///
+/// `uqsub8` gives max(threshold - d, 0), and the distance of that to the threshold, which `usada8` adds, is min(d, threshold). So there are two
+/// sums: of min(d, threshold) and of min(d, threshold - 1). They differ by the number of pixels that do not count.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
-    let mut clipped = Clipped::default();
-    let mut column = 0;
-    while column < pair.width && clipped.loss(limit) <= limit.allowed {
-        let width = LOSS_STRIP.min(pair.width - column);
-        // SAFETY: the strip is a part of the pair, which has at least four columns.
-        unsafe { clipped.add(pair, column, width, limit) };
-        column += LOSS_STRIP;
+    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
+    let left = pair.width % LANES;
+    let words = pair.width - left;
+    let mut round = Round {
+        f_stride: pair.patch_stride.wrapping_sub(words),
+        g_stride: pair.template_stride.wrapping_sub(words),
+        of_threshold: limit.of_threshold(),
+        of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
+        allowed: limit.allowed,
+        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
+        none: 8 * (LANES - left),
+        last: if left == 0 { 0 } else { pair.width - LANES },
+        words,
+        // The first round takes 1 to 4 words, all others 4.
+        entry: (words / LANES).wrapping_neg() % 4 * LOSS_WORD,
+    };
+    let lost: u32;
+    // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round` is written.
+    unsafe {
+        asm!(
+            "adr.w r2, 4f",
+            "ldr r3, [{round}, #36]",
+            "add r2, r2, r3",
+            "orr r2, r2, #1", // Thumb
+            "str r2, [{round}, #36]",
+            "2:",
+            "ldr r5, [{round}, #28]",
+            "cbz r5, 3f",
+            "ldr r2, [{f}, r5]",
+            "ldr r3, [{g}, r5]",
+            "uqsub8 {d}, r2, r3",
+            "ldr r2, [{h}, r5]",
+            "uqsub8 r2, r3, r2",
+            "orr r2, r2, {d}",
+            "ldr {d}, [{round}, #24]",
+            "lsr r2, r2, {d}",
+            clipped!(),
+            "3:",
+            "ldr r5, [{round}, #32]",
+            "add r5, r5, {g}",
+            "ldr.w pc, [{round}, #36]",
+            ".p2align 2", // adr can point to 4 only if it is aligned
+            "4:",
+            clipped_word!(),
+            clipped_word!(),
+            clipped_word!(),
+            clipped_word!(),
+            "cmp {g}, r5",
+            "bne 4b",
+            "ldrd r2, r3, [{round}]",
+            "add {f}, {f}, r2",
+            "add {h}, {h}, r2",
+            "add {g}, {g}, r3",
+            "ldrd r2, r3, [{round}, #8]",
+            "mul r2, r2, {sum}",
+            "mla r2, r3, {less}, r2",
+            "ldrd r3, {d}, [{round}, #16]",
+            "cmp r2, r3",
+            "bhi 5f",
+            "cmp {g}, {d}",
+            "bne 2b",
+            "5:",
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            h = inout(reg) pair.high => _,
+            out("r2") lost,
+            out("r3") _,
+            out("r5") _,
+            d = out(reg) _,
+            threshold = in(reg) in_lanes(limit.threshold),
+            one_less = in(reg) in_lanes(limit.threshold - 1),
+            sum = inout(reg) 0 => _,
+            less = inout(reg) 0 => _,
+            round = in(reg) &raw mut round,
+            options(nostack),
+        );
     }
-    clipped.loss(limit)
+    lost
 }
 
-/// The sums of min(d, threshold) and of min(d, threshold - 1) over all differences d. They differ by the number of pixels that do not count.
-#[derive(Default)]
-struct Clipped {
-    by_threshold: u32,
-    by_one_less: u32,
-}
-
-/// What the loop over rows of [`Clipped::add`] reads from memory. The assembly knows the offsets.
+/// What the loop over rows of [`loss`] reads from memory. The assembly knows the offsets.
 #[repr(C)]
 struct Round {
+    /// From the end of the whole words of a row to the next row.
     f_stride: usize,
     g_stride: usize,
     /// The loss for each unit of the first and of the second sum.
@@ -460,7 +551,12 @@ struct Round {
     /// The address where the rows of the template end.
     end: *const u8,
     none: usize,
+    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
+    last: usize,
+    /// Bytes in the whole words of a row.
     words: usize,
+    /// Where the code for the first words of a row begins.
+    entry: usize,
 }
 
 impl Limit {
@@ -474,109 +570,5 @@ impl Limit {
     /// ```
     fn of_threshold(&self) -> u32 {
         u32::from(ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
-    }
-}
-
-macro_rules! clipped_words {
-    ($($offset:literal)*) => {
-        concat!($(
-            concat!("ldr.n r2, [r0, #", $offset, "]\n"),
-            concat!("ldr.n r3, [r1, #", $offset, "]\n"),
-            "uqsub8 {d}, r2, r3\n",
-            concat!("ldr.n r2, [r4, #", $offset, "]\n"),
-            "uqsub8 r2, r3, r2\n",
-            "orr.w r2, r2, {d}\n",
-            "uqsub8 {d}, {threshold}, r2\n",
-            "uqsub8 r2, {one_less}, r2\n",
-            "usada8 {sum}, {threshold}, {d}, {sum}\n",
-            "usada8 {less}, {one_less}, r2, {less}\n",
-        )*)
-    };
-}
-
-impl Clipped {
-    fn loss(&self, limit: &Limit) -> u32 {
-        let by_threshold = limit.of_threshold().wrapping_mul(self.by_threshold);
-        by_threshold.wrapping_add(limit.chord.wrapping_sub(limit.of_threshold()).wrapping_mul(self.by_one_less))
-    }
-
-    /// Adds `width` (1..=`LOSS_STRIP`) columns from `column` on, until more is lost than is allowed.
-    ///
-    /// `uqsub8` gives max(threshold - d, 0), and the distance of that to the threshold, which `usada8` adds, is min(d, threshold).
-    ///
-    /// # Safety
-    /// The pair has these columns, and at least four.
-    #[inline(always)]
-    unsafe fn add(&mut self, pair: &Rows, column: usize, width: usize, limit: &Limit) {
-        let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
-        let left = width % LANES;
-        let template = pair.template.wrapping_add(column);
-        let mut round = Round {
-            f_stride: pair.patch_stride,
-            g_stride: pair.template_stride,
-            of_threshold: limit.of_threshold(),
-            of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
-            allowed: limit.allowed,
-            end: template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
-            none: 8 * (LANES - left),
-            words: width / LANES * LOSS_WORD,
-        };
-        // SAFETY: only words within the `width` columns of a row are read. The upper bound has the same stride as the patch. Nothing but
-        // `round` is written.
-        unsafe {
-            asm!(
-                "adr.w r2, 4f",
-                "ldr r3, [{round}, #28]",
-                "sub r2, r2, r3",
-                "orr r2, r2, #1", // Thumb
-                "str r2, [{round}, #28]",
-                "2:",
-                "cbz r5, 3f",
-                "ldr r2, [r0, r5]",
-                "ldr r3, [r1, r5]",
-                "uqsub8 {d}, r2, r3",
-                "ldr r2, [r4, r5]",
-                "uqsub8 r2, r3, r2",
-                "orr r2, r2, {d}",
-                "ldr {d}, [{round}, #24]",
-                "lsr r2, r2, {d}",
-                "uqsub8 {d}, {threshold}, r2",
-                "uqsub8 r2, {one_less}, r2",
-                "usada8 {sum}, {threshold}, {d}, {sum}",
-                "usada8 {less}, {one_less}, r2, {less}",
-                "3:",
-                "ldr.w pc, [{round}, #28]",
-                ".p2align 2", // adr can point to 4 only if it is aligned
-                clipped_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
-                "4:",
-                "ldrd r2, r3, [{round}]",
-                "add r0, r0, r2",
-                "add r4, r4, r2",
-                "add r1, r1, r3",
-                "ldrd r2, r3, [{round}, #8]",
-                "mul r2, r2, {sum}",
-                "mla r2, r3, {less}, r2",
-                "ldrd r3, {d}, [{round}, #16]",
-                "cmp r2, r3",
-                "bhi 5f",
-                "cmp r1, {d}",
-                "bne.w 2b",
-                "5:",
-                inout("r0") pair.patch.wrapping_add(column) => _,
-                inout("r1") template => _,
-                inout("r4") pair.high.wrapping_add(column) => _,
-                out("r2") _,
-                out("r3") _,
-                // The offset of the word whose upper part holds the columns after the last whole word.
-                in("r5") if left == 0 { 0 } else { width.wrapping_sub(LANES) },
-                d = out(reg) _,
-                threshold = in(reg) in_lanes(limit.threshold),
-                one_less = in(reg) in_lanes(limit.threshold - 1),
-                sum = inout(reg) self.by_threshold,
-                less = inout(reg) self.by_one_less,
-                round = in(reg) &raw mut round,
-                options(nostack),
-            );
-        }
     }
 }
