@@ -93,6 +93,7 @@ impl<'a> Image<'a> {
 
     /// The `width` pixels of row `y`; empty if `y` >= height.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn row(&self, y: u16) -> &'a [u8] {
         if y >= self.height {
             return &[];
