@@ -48,6 +48,7 @@ pub(super) struct Tile {
 }
 
 impl Tile {
+    #[inline(never)] // one copy in flash
     pub(super) const fn groups(&self) -> usize {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
@@ -150,6 +151,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`. Returns the number of pixels
     /// compared, at most.
+    #[inline(never)] // one copy in flash
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -182,6 +184,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     }
 
     /// The first group from `group` on whose bound is at least `needed` and not 0.
+    #[inline(never)] // one copy in flash
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
         Some(group + bounds.iter().position(|&bound| bound >= needed.max(1))?)

@@ -61,6 +61,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
 ///
 /// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair that
 /// uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
+#[inline(never)] // one copy in flash
 fn pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));

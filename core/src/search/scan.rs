@@ -165,6 +165,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage == Stage::Done
     }
 
+    #[inline(never)] // one copy in flash
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
         self.since_floor = self.since_floor.saturating_add(comparisons);
