@@ -11,17 +11,17 @@
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
+use crate::kernels::rolled;
 use crate::similarity::{Scorer, Table};
-use heapless::Vec;
 
 /// Offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     /// First half: the minima of the blocks, row by row. Second half: the maxima.
-    bytes: Vec<u8, PIXELS>,
+    bytes: [u8; PIXELS],
     /// The upper bound of each group of the tile; 0 if the group is excluded.
-    bounds: Vec<[u32; 3], SPAN>,
+    bounds: [[u32; 3]; SPAN],
     shape: Shape,
 }
 
@@ -71,13 +71,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
-        Self { bytes: Vec::new(), bounds: Vec::new(), shape }
-    }
-
-    /// Gives both buffers their full length. `new` does not, because the zeroes would be copied.
-    pub(super) fn reserve(&mut self) {
-        // Neither can fail.
-        let _ = (self.bytes.resize(PIXELS, 0), self.bounds.resize(SPAN, [0; 3]));
+        Self { bytes: [0; PIXELS], bounds: [[0; 3]; SPAN], shape }
     }
 
     /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
@@ -122,7 +116,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     /// Sets the bound of every group of `tile` to `pixels` fully similar pixels.
     pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
         let bounds = self.bounds.as_flattened_mut();
-        bounds.iter_mut().take(tile.groups()).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
+        rolled(bounds.iter_mut().take(tile.groups())).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
     }
 
     /// The number of rows of ranges that a pass of `tile` needs.
@@ -262,8 +256,8 @@ fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low:
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
             let down = usize::try_from(seen.y.saturating_sub(y)).unwrap_or(0);
-            for (to, from) in copy.iter_mut().skip(down).zip(pixels.rows()) {
-                to.iter_mut().skip(right).zip(from).for_each(|(to, &from)| *to = from);
+            for (y, to) in (0..pixels.height()).zip(copy.iter_mut().skip(down)) {
+                rolled(to.iter_mut().skip(right).zip(pixels.row(y))).for_each(|(to, &from)| *to = from);
             }
         }
         scorer.spread(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);

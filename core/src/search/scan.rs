@@ -115,7 +115,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// Starts a search. Without pruning every offset is scored to its last pixel.
     pub(crate) fn begin(&mut self, window: &Window, pruning: bool, wanted: Wanted) {
         self.leaders.reset(window, wanted);
-        self.ranges.reserve();
         self.pruning = pruning;
         self.stage = if pruning { Stage::LastPosition } else { Stage::Offsets(0, 0) };
     }

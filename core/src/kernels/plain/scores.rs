@@ -134,15 +134,15 @@ pub(crate) fn score_between_at_least(
 /// `low` and `high`.
 #[inline(never)] // one copy in flash
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    for (column, (low, high)) in low.iter_mut().zip(high).enumerate() {
-        let mut block = [u8::MAX, 0];
+    for (column, (to_low, to_high)) in low.iter_mut().zip(high).enumerate() {
+        let (mut low, mut high) = (u8::MAX, 0);
         for row in rolled_if_spare(rows.iter()) {
-            for &pixel in rolled_if_spare(row.iter().skip(column).take(4)) {
-                let [low, high] = block;
-                block = [pixel.min(low), pixel.max(high)];
+            let Some(pixels) = row.get(column..).and_then(|row| row.first_chunk::<4>()) else { return };
+            for &pixel in rolled_if_spare(pixels.iter()) {
+                (low, high) = (pixel.min(low), pixel.max(high));
             }
         }
-        [*low, *high] = block;
+        (*to_low, *to_high) = (low, high);
     }
 }
 
