@@ -149,6 +149,7 @@ impl<T: Method> Held<T> {
     }
 
     /// The target and its workspace, in which an update of another tracker may be under way.
+    #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let workspace = self.marked()?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.

@@ -65,6 +65,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         self.best = None;
         self.beside = match wanted {
