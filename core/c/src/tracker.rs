@@ -66,6 +66,7 @@ pub(crate) trait Tracked {
 ///
 /// # Safety
 /// A `tracker` that is not NULL points to memory of the size of a handle, and nobody else uses the tracker while the result lives.
+#[inline(never)] // one copy in flash
 pub(crate) unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut dyn Tracked, smr_status> {
     pointer::check(tracker)?;
     // SAFETY: neither NULL nor misaligned, and there is memory. Only the mark is read, and any bytes are a usize.
@@ -104,8 +105,21 @@ pub(crate) unsafe fn with_frame(
     // SAFETY: as the caller ensures.
     unsafe {
         let tracker = borrow(tracker)?;
-        pointer::check(frame)?;
-        let frame = (*frame).frame(&tracker.memory())?;
-        work(tracker, &frame)
+        // Not `?`, which would copy the frame.
+        match &outside(frame, tracker) {
+            Ok(frame) => work(tracker, frame),
+            Err(error) => Err(*error),
+        }
     }
+}
+
+/// The frame, which lies outside the memory of `tracker`.
+///
+/// # Safety
+/// As for [`with_frame`].
+#[inline(never)] // one copy in flash
+unsafe fn outside<'a>(frame: *const smr_frame, tracker: &dyn Tracked) -> Result<Frame<'a>, smr_status> {
+    pointer::check(frame)?;
+    // SAFETY: as the caller ensures.
+    unsafe { (*frame).frame(&tracker.memory()) }
 }
