@@ -60,6 +60,7 @@ impl<'a> Part<'a> {
         if fits_x && fits_y { Ok(Self { image, x, y }) } else { Err(FrameError::OutsideFrame) }
     }
 
+    #[inline(never)] // one copy in flash
     fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         let x = rect.x.checked_sub(i32::from(self.x))?;
         let y = rect.y.checked_sub(i32::from(self.y))?;
@@ -110,6 +111,7 @@ impl<'a> Frame<'a> {
 
     /// The pixels in `rect` (frame coordinates); `None` if no part in memory contains all of them.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         self.first.patch(rect).or_else(|| self.second?.patch(rect))
     }

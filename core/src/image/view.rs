@@ -119,6 +119,7 @@ impl<'a> Image<'a> {
 
     /// The part inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn crop(&self, rect: Rect) -> Option<Self> {
         if !Rect::new(0, 0, self.width, self.height).contains(rect) {
             return None;

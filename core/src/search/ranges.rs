@@ -54,6 +54,7 @@ impl Tile {
     }
 
     /// The first offset of a group that no group before it contains, counted from the first of the tile.
+    #[inline(never)] // one copy in flash
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)

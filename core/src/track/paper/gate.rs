@@ -79,6 +79,7 @@ impl Track {
     }
 
     /// The box at `peak`, and the state of a target there.
+    #[inline(never)] // one copy in flash
     fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
