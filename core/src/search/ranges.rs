@@ -238,7 +238,12 @@ impl Shape {
 fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
     match frame.patch(Rect::new(x, y, columns, 4)) {
-        Some(pixels) => scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
+        Some(patch) => {
+            let (pixels, stride) = patch.parts();
+            // Each row and all behind it: `spread` reads no more than it needs.
+            let rows = [0, 1, 2, 3].map(|row| pixels.get(row * stride..).unwrap_or_default());
+            scorer.spread(&rows, low, high);
+        }
         None => ranges_at_border(frame, x, y, scorer, low, high),
     }
 }
