@@ -178,6 +178,11 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
     }
 
+    /// Whether the bound of a group is at least `needed`.
+    pub(super) fn reaches(&self, group: usize, needed: u32) -> bool {
+        self.bounds.as_flattened().get(group).is_some_and(|&bound| bound >= needed)
+    }
+
     /// The first group from `group` on whose bound is at least `needed` and not 0.
     #[inline(never)] // one copy in flash
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {

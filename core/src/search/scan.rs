@@ -36,7 +36,7 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     granted: u32,
     /// Comparisons in the present step.
     work: u32,
-    /// Comparisons since the floor was raised last.
+    /// Comparisons since the floor was raised last, without those of the present step (modulo 2^32).
     since_floor: u32,
 }
 
@@ -154,6 +154,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// over the maxima to raise the floor (2), one for the runner-up (2).
     #[inline(never)] // one copy in flash
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
+        self.since_floor = self.since_floor.wrapping_add(self.work);
         (self.work, self.granted) = (0, work.max(1));
         while !self.is_done() && !self.is_spent() {
             match self.stage {
@@ -186,7 +187,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
-        self.since_floor = self.since_floor.saturating_add(comparisons);
     }
 
     /// The result; `None` until the search is done.
@@ -268,7 +268,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.leaders.looks_for_runner_up() {
             self.leaders.raise_floor();
             self.spend(axes(scene));
-            self.since_floor = 0;
+            self.since_floor = self.work.wrapping_neg();
         }
     }
 
@@ -335,23 +335,26 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     fn refine(&mut self, scene: &Scene<'_>) {
         while let Some(group) = self.next_group(self.leaders.needed()) {
-            if self.is_spent() {
-                return;
-            }
             let from = self.place.next;
             if group != from {
-                self.place.offset = 0;
+                (self.place.next, self.place.offset) = (group, 0);
             }
-            let (new_column, new_row) = self.tile.new_in_group(group);
+            let new = self.tile.new_in_group(group);
             // Raise the floor at the first remaining group of each row, unless that costs more than 1/32 of the work since.
-            let is_first = self.place.offset == 0 && (from == 0 || new_row != self.tile.new_in_group(from - 1).1);
-            if is_first && self.since_floor / 32 >= axes(scene) {
+            let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.new_in_group(from - 1).1);
+            if is_first && self.since_floor.wrapping_add(self.work) / 32 >= axes(scene) {
                 self.raise_floor(scene);
             }
             self.spend(words(group - from));
-            self.score_in_group(scene, self.tile.group(group), (new_column, new_row));
-            self.place.offset = (self.place.offset + 1) % OFFSETS;
-            self.place.next = if self.place.offset == 0 { group + 1 } else { group };
+            let first = self.tile.group(group);
+            while self.place.offset < OFFSETS && self.ranges.reaches(group, self.leaders.needed()) {
+                if self.is_spent() {
+                    return;
+                }
+                self.score_in_group(scene, first, new);
+                self.place.offset += 1;
+            }
+            (self.place.next, self.place.offset) = (group + 1, 0);
         }
         self.next_tile(scene);
     }
