@@ -67,6 +67,7 @@ impl<const SPAN: usize> Maxima<SPAN> {
     }
 }
 
+#[inline(never)] // one copy in flash
 fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     let index = usize::try_from(at.saturating_sub(first)).unwrap_or(usize::MAX);
     if let Some(maximum) = maxima.get_mut(index) {
