@@ -125,10 +125,20 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         (self.shape.rows_of(tile.rows) + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings
     }
 
-    /// Computes a row of ranges; returns their number.
+    /// The pixels under the offsets of a tile; `None` if some are outside the frame or not in memory.
+    pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, tile: &Tile) -> Option<Image<'a>> {
+        let (x, y) = window.position(tile.column, tile.row);
+        let side = |blocks: usize| u16::try_from(blocks + SIDE - 1).unwrap_or(u16::MAX);
+        let (width, height) = (self.shape.columns_of(tile.columns), self.shape.rows_of(tile.rows));
+        frame.patch(Rect::new(x, y, side(width), side(height)))
+    }
+
+    /// Computes a row of ranges; returns their number. `pixels` are those of the tile.
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
         &mut self,
         frame: &Frame<'_>,
+        pixels: Option<Image<'_>>,
         window: &Window,
         tile: &Tile,
         pass: usize,
@@ -136,11 +146,12 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer<'_>,
     ) -> u32 {
         let width = self.shape.columns_of(tile.columns);
-        let (x, y) = window.position(tile.column, tile.row + pass + row * self.passes());
+        let down = pass + row * self.passes();
+        let (x, y) = window.position(tile.column, tile.row + down);
         let (low, high) = self.bytes.split_at_mut_checked(PIXELS / 2).unwrap_or_default();
         let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
-        ranges_at(frame, x, y, scorer, low, high);
+        ranges_at(frame, pixels.and_then(|pixels| pixels.every(down, 1)), (x, y), scorer, low, high);
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
@@ -239,10 +250,18 @@ impl Shape {
     }
 }
 
-/// The ranges of the blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. Pixels outside the frame are 0.
-fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+/// The ranges of the blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` are those from (`x`, `y`) on, if they
+/// are known. Pixels outside the frame are 0.
+fn ranges_at(
+    frame: &Frame<'_>,
+    pixels: Option<Image<'_>>,
+    (x, y): (i32, i32),
+    scorer: &Scorer<'_>,
+    low: &mut [u8],
+    high: &mut [u8],
+) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
-    match frame.patch(Rect::new(x, y, columns, 4)) {
+    match pixels.or_else(|| frame.patch(Rect::new(x, y, columns, 4))) {
         Some(patch) => {
             let (pixels, stride) = patch.parts();
             // Each row and all behind it: `spread` reads no more than it needs.

@@ -290,12 +290,14 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.tile = self.ranges.tile(&scene.window, column, row);
             self.ranges.begin_tile(&self.tile, area(scene));
         }
+        let pixels = self.ranges.pixels(&scene.frame, &scene.window, &self.tile);
         for next in next..self.ranges.rows(&self.tile, pass) {
             if self.is_spent() {
                 self.place.next = next;
                 return;
             }
-            let ranges = self.ranges.compute_row(&scene.frame, &scene.window, &self.tile, pass, next, scene.scorer);
+            let Scene { frame, window, scorer, .. } = scene;
+            let ranges = self.ranges.compute_row(frame, pixels, window, &self.tile, pass, next, scorer);
             self.spend(2 * ranges);
         }
         if pass == 0 {
