@@ -262,35 +262,43 @@ fn ranges_at(
 ) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
     match pixels.or_else(|| frame.patch(Rect::new(x, y, columns, 4))) {
-        Some(patch) => {
-            let (pixels, stride) = patch.parts();
-            // Each row and all behind it: `spread` reads no more than it needs.
-            let rows = [0, 1, 2, 3].map(|row| pixels.get(row * stride..).unwrap_or_default());
-            scorer.spread(&rows, low, high);
-        }
-        None => ranges_at_border(frame, x, y, scorer, low, high),
+        Some(pixels) => ranges_of(pixels, scorer, low, high),
+        None => ranges_at_border(frame, (x, y), scorer, low, high),
     }
+}
+
+/// The ranges of the blocks in the first four rows of `pixels`.
+#[inline(never)] // one copy in flash
+fn ranges_of(pixels: Image<'_>, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+    let (pixels, stride) = pixels.parts();
+    // Each row and all behind it: `spread` reads no more than it needs.
+    let rows = [0, 1, 2, 3].map(|row| pixels.get(row * stride..).unwrap_or_default());
+    scorer.spread(&rows, low, high);
 }
 
 /// The same if some pixels lie outside the frame: from a padded copy, 16 blocks at a time.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
-fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
-    const PART: u16 = 16; // the copy is on the stack
+fn ranges_at_border(frame: &Frame<'_>, (x, y): (i32, i32), scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+    const PART: usize = 16; // the copy is on the stack
+    const COLUMNS: u16 = 16 + 3;
     let mut x = x;
-    for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
-        let mut copy = [[0; PART as usize + SIDE - 1]; SIDE];
+    for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
+        let mut copy = [[0; COLUMNS as usize]; SIDE];
         // Reads only the pixels needed: others may not be in memory.
         let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
             let down = usize::try_from(seen.y.saturating_sub(y)).unwrap_or(0);
-            for (y, to) in (0..pixels.height()).zip(copy.iter_mut().skip(down)) {
-                rolled(to.iter_mut().skip(right).zip(pixels.row(y))).for_each(|(to, &from)| *to = from);
+            for row in 0..pixels.height() {
+                let to = copy.get_mut(down + usize::from(row)).and_then(|to| to.get_mut(right..)).unwrap_or_default();
+                rolled(to.iter_mut().zip(pixels.row(row))).for_each(|(to, &from)| *to = from);
             }
         }
-        scorer.spread(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
-        x = x.saturating_add(PART.into());
+        if let Ok(copy) = Image::new(copy.as_flattened(), COLUMNS, 4) {
+            ranges_of(copy, scorer, low, high);
+        }
+        x = x.saturating_add(PART as i32);
     }
 }
