@@ -3,9 +3,7 @@
 use crate::answer::smr_state;
 use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
-use crate::status::{
-    SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status, status_of,
-};
+use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status, status_of};
 use crate::tracker::{Known, ask, smr_tracker};
 use smr_core::{Image, Robust, Target};
 
