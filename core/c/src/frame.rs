@@ -85,6 +85,7 @@ impl smr_part {
     ///
     /// # Safety
     /// If `pixels` is not NULL, `size` bytes from there can be read, and nobody writes them while the result lives.
+    #[inline(never)] // one copy in flash
     unsafe fn image<'a>(&self, taken: &[Range<usize>; 2]) -> Result<Image<'a>, smr_status> {
         pointer::check_bytes(self.pixels, self.size, taken)?;
         // SAFETY: not NULL, at most isize::MAX bytes, and bytes are always aligned; the rest as the caller ensures.

@@ -3,8 +3,9 @@
 use crate::answer::smr_state;
 use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{ask, smr_tracker};
+use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status, status_of};
+use crate::tracker::{Known, ask, smr_tracker};
+use smr_core::{Image, Robust, Target};
 
 /// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the same when shifted: the
 /// tracker follows it, but may slip along it without noticing.
@@ -15,7 +16,15 @@ use crate::tracker::{ask, smr_tracker};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut u16) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { ask(tracker, quality, |tracker| Ok(tracker.quality().ok_or(SMR_ERROR_NOT_LOCKED)?.value())) })
+    status_of(unsafe {
+        ask(tracker, quality, |tracker| {
+            let quality = match tracker.known() {
+                Known::Paper(target) => target.quality(),
+                Known::Robust(target) => target.quality(),
+            };
+            Ok(quality.ok_or(SMR_ERROR_NOT_LOCKED)?.value())
+        })
+    })
 }
 
 /// The box and the state of the last answer; also after #smr_lock and #smr_restore.
@@ -34,7 +43,11 @@ pub unsafe extern "C" fn smr_last(
     status_of(unsafe {
         ask(tracker, bbox, |tracker| {
             let out = Out::new(state)?;
-            let (bbox, state) = tracker.last().ok_or(SMR_ERROR_NOT_LOCKED)?;
+            let last = match tracker.known() {
+                Known::Paper(target) => target.bbox().zip(target.state()),
+                Known::Robust(target) => target.bbox().zip(target.state()),
+            };
+            let (bbox, state) = last.ok_or(SMR_ERROR_NOT_LOCKED)?;
             out.write(state.into());
             Ok(bbox.into())
         })
@@ -51,7 +64,16 @@ pub unsafe extern "C" fn smr_last(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_template(tracker: *const smr_tracker, image: *mut smr_image) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { ask(tracker, image, |tracker| tracker.template()?.ok_or(SMR_ERROR_NOT_LOCKED)) })
+    status_of(unsafe {
+        ask(tracker, image, |tracker| {
+            let Known::Paper(target) = tracker.known() else { return Err(SMR_ERROR_OTHER_METHOD) };
+            let image = |image: Image<'_>| {
+                let pixels = image.row(0).as_ptr();
+                smr_image { pixels, width: image.width(), height: image.height() }
+            };
+            target.template().map(image).ok_or(SMR_ERROR_NOT_LOCKED)
+        })
+    })
 }
 
 /// The alpha of the paper's tracker for the next #smr_update.
@@ -64,8 +86,8 @@ pub unsafe extern "C" fn smr_alpha(tracker: *const smr_tracker, alpha: *mut u16)
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
         ask(tracker, alpha, |tracker| {
-            let alpha = tracker.alpha()?;
-            tracker.window().map(|_| alpha).ok_or(SMR_ERROR_NOT_LOCKED)
+            let Known::Paper(target) = tracker.known() else { return Err(SMR_ERROR_OTHER_METHOD) };
+            target.state().map(|_| target.alpha()).ok_or(SMR_ERROR_NOT_LOCKED)
         })
     })
 }
@@ -88,7 +110,24 @@ pub unsafe extern "C" fn smr_early_template(
     status_of(unsafe {
         ask(tracker, image, |tracker| {
             pointer::check_bytes(pixels, size, &tracker.memory())?;
-            tracker.early_template(pixels, size)
+            let Known::Robust(target) = tracker.known() else { return Err(SMR_ERROR_OTHER_METHOD) };
+            early_template(target, pixels, size)
         })
     })
+}
+
+/// # Safety
+/// There is memory for `size` bytes at `pixels`.
+unsafe fn early_template(target: &Robust, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status> {
+    let (Some(grid), Some(template)) = (target.grid(), target.early_template()) else {
+        return Err(SMR_ERROR_NOT_LOCKED);
+    };
+    if size < template.len() {
+        return Err(SMR_ERROR_BUFFER_TOO_SMALL);
+    }
+    for (at, pixel) in template.enumerate() {
+        // SAFETY: the caller ensures that there is memory for `size` pixels, and `size` is at least their number.
+        unsafe { pixels.add(at).write(pixel) }
+    }
+    Ok(smr_image { pixels, width: grid.columns, height: grid.rows })
 }

@@ -4,30 +4,25 @@
 
 use crate::answer::smr_answer;
 use crate::capacity::{
-    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_SAVED_SIZE,
-    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE,
+    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE,
 };
 use crate::config::{smr_config, smr_method};
-use crate::frame::smr_image;
 use crate::pointer::{self, Out};
-use crate::status::{
-    SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status,
-};
-use crate::tracker::{Tracked, smr_tracker};
+#[cfg(feature = "unstable")]
+use crate::status::SMR_ERROR_OTHER_METHOD;
+use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
+use crate::tracker::{Known, Tracked, smr_tracker};
 #[cfg(feature = "unstable")]
 use crate::unstable::ResponseMap;
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr;
-use smr_core::{FineRect, Frame, LockError, Quality, Rect, Robust, State, Target};
+use smr_core::{Frame, LockError, Rect, Robust, Target};
 
 /// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
-
-    /// The saved size in the header.
-    const MOST_SAVED: usize;
 
     /// This tracker's part of `config`.
     ///
@@ -35,19 +30,7 @@ pub(crate) trait Method: Target + 'static {
     /// As for `table::given`, with the table of the paper's configuration.
     unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status>;
 
-    fn template(&self) -> Result<Option<smr_image>, smr_status> {
-        Err(SMR_ERROR_OTHER_METHOD)
-    }
-
-    fn alpha(&self) -> Result<u16, smr_status> {
-        Err(SMR_ERROR_OTHER_METHOD)
-    }
-
-    /// # Safety
-    /// There is memory for `size` bytes at `pixels`.
-    unsafe fn early_template(&self, _pixels: *mut u8, _size: usize) -> Result<smr_image, smr_status> {
-        Err(SMR_ERROR_OTHER_METHOD)
-    }
+    fn known(&mut self) -> Known<'_>;
 
     #[cfg(feature = "unstable")]
     fn response_map(&self, _: &mut Self::Workspace, _: &Frame<'_>) -> Result<ResponseMap, smr_status> {
@@ -61,7 +44,6 @@ pub(crate) fn method_of<T: Method>() -> *const smr_method {
 }
 
 impl Method for PaperTarget {
-    const MOST_SAVED: usize = PAPER_SAVED_SIZE;
     const METHOD: smr_method =
         smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
 
@@ -70,21 +52,12 @@ impl Method for PaperTarget {
         unsafe { config.paper() }
     }
 
-    fn template(&self) -> Result<Option<smr_image>, smr_status> {
-        let image = |image: smr_core::Image<'_>| {
-            let pixels = image.rows().next().map_or(ptr::null(), <[u8]>::as_ptr);
-            smr_image { pixels, width: image.width(), height: image.height() }
-        };
-        Ok(PaperTarget::template(self).map(image))
-    }
-
-    fn alpha(&self) -> Result<u16, smr_status> {
-        Ok(PaperTarget::alpha(self))
+    fn known(&mut self) -> Known<'_> {
+        Known::Paper(self)
     }
 }
 
 impl Method for Robust {
-    const MOST_SAVED: usize = ROBUST_SAVED_SIZE;
     const METHOD: smr_method =
         smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
 
@@ -92,18 +65,8 @@ impl Method for Robust {
         Ok(config.robust())
     }
 
-    unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status> {
-        let (Some(grid), Some(template)) = (self.grid(), Robust::early_template(self)) else {
-            return Err(SMR_ERROR_NOT_LOCKED);
-        };
-        if size < template.len() {
-            return Err(SMR_ERROR_BUFFER_TOO_SMALL);
-        }
-        for (at, pixel) in template.enumerate() {
-            // SAFETY: the caller ensures that there is memory for `size` pixels, and `size` is at least their number.
-            unsafe { pixels.add(at).write(pixel) }
-        }
-        Ok(smr_image { pixels, width: grid.columns, height: grid.rows })
+    fn known(&mut self) -> Known<'_> {
+        Known::Robust(self)
     }
 
     #[cfg(feature = "unstable")]
@@ -186,6 +149,7 @@ impl<T: Method> Held<T> {
     }
 
     /// The target and its workspace, in which an update of another tracker may be under way.
+    #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let workspace = self.marked()?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.
@@ -194,6 +158,10 @@ impl<T: Method> Held<T> {
 }
 
 impl<T: Method> Tracked for Held<T> {
+    fn known(&mut self) -> Known<'_> {
+        self.target.known()
+    }
+
     fn memory(&self) -> [Range<usize>; 2] {
         let smr_method { target_size, workspace_size, .. } = T::METHOD;
         let storage = ptr::from_ref(self).addr() - offset_of!(Stored<T>, held);
@@ -244,47 +212,6 @@ impl<T: Method> Tracked for Held<T> {
 
     fn sweep_window(&self) -> Option<Rect> {
         self.target.sweep_window()
-    }
-
-    fn quality(&self) -> Option<Quality> {
-        self.target.quality()
-    }
-
-    fn last(&self) -> Option<(FineRect, State)> {
-        self.target.bbox().zip(self.target.state())
-    }
-
-    fn moved(&mut self, right: i32, down: i32) {
-        self.target.moved(right, down);
-    }
-
-    fn most_saved_size(&self) -> usize {
-        T::MOST_SAVED
-    }
-
-    fn saved_size(&self) -> Result<usize, smr_status> {
-        Ok(self.target.saved_size()?)
-    }
-
-    fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status> {
-        Ok(self.target.save(bytes)?)
-    }
-
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status> {
-        Ok(self.target.restore(bytes)?)
-    }
-
-    fn template(&self) -> Result<Option<smr_image>, smr_status> {
-        Method::template(&self.target)
-    }
-
-    fn alpha(&self) -> Result<u16, smr_status> {
-        Method::alpha(&self.target)
-    }
-
-    unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status> {
-        // SAFETY: as the caller ensures.
-        unsafe { Method::early_template(&self.target, pixels, size) }
     }
 
     #[cfg(feature = "unstable")]

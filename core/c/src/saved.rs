@@ -1,10 +1,41 @@
 //! Saves a target as bytes, and restores it.
 
+use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_SAVED, smr_status, status_of};
-use crate::tracker::{ask, borrow, smr_tracker};
+use crate::tracker::{Known, ask, borrow, smr_tracker};
 use core::ptr;
-use smr_core::copies;
+use smr_core::{Target, copies};
+
+impl Known<'_> {
+    const fn most_saved_size(&self) -> usize {
+        match self {
+            Self::Paper(_) => PAPER_SAVED_SIZE,
+            Self::Robust(_) => ROBUST_SAVED_SIZE,
+        }
+    }
+
+    fn saved_size(&self) -> Result<usize, smr_status> {
+        Ok(match self {
+            Self::Paper(target) => target.saved_size()?,
+            Self::Robust(target) => target.saved_size()?,
+        })
+    }
+
+    fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status> {
+        Ok(match self {
+            Self::Paper(target) => target.save(bytes)?,
+            Self::Robust(target) => target.save(bytes)?,
+        })
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status> {
+        Ok(match self {
+            Self::Paper(target) => target.restore(bytes)?,
+            Self::Robust(target) => target.restore(bytes)?,
+        })
+    }
+}
 
 /// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was built.
 ///
@@ -14,7 +45,7 @@ use smr_core::copies;
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut usize) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { ask(tracker, size, |tracker| Ok(tracker.most_saved_size())) })
+    status_of(unsafe { ask(tracker, size, |tracker| Ok(tracker.known().most_saved_size())) })
 }
 
 /// Writes the target to memory: what the tracker remembers of it, and a checksum of the configuration. The bytes are the same on every
@@ -37,12 +68,13 @@ pub unsafe extern "C" fn smr_save(
     status_of(unsafe {
         ask(tracker, written, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            let needed = tracker.saved_size()?;
+            let target = tracker.known();
+            let needed = target.saved_size()?;
             if size < needed {
                 return Err(SMR_ERROR_BUFFER_TOO_SMALL);
             }
             bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
-            tracker.save(core::slice::from_raw_parts_mut(bytes, needed))
+            target.save(core::slice::from_raw_parts_mut(bytes, needed))
         })
     })
 }
@@ -82,13 +114,14 @@ pub unsafe extern "C" fn smr_save_copy(
     status_of(unsafe {
         ask(tracker, written, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            let needed = copies::size(tracker.saved_size()?);
+            let target = tracker.known();
+            let needed = copies::size(target.saved_size()?);
             if size < needed {
                 return Err(SMR_ERROR_BUFFER_TOO_SMALL);
             }
             bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
             let bytes = core::slice::from_raw_parts_mut(bytes, needed);
-            let saved = tracker.save(bytes)?;
+            let saved = target.save(bytes)?;
             Ok(copies::seal(number, saved, bytes)?)
         })
     })
@@ -147,7 +180,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     status_of(unsafe {
         borrow(tracker).and_then(|tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            tracker.restore(core::slice::from_raw_parts(bytes, size))
+            tracker.known().restore(core::slice::from_raw_parts(bytes, size))
         })
     })
 }

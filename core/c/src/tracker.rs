@@ -1,12 +1,13 @@
 //! `smr_tracker`, the handle that C holds, and how to get from its pointer to the tracker behind it.
 
 use crate::answer::smr_answer;
-use crate::frame::{smr_frame, smr_image};
+use crate::capacity::PaperTarget;
+use crate::frame::smr_frame;
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
-use smr_core::{FineRect, Frame, Quality, Rect, State};
+use smr_core::{Frame, Rect, Robust};
 
 /// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up.
 ///
@@ -31,31 +32,30 @@ fn mark_of(address: *const smr_tracker) -> usize {
     address.addr() ^ 0x534D_5231 // "SMR1"
 }
 
-/// The calls on a tracker, whatever its method.
+/// A target by its type.
+///
+/// A program links all of [`Tracked`] for the trackers that it makes. A call that few programs make is therefore not there: it goes by the
+/// type. So a program that does not make the call does not link it; one that does links it for both trackers.
+pub(crate) enum Known<'a> {
+    Paper(&'a mut PaperTarget),
+    Robust(&'a mut Robust),
+}
+
+/// The calls that follow a target, whatever its method.
 pub(crate) trait Tracked {
+    /// For all other calls.
+    fn known(&mut self) -> Known<'_>;
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
     fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
     fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    fn quality(&self) -> Option<Quality>;
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
     fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
-    fn last(&self) -> Option<(FineRect, State)>;
-    fn moved(&mut self, right: i32, down: i32);
-    fn most_saved_size(&self) -> usize;
-    fn saved_size(&self) -> Result<usize, smr_status>;
-    fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status>;
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status>;
-    fn template(&self) -> Result<Option<smr_image>, smr_status>;
-    fn alpha(&self) -> Result<u16, smr_status>;
-    /// # Safety
-    /// There is memory for `size` bytes at `pixels`.
-    unsafe fn early_template(&self, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status>;
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status>;
     #[cfg(feature = "unstable")]
@@ -66,6 +66,7 @@ pub(crate) trait Tracked {
 ///
 /// # Safety
 /// A `tracker` that is not NULL points to memory of the size of a handle, and nobody else uses the tracker while the result lives.
+#[inline(never)] // one copy in flash
 pub(crate) unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut dyn Tracked, smr_status> {
     pointer::check(tracker)?;
     // SAFETY: neither NULL nor misaligned, and there is memory. Only the mark is read, and any bytes are a usize.
@@ -77,14 +78,14 @@ pub(crate) unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut dyn
     Ok(unsafe { &mut *(*tracker).held })
 }
 
-/// Writes the result of `question` to `out`.
+/// Writes the result of `question` to `out`. A `question` only reads the tracker.
 ///
 /// # Safety
 /// As for [`borrow`]; an `out` that is not NULL has memory for a `T`.
 pub(crate) unsafe fn ask<T>(
     tracker: *const smr_tracker,
     out: *mut T,
-    question: impl FnOnce(&dyn Tracked) -> Result<T, smr_status>,
+    question: impl FnOnce(&mut dyn Tracked) -> Result<T, smr_status>,
 ) -> Result<(), smr_status> {
     // SAFETY: as the caller ensures. The tracker is not written through this borrow.
     let (tracker, out) = unsafe { (borrow(tracker.cast_mut())?, Out::new(out)?) };
@@ -104,8 +105,21 @@ pub(crate) unsafe fn with_frame(
     // SAFETY: as the caller ensures.
     unsafe {
         let tracker = borrow(tracker)?;
-        pointer::check(frame)?;
-        let frame = (*frame).frame(&tracker.memory())?;
-        work(tracker, &frame)
+        // Not `?`, which would copy the frame.
+        match &outside(frame, tracker) {
+            Ok(frame) => work(tracker, frame),
+            Err(error) => Err(*error),
+        }
     }
+}
+
+/// The frame, which lies outside the memory of `tracker`.
+///
+/// # Safety
+/// As for [`with_frame`].
+#[inline(never)] // one copy in flash
+unsafe fn outside<'a>(frame: *const smr_frame, tracker: &dyn Tracked) -> Result<Frame<'a>, smr_status> {
+    pointer::check(frame)?;
+    // SAFETY: as the caller ensures.
+    unsafe { (*frame).frame(&tracker.memory()) }
 }

@@ -4,7 +4,8 @@ use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer::Out;
 use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{ask, borrow, smr_tracker, with_frame};
+use crate::tracker::{Known, ask, borrow, smr_tracker, with_frame};
+use smr_core::Target;
 
 /// Finds the target in the next frame.
 ///
@@ -137,5 +138,8 @@ pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { borrow(tracker) }.map(|tracker| tracker.moved(right, down)))
+    status_of(unsafe { borrow(tracker) }.map(|tracker| match tracker.known() {
+        Known::Paper(target) => target.moved(right, down),
+        Known::Robust(target) => target.moved(right, down),
+    }))
 }

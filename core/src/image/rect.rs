@@ -64,6 +64,7 @@ impl Rect {
 
     /// The pixels in both rectangles; the empty rectangle at (0, 0) if there are none.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn intersection(self, other: Self) -> Self {
         let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
         let (top, bottom) = (self.y.max(other.y), self.bottom().min(other.bottom()));

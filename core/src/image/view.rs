@@ -93,6 +93,7 @@ impl<'a> Image<'a> {
 
     /// The `width` pixels of row `y`; empty if `y` >= height.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn row(&self, y: u16) -> &'a [u8] {
         if y >= self.height {
             return &[];
@@ -118,11 +119,10 @@ impl<'a> Image<'a> {
 
     /// The part inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn crop(&self, rect: Rect) -> Option<Self> {
-        if !Rect::new(0, 0, self.width, self.height).contains(rect) {
-            return None;
-        }
-        let start = usize::try_from(rect.y).ok()? * self.stride + usize::try_from(rect.x).ok()?;
+        let (x, y) = (place(rect.x, rect.width, self.width)?, place(rect.y, rect.height, self.height)?);
+        let start = y * self.stride + x;
         Some(Self { pixels: self.pixels.get(start..)?, width: rect.width, height: rect.height, stride: self.stride })
     }
 
@@ -147,6 +147,12 @@ impl<'a> Image<'a> {
     fn rest(&self, start: usize, len: usize) -> &'a [u8] {
         self.pixels.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
     }
+}
+
+/// The start of `size` pixels from `at` on, if they are among `all` pixels and there is at least one.
+fn place(at: i32, size: u16, all: u16) -> Option<usize> {
+    let last = all.checked_sub(size)?;
+    usize::try_from(at).ok().filter(|&at| at <= last.into() && size > 0)
 }
 
 impl fmt::Debug for Image<'_> {

@@ -2,6 +2,7 @@
 
 #[cfg(any(smr_dsp, smr_helium))]
 use super::arm::points::Points;
+use super::unrolling::rolled;
 
 /// The similarity of equal pixels: 1.0.
 pub(crate) const ONE: u16 = u16::MAX;
@@ -44,11 +45,13 @@ impl CutTable {
     };
 
     /// Sets the entries below `threshold` to those given, and all others to 0.
+    #[inline(never)] // one copy in flash
     pub(crate) fn cut(&mut self, entries: &[u16; 256], threshold: u16) {
-        let counting = entries.get(..threshold.into()).unwrap_or(entries);
-        if let Some((live, rest)) = self.entries.split_at_mut_checked(counting.len()) {
-            live.copy_from_slice(counting);
-            rest.fill(0);
+        // From the threshold before on all are 0.
+        let changing = usize::from(self.threshold.max(threshold)).min(256);
+        let to = self.entries.get_mut(..changing).unwrap_or_default();
+        for (d, (to, &from)) in rolled(to.iter_mut().zip(entries)).enumerate() {
+            *to = if d < threshold.into() { from } else { 0 };
         }
         self.threshold = threshold;
         #[cfg(any(smr_dsp, smr_helium))]
@@ -104,7 +107,7 @@ impl CutTable {
     #[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))] // for backends that filter by it
     fn flattest(&self) -> u32 {
         let one = u32::from(ONE);
-        let counting = (0u16..).zip(&self.entries).skip(1).take_while(|&(d, _)| d < self.threshold);
-        counting.map(|(d, &p)| (one - u32::from(p)) / u32::from(d.max(1))).min().unwrap_or(one)
+        let counting = self.entries.get(..usize::from(self.threshold).min(256)).unwrap_or_default();
+        rolled((0..).zip(counting).skip(1)).map(|(d, &p)| (one - u32::from(p)) / d.max(1)).min().unwrap_or(one)
     }
 }

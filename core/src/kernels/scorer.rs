@@ -176,17 +176,24 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.ranges(rows, low, high));
+        // Other forms are compared by `examples/kernels`.
+        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        verify::spread(rows, low, high);
     }
 
     /// [`Scorer::score_between_at_least`] for ranges of [`Scorer::ranges`].
     #[inline(always)]
     pub(crate) fn most_within(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(low, template)?;
-        dispatch!(self, kernels => kernels.most_within(low, high, template, floor))
+        let score = dispatch!(self, kernels => kernels.most_within(low, high, template, floor));
+        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        verify::score_between(score, (low, high, template), self.plain.table, floor);
+        score
     }
 
     /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more
     /// pixels than `low` and `high`.
+    #[cfg(any(test, feature = "unstable"))]
     #[inline(always)]
     pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));

@@ -65,6 +65,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         self.best = None;
         self.beside = match wanted {
@@ -80,6 +81,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
     }
 
     /// The least score with which an offset can still change the result.
+    #[inline(never)] // one copy in flash
     pub(super) fn needed(&self) -> u32 {
         let best = self.best.map_or(0, |best| best.score);
         match self.beside {
@@ -98,7 +100,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
                 Beside::Equals(equals) => equals.are_apart(),
                 Beside::RunnerUp { floor, .. } => *floor >= best.score,
             };
-            is_decided && best.score == needed && Peak { x, y, score: needed }.rank(window) < best.rank(window)
+            is_decided && best.score == needed && best.beats(&Peak { x, y, score: needed }, window)
         });
         needed.saturating_add(u32::from(loses_tie))
     }
@@ -122,7 +124,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
                 self.maxima.note(window, &candidate);
             }
         }
-        if self.best.is_none_or(|best| candidate.rank(window) > best.rank(window)) {
+        if self.best.is_none_or(|best| candidate.beats(&best, window)) {
             self.best = Some(candidate);
         }
     }

@@ -1,7 +1,6 @@
 //! The goal of a search, its result, and the tie rule.
 
 use super::window::Window;
-use core::cmp::Reverse;
 
 /// The score of one offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,11 +15,17 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// Sorts offsets by score, then by the tie rule. The largest rank is the peak.
-    pub(super) fn rank(&self, window: &Window) -> (u32, Reverse<(u64, i32, i32)>) {
+    /// Whether this offset is the peak rather than `other`: by the score, then by the tie rule.
+    #[inline(never)] // one copy in flash
+    pub(super) fn beats(&self, other: &Self, window: &Window) -> bool {
+        if self.score == other.score { self.order(window) < other.order(window) } else { self.score > other.score }
+    }
+
+    /// The tie rule: the least of these is the peak.
+    fn order(&self, window: &Window) -> (u64, i32, i32) {
         let (x, y) = window.centre();
         let (dx, dy) = (u64::from(self.x.abs_diff(x)), u64::from(self.y.abs_diff(y)));
-        (self.score, Reverse((dx * dx + dy * dy, self.y, self.x)))
+        (dx * dx + dy * dy, self.y, self.x)
     }
 
     /// Whether `other` is more than `distance` pixels away in x or in y.

@@ -11,17 +11,17 @@
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
+use crate::kernels::rolled;
 use crate::similarity::{Scorer, Table};
-use heapless::Vec;
 
 /// Offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     /// First half: the minima of the blocks, row by row. Second half: the maxima.
-    bytes: Vec<u8, PIXELS>,
+    bytes: [u8; PIXELS],
     /// The upper bound of each group of the tile; 0 if the group is excluded.
-    bounds: Vec<[u32; 3], SPAN>,
+    bounds: [[u32; 3]; SPAN],
     shape: Shape,
 }
 
@@ -48,11 +48,13 @@ pub(super) struct Tile {
 }
 
 impl Tile {
+    #[inline(never)] // one copy in flash
     pub(super) const fn groups(&self) -> usize {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
     /// The first offset of a group that no group before it contains, counted from the first of the tile.
+    #[inline(never)] // one copy in flash
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
@@ -70,13 +72,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
-        Self { bytes: Vec::new(), bounds: Vec::new(), shape }
-    }
-
-    /// Gives both buffers their full length. `new` does not, because the zeroes would be copied.
-    pub(super) fn reserve(&mut self) {
-        // Neither can fail.
-        let _ = (self.bytes.resize(PIXELS, 0), self.bounds.resize(SPAN, [0; 3]));
+        Self { bytes: [0; PIXELS], bounds: [[0; 3]; SPAN], shape }
     }
 
     /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
@@ -121,7 +117,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     /// Sets the bound of every group of `tile` to `pixels` fully similar pixels.
     pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
         let bounds = self.bounds.as_flattened_mut();
-        bounds.iter_mut().take(tile.groups()).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
+        rolled(bounds.iter_mut().take(tile.groups())).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
     }
 
     /// The number of rows of ranges that a pass of `tile` needs.
@@ -129,10 +125,20 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         (self.shape.rows_of(tile.rows) + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings
     }
 
-    /// Computes a row of ranges; returns their number.
+    /// The pixels under the offsets of a tile; `None` if some are outside the frame or not in memory.
+    pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, tile: &Tile) -> Option<Image<'a>> {
+        let (x, y) = window.position(tile.column, tile.row);
+        let side = |blocks: usize| u16::try_from(blocks + SIDE - 1).unwrap_or(u16::MAX);
+        let (width, height) = (self.shape.columns_of(tile.columns), self.shape.rows_of(tile.rows));
+        frame.patch(Rect::new(x, y, side(width), side(height)))
+    }
+
+    /// Computes a row of ranges; returns their number. `pixels` are those of the tile.
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
         &mut self,
         frame: &Frame<'_>,
+        pixels: Option<Image<'_>>,
         window: &Window,
         tile: &Tile,
         pass: usize,
@@ -140,16 +146,18 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer<'_>,
     ) -> u32 {
         let width = self.shape.columns_of(tile.columns);
-        let (x, y) = window.position(tile.column, tile.row + pass + row * self.passes());
+        let down = pass + row * self.passes();
+        let (x, y) = window.position(tile.column, tile.row + down);
         let (low, high) = self.bytes.split_at_mut_checked(PIXELS / 2).unwrap_or_default();
         let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
         let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
-        ranges_at(frame, x, y, scorer, low, high);
+        ranges_at(frame, pixels.and_then(|pixels| pixels.every(down, 1)), (x, y), scorer, low, high);
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
     /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`. Returns the number of pixels
     /// compared, at most.
+    #[inline(never)] // one copy in flash
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -181,7 +189,13 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
     }
 
+    /// Whether the bound of a group is at least `needed`.
+    pub(super) fn reaches(&self, group: usize, needed: u32) -> bool {
+        self.bounds.as_flattened().get(group).is_some_and(|&bound| bound >= needed)
+    }
+
     /// The first group from `group` on whose bound is at least `needed` and not 0.
+    #[inline(never)] // one copy in flash
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
         Some(group + bounds.iter().position(|&bound| bound >= needed.max(1))?)
@@ -236,34 +250,55 @@ impl Shape {
     }
 }
 
-/// The ranges of the blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. Pixels outside the frame are 0.
-fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+/// The ranges of the blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` are those from (`x`, `y`) on, if they
+/// are known. Pixels outside the frame are 0.
+fn ranges_at(
+    frame: &Frame<'_>,
+    pixels: Option<Image<'_>>,
+    (x, y): (i32, i32),
+    scorer: &Scorer<'_>,
+    low: &mut [u8],
+    high: &mut [u8],
+) {
     let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
-    match frame.patch(Rect::new(x, y, columns, 4)) {
-        Some(pixels) => scorer.ranges(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
-        None => ranges_at_border(frame, x, y, scorer, low, high),
+    match pixels.or_else(|| frame.patch(Rect::new(x, y, columns, 4))) {
+        Some(pixels) => ranges_of(pixels, scorer, low, high),
+        None => ranges_at_border(frame, (x, y), scorer, low, high),
     }
+}
+
+/// The ranges of the blocks in the first four rows of `pixels`.
+#[inline(never)] // one copy in flash
+fn ranges_of(pixels: Image<'_>, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+    let (pixels, stride) = pixels.parts();
+    // Each row and all behind it: `spread` reads no more than it needs.
+    let rows = [0, 1, 2, 3].map(|row| pixels.get(row * stride..).unwrap_or_default());
+    scorer.ranges(&rows, low, high);
 }
 
 /// The same if some pixels lie outside the frame: from a padded copy, 16 blocks at a time.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
-fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
-    const PART: u16 = 16; // the copy is on the stack
+fn ranges_at_border(frame: &Frame<'_>, (x, y): (i32, i32), scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+    const PART: usize = 16; // the copy is on the stack
+    const COLUMNS: u16 = 16 + 3;
     let mut x = x;
-    for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
-        let mut copy = [[0; PART as usize + SIDE - 1]; SIDE];
+    for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
+        let mut copy = [[0; COLUMNS as usize]; SIDE];
         // Reads only the pixels needed: others may not be in memory.
         let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
             let down = usize::try_from(seen.y.saturating_sub(y)).unwrap_or(0);
-            for (to, from) in copy.iter_mut().skip(down).zip(pixels.rows()) {
-                to.iter_mut().skip(right).zip(from).for_each(|(to, &from)| *to = from);
+            for row in 0..pixels.height() {
+                let to = copy.get_mut(down + usize::from(row)).and_then(|to| to.get_mut(right..)).unwrap_or_default();
+                rolled(to.iter_mut().zip(pixels.row(row))).for_each(|(to, &from)| *to = from);
             }
         }
-        scorer.ranges(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
-        x = x.saturating_add(PART.into());
+        if let Ok(copy) = Image::new(copy.as_flattened(), COLUMNS, 4) {
+            ranges_of(copy, scorer, low, high);
+        }
+        x = x.saturating_add(PART as i32);
     }
 }

@@ -7,49 +7,67 @@
 
 use super::peak::Peak;
 use super::window::Window;
-use heapless::Vec;
+use crate::kernels::rolled;
 
 /// The largest score of each row and each column of a window of up to `SPAN` x `SPAN` offsets.
 pub(super) struct Maxima<const SPAN: usize> {
-    columns: Vec<u32, SPAN>,
-    rows: Vec<u32, SPAN>,
+    columns: Row<SPAN>,
+    rows: Row<SPAN>,
+}
+
+/// A maximum for each offset of the window on an axis.
+struct Row<const SPAN: usize> {
+    maxima: [u32; SPAN],
+    /// How many there are.
+    len: usize,
+}
+
+impl<const SPAN: usize> Row<SPAN> {
+    /// All maxima are 0.
+    fn reset(&mut self, len: usize) {
+        self.len = len;
+        rolled(self.maxima.iter_mut().take(len)).for_each(|maximum| *maximum = 0);
+    }
+
+    /// `lock` refuses a window of more than `SPAN` offsets on an axis.
+    fn all(&self) -> &[u32] {
+        self.maxima.get(..self.len).unwrap_or_default()
+    }
 }
 
 impl<const SPAN: usize> Maxima<SPAN> {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
-        Self { columns: Vec::new(), rows: Vec::new() }
+        Self { columns: Row { maxima: [0; SPAN], len: 0 }, rows: Row { maxima: [0; SPAN], len: 0 } }
     }
 
     /// Sets all maxima of `window` to 0.
     pub(super) fn reset(&mut self, window: &Window) {
         let (columns, rows) = window.size();
-        self.columns.clear();
-        self.rows.clear();
-        // Cannot fail: `lock` refuses a window of more than `SPAN` offsets on an axis.
-        let _ = self.columns.resize(columns, 0);
-        let _ = self.rows.resize(rows, 0);
+        self.columns.reset(columns);
+        self.rows.reset(rows);
     }
 
     pub(super) fn note(&mut self, window: &Window, candidate: &Peak) {
-        raise(&mut self.columns, *window.xs().start(), candidate.x, candidate.score);
-        raise(&mut self.rows, *window.ys().start(), candidate.y, candidate.score);
+        raise(&mut self.columns.maxima, *window.xs().start(), candidate.x, candidate.score);
+        raise(&mut self.rows.maxima, *window.ys().start(), candidate.y, candidate.score);
     }
 
     /// The largest score that two offsets more than `distance` apart (in x or in y) both reach, by the maxima of rows and of
     /// columns; 0 if there is no such pair.
     pub(super) fn both_reach(&self, distance: usize) -> u32 {
-        pair(&self.columns, distance).max(pair(&self.rows, distance))
+        pair(self.columns.all(), distance).max(pair(self.rows.all(), distance))
     }
 
     /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
     pub(super) fn outside(&self, window: &Window, peak: &Peak, neighbourhood: u16) -> u32 {
-        let columns = far(&self.columns, *window.xs().start(), peak.x, neighbourhood);
-        let rows = far(&self.rows, *window.ys().start(), peak.y, neighbourhood);
+        let columns = far(self.columns.all(), *window.xs().start(), peak.x, neighbourhood);
+        let rows = far(self.rows.all(), *window.ys().start(), peak.y, neighbourhood);
         columns.max(rows)
     }
 }
 
+#[inline(never)] // one copy in flash
 fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     let index = usize::try_from(at.saturating_sub(first)).unwrap_or(usize::MAX);
     if let Some(maximum) = maxima.get_mut(index) {
@@ -61,6 +79,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
 ///
 /// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair that
 /// uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
+#[inline(never)] // one copy in flash
 fn pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));
@@ -89,7 +108,7 @@ fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
 
 #[inline(never)] // one copy in flash
 fn largest(maxima: &[u32]) -> u32 {
-    maxima.iter().copied().max().unwrap_or(0)
+    rolled(maxima.iter()).copied().max().unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -29,17 +29,20 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     /// The present tile.
     tile: Tile,
     stage: Stage,
+    place: Place,
+    descent: Descent,
     pruning: bool,
     /// The offsets of the present row of a group that may matter: see [`Scorer::candidates`].
     candidates: u8,
+    /// Comparisons that the present step may make.
+    granted: u32,
     /// Comparisons in the present step.
     work: u32,
-    /// Comparisons since the floor was raised last.
+    /// Comparisons since the floor was raised last, without those of the present step (modulo 2^32).
     since_floor: u32,
 }
 
 /// The next stage.
-
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
@@ -48,29 +51,40 @@ enum Stage {
     LastPosition,
     /// Its SAD.
     FirstSad,
-    Descent(Descent),
-    /// One of nine offsets: the corners, the middles of the edges and the centre.
-    Scout(i32),
-    /// A row of ranges.
-    Ranges(TilePass, usize),
-    /// The bound of a group.
-    Exclude(TilePass, usize),
-    /// An offset of a group that was not excluded.
-    Refine(TilePass, usize, usize),
-    /// An offset (column, row), where there are no groups.
-    Offsets(usize, usize),
+    Descent,
+    Scouts,
+    /// Rows of ranges.
+    Ranges,
+    /// The bounds of groups.
+    Exclude,
+    /// The offsets of groups that were not excluded.
+    Refine,
+    /// All offsets, where there are no groups.
+    Offsets,
 }
 
-/// The first offset of a tile, and the pass.
-#[derive(Clone, Copy, PartialEq, Eq)]
-struct TilePass {
+/// Where the present stage is.
+struct Place {
+    /// The first offset of the tile, or the present offset where there are no groups.
     column: usize,
     row: usize,
-    pass: usize,
+    /// The next neighbour, scout, row of ranges, or group.
+    next: usize,
+    /// The next offset of that group.
+    offset: u8,
+    /// The pass over the tile.
+    pass: u8,
+}
+
+impl Place {
+    /// The first place of a tile.
+    const fn tile(column: usize, row: usize) -> Self {
+        Self { column, row, next: 0, offset: 0, pass: 0 }
+    }
 }
 
 /// The descent: moves to the least SAD among the centre and its 8 neighbours at distance `step`, then halves `step`.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 struct Descent {
     /// The centre.
     x: i32,
@@ -78,18 +92,16 @@ struct Descent {
     /// The position with the least SAD so far, and that SAD.
     best: (i32, i32),
     distance: u32,
-    step: i32,
-    /// The next neighbour, an index into `AROUND`.
-    next: usize,
+    step: u8,
 }
 
 /// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 4 offsets (8 SADs of every other row). All
 /// steps together cost at most 1/32 of the window.
-fn first_step(window: &Window) -> i32 {
+fn first_step(window: &Window) -> u8 {
     first_step_of(window.size())
 }
 
-pub(super) fn first_step_of((columns, rows): (usize, usize)) -> i32 {
+pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
     match columns * rows / 128 {
         0 => 0,
         steps => 1 << (steps - 1).min(MOST_STEPS - 1),
@@ -102,14 +114,16 @@ pub(super) const MOST_STEPS: usize = 4;
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     #[inline(always)] // built in place
     pub(crate) const fn new() -> Self {
-        let tile = Tile { column: 0, row: 0, columns: 0, rows: 0 };
         Self {
             leaders: Leaders::new(),
             ranges: Ranges::new(),
-            tile,
+            tile: Tile { column: 0, row: 0, columns: 0, rows: 0 },
             stage: Stage::Done,
+            place: Place::tile(0, 0),
+            descent: Descent { x: 0, y: 0, best: (0, 0), distance: 0, step: 0 },
             pruning: false,
             candidates: 0,
+            granted: 0,
             work: 0,
             since_floor: 0,
         }
@@ -118,9 +132,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// Starts a search. Without pruning every offset is scored to its last pixel.
     pub(crate) fn begin(&mut self, window: &Window, pruning: bool, wanted: Wanted) {
         self.leaders.reset(window, wanted);
-        self.ranges.reserve();
         self.pruning = pruning;
-        self.stage = if pruning { Stage::LastPosition } else { Stage::Offsets(0, 0) };
+        self.place = Place::tile(0, 0);
+        self.stage = if pruning { Stage::LastPosition } else { Stage::Offsets };
     }
 
     /// Searches the window again for the runner-up. The peak is known.
@@ -130,7 +144,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if let Some(peak) = peak {
             self.leaders.note(&scene.window, peak);
         }
-        self.stage = Stage::Scout(0);
+        self.begin_scouts();
     }
 
     /// Continues for about `work` comparisons (at least 1) and returns how many were made. Counted are:
@@ -143,20 +157,20 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// over the maxima to raise the floor (2), one for the runner-up (2).
     #[inline(never)] // one copy in flash
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
-        self.work = 0;
-        let work = work.max(1);
-        while self.stage != Stage::Done && self.work < work {
-            self.stage = match self.stage {
+        self.since_floor = self.since_floor.wrapping_add(self.work);
+        (self.work, self.granted) = (0, work.max(1));
+        while !self.is_done() && !self.is_spent() {
+            match self.stage {
                 Stage::LastPosition => self.last_position(scene),
                 Stage::FirstSad => self.first_sad(scene),
-                Stage::Descent(descent) => self.descend(scene, descent, work),
-                Stage::Scout(number) => self.scout(scene, number),
-                Stage::Ranges(place, row) => self.compute_ranges(scene, place, row, work),
-                Stage::Exclude(place, group) => self.exclude(scene, place, group, work),
-                Stage::Refine(place, group, offset) => self.refine(scene, place, group, offset, work),
-                Stage::Offsets(column, row) => self.offsets(scene, column, row, work),
-                Stage::Done => Stage::Done,
-            };
+                Stage::Descent => self.descend(scene),
+                Stage::Scouts => self.scout(scene),
+                Stage::Ranges => self.compute_ranges(scene),
+                Stage::Exclude => self.exclude(scene),
+                Stage::Refine => self.refine(scene),
+                Stage::Offsets => self.next_offset(scene),
+                Stage::Done => {}
+            }
             if self.is_done() && self.leaders.looks_for_runner_up() {
                 self.spend(axes(scene)); // `found` reads the maxima
             }
@@ -164,13 +178,18 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.work
     }
 
+    /// True if the step ends here.
+    fn is_spent(&self) -> bool {
+        self.work >= self.granted
+    }
+
     pub(crate) fn is_done(&self) -> bool {
         self.stage == Stage::Done
     }
 
+    #[inline(never)] // one copy in flash
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
-        self.since_floor = self.since_floor.saturating_add(comparisons);
     }
 
     /// The result; `None` until the search is done.
@@ -178,42 +197,47 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
-    fn last_position(&mut self, scene: &Scene<'_>) -> Stage {
+    fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
         self.score(scene, x, y);
-        if first_step(&scene.window) > 0 { Stage::FirstSad } else { Stage::Scout(0) }
+        self.begin_scouts();
+        if first_step(&scene.window) > 0 {
+            self.stage = Stage::FirstSad;
+        }
     }
 
-    fn first_sad(&mut self, scene: &Scene<'_>) -> Stage {
+    fn first_sad(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
-        let step = first_step(&scene.window);
-        self.sad(scene, x, y, u32::MAX)
-            .map_or(Stage::Scout(0), |distance| Stage::Descent(Descent { x, y, best: (x, y), distance, step, next: 0 }))
+        self.begin_scouts();
+        if let Some(distance) = self.sad(scene, x, y, u32::MAX) {
+            self.descent = Descent { x, y, best: (x, y), distance, step: first_step(&scene.window) };
+            self.stage = Stage::Descent;
+        }
     }
 
+    /// The next neighbour, row by row. After the last one the next step of the descent begins, or the descent ends.
     #[inline(never)] // one copy in flash
-    fn descend(&mut self, scene: &Scene<'_>, descent: Descent, work: u32) -> Stage {
-        let mut at = descent;
-        while at.step > 0 {
-            for (number, (dx, dy)) in AROUND.into_iter().enumerate().skip(at.next) {
-                if self.work >= work {
-                    return Stage::Descent(Descent { next: number, ..at });
-                }
-                let (x, y) = (at.x + dx * at.step, at.y + dy * at.step);
-                if scene.window.contains(x, y)
-                    && let Some(distance) = self.sad(scene, x, y, at.distance)
-                    && distance < at.distance
-                {
-                    (at.best, at.distance) = ((x, y), distance);
-                }
+    fn descend(&mut self, scene: &Scene<'_>) {
+        let mut at = self.descent;
+        if at.step == 0 {
+            self.score(scene, at.x, at.y);
+            return self.begin_scouts();
+        }
+        let next = self.place.next;
+        self.place.next += 1;
+        if next == 9 {
+            self.place.next = 0;
+            at = Descent { x: at.best.0, y: at.best.1, step: at.step / 2, ..at };
+        } else if next != 4 {
+            let (x, y) = (at.x + third(next, at.step), at.y + third(next / 3, at.step));
+            if scene.window.contains(x, y)
+                && let Some(distance) = self.sad(scene, x, y, at.distance)
+                && distance < at.distance
+            {
+                (at.best, at.distance) = ((x, y), distance);
             }
-            at = Descent { x: at.best.0, y: at.best.1, step: at.step / 2, next: 0, ..at };
         }
-        if self.work >= work {
-            return Stage::Descent(at);
-        }
-        self.score(scene, at.x, at.y);
-        Stage::Scout(0)
+        self.descent = at;
     }
 
     /// The SAD of every other row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
@@ -224,118 +248,131 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough)
     }
 
-    /// Scores the scouts: if two of them are far enough apart, they give the runner-up a floor. Only in windows of at least 288
-    /// offsets: nine scouts are 1/32 of them.
-    fn scout(&mut self, scene: &Scene<'_>, number: i32) -> Stage {
+    fn begin_scouts(&mut self) {
+        self.place.next = 0;
+        self.stage = Stage::Scouts;
+    }
+
+    /// Scores a scout: one of nine offsets, the corners, the middles of the edges and the centre. If two of them are far enough apart, they
+    /// give the runner-up a floor. Only in windows of at least 288 offsets: nine scouts are 1/32 of them.
+    fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
+        let number = self.place.next;
         if number >= 9 || !self.leaders.looks_for_runner_up() || columns * rows < 288 {
             self.raise_floor(scene);
             return self.first_tile(scene);
         }
-        let part = |of: usize, number: i32| (of - 1) * number.unsigned_abs() as usize / 2;
-        let (x, y) = scene.window.position(part(columns, number % 3), part(rows, number / 3));
+        let (x, y) = scene.window.position((columns - 1) * (number % 3) / 2, (rows - 1) * (number / 3) / 2);
         self.score(scene, x, y);
-        Stage::Scout(number + 1)
+        self.place.next += 1;
     }
 
     fn raise_floor(&mut self, scene: &Scene<'_>) {
         if self.leaders.looks_for_runner_up() {
             self.leaders.raise_floor();
             self.spend(axes(scene));
-            self.since_floor = 0;
+            self.since_floor = self.work.wrapping_neg();
         }
     }
 
     #[inline(never)] // one copy in flash
-    fn first_tile(&mut self, scene: &Scene<'_>) -> Stage {
-        if self.pruning && self.ranges.divide(&scene.window, scene.template) {
-            Stage::Ranges(TilePass { column: 0, row: 0, pass: 0 }, 0)
+    fn first_tile(&mut self, scene: &Scene<'_>) {
+        self.place = Place::tile(0, 0);
+        self.stage = if self.pruning && self.ranges.divide(&scene.window, scene.template) {
+            Stage::Ranges
         } else {
-            Stage::Offsets(0, 0)
-        }
+            Stage::Offsets
+        };
     }
 
     #[inline(never)] // one copy in flash
-    fn compute_ranges(&mut self, scene: &Scene<'_>, place: TilePass, row: usize, work: u32) -> Stage {
-        if row == 0 && place.pass == 0 {
-            self.tile = self.ranges.tile(&scene.window, place.column, place.row);
+    fn compute_ranges(&mut self, scene: &Scene<'_>) {
+        let Place { column, row, next, .. } = self.place;
+        let pass = self.place.pass.into();
+        if next == 0 && pass == 0 {
+            self.tile = self.ranges.tile(&scene.window, column, row);
             self.ranges.begin_tile(&self.tile, area(scene));
         }
-        let tile = self.tile;
-        for row in row..self.ranges.rows(&tile, place.pass) {
-            if self.work >= work {
-                return Stage::Ranges(place, row);
+        let pixels = self.ranges.pixels(&scene.frame, &scene.window, &self.tile);
+        for next in next..self.ranges.rows(&self.tile, pass) {
+            if self.is_spent() {
+                self.place.next = next;
+                return;
             }
-            let ranges = self.ranges.compute_row(&scene.frame, &scene.window, &tile, place.pass, row, scene.scorer);
+            let Scene { frame, window, scorer, .. } = scene;
+            let ranges = self.ranges.compute_row(frame, pixels, window, &self.tile, pass, next, scorer);
             self.spend(2 * ranges);
         }
-        if place.pass == 0 {
-            self.spend(words(tile.groups())); // by `begin_tile`
+        if pass == 0 {
+            self.spend(words(self.tile.groups())); // by `begin_tile`
         }
-        Stage::Exclude(place, 0)
+        self.place.next = 0;
+        self.stage = Stage::Exclude;
     }
 
     #[inline(never)] // one copy in flash
-    fn exclude(&mut self, scene: &Scene<'_>, place: TilePass, group: usize, work: u32) -> Stage {
-        let (tile, needed) = (self.tile, self.leaders.needed());
-        let mut from = group;
-        while let Some(group) = self.ranges.next_group(&tile, from, needed) {
-            if self.work >= work {
-                return Stage::Exclude(place, group);
+    fn exclude(&mut self, scene: &Scene<'_>) {
+        let needed = self.leaders.needed();
+        while let Some(group) = self.next_group(needed) {
+            if self.is_spent() {
+                return;
             }
-            let compared = self.ranges.bound_group(scene.template, &tile, place.pass, group, needed, scene.scorer);
-            self.spend(compared + words(group - from));
-            from = group + 1;
+            let pass = self.place.pass.into();
+            let compared = self.ranges.bound_group(scene.template, &self.tile, pass, group, needed, scene.scorer);
+            self.spend(compared + words(group - self.place.next));
+            self.place.next = group + 1;
         }
-        self.spend(words(tile.groups().saturating_sub(from)));
-        if place.pass + 1 < self.ranges.passes() {
-            Stage::Ranges(TilePass { pass: place.pass + 1, ..place }, 0)
-        } else {
-            Stage::Refine(place, 0, 0)
+        self.place.next = 0;
+        self.place.pass += 1;
+        self.stage = if usize::from(self.place.pass) < self.ranges.passes() { Stage::Ranges } else { Stage::Refine };
+    }
+
+    /// The next group of the tile that is not excluded.
+    #[inline(never)] // one copy in flash
+    fn next_group(&mut self, needed: u32) -> Option<usize> {
+        let group = self.ranges.next_group(&self.tile, self.place.next, needed);
+        if group.is_none() {
+            self.spend(words(self.tile.groups().saturating_sub(self.place.next)));
         }
+        group
     }
 
     #[inline(never)] // one copy in flash
-    fn refine(&mut self, scene: &Scene<'_>, place: TilePass, group: usize, offset: usize, work: u32) -> Stage {
-        let tile = self.tile;
-        let (mut from, mut offset) = (group, offset);
-        while let Some(group) = self.ranges.next_group(&tile, from, self.leaders.needed()) {
-            if self.work >= work {
-                return Stage::Refine(place, group, if group == from { offset } else { 0 });
-            }
+    fn refine(&mut self, scene: &Scene<'_>) {
+        while let Some(group) = self.next_group(self.leaders.needed()) {
+            let from = self.place.next;
             if group != from {
-                offset = 0;
+                (self.place.next, self.place.offset) = (group, 0);
             }
-            let new = tile.new_in_group(group);
+            let new = self.tile.new_in_group(group);
             // Raise the floor at the first remaining group of each row, unless that costs more than 1/32 of the work since.
-            let new_row = offset == 0 && (from == 0 || new.1 != tile.new_in_group(from - 1).1);
-            if new_row && self.since_floor / 32 >= axes(scene) {
+            let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.new_in_group(from - 1).1);
+            if is_first && self.since_floor.wrapping_add(self.work) / 32 >= axes(scene) {
                 self.raise_floor(scene);
             }
             self.spend(words(group - from));
-            self.score_in_group(scene, place, tile.group(group), new, offset);
-            offset += 1;
-            from = group + offset / (SIDE * SIDE);
-            offset %= SIDE * SIDE;
+            let first = self.tile.group(group);
+            while self.place.offset < OFFSETS && self.ranges.reaches(group, self.leaders.needed()) {
+                if self.is_spent() {
+                    return;
+                }
+                self.score_in_group(scene, first, new);
+                self.place.offset += 1;
+            }
+            (self.place.next, self.place.offset) = (group + 1, 0);
         }
-        self.spend(words(tile.groups().saturating_sub(from)));
-        self.next_tile(scene, place)
+        self.next_tile(scene);
     }
 
-    /// Scores an offset of a group, unless an earlier group or tile contains it. The first offset of each row of four asks which of them may
-    /// matter.
-    fn score_in_group(
-        &mut self,
-        scene: &Scene<'_>,
-        place: TilePass,
-        group: (usize, usize),
-        new: (usize, usize),
-        offset: usize,
-    ) {
+    /// Scores the present offset of a group, unless an earlier group or tile contains it. The first offset of each row of four asks which of
+    /// them may matter.
+    fn score_in_group(&mut self, scene: &Scene<'_>, group: (usize, usize), new: (usize, usize)) {
+        let Place { column: first_column, row: first_row, offset, .. } = self.place;
         let new = (
-            new.0.max(place.column.saturating_sub(self.tile.column)),
-            new.1.max(place.row.saturating_sub(self.tile.row)),
+            new.0.max(first_column.saturating_sub(self.tile.column)),
+            new.1.max(first_row.saturating_sub(self.tile.row)),
         );
+        let offset = usize::from(offset);
         let (column, row) = (group.0 + offset % SIDE, group.1 + offset / SIDE);
         let (x, y) = scene.window.position(self.tile.column + column, self.tile.row + row);
         if offset.is_multiple_of(SIDE) {
@@ -353,34 +390,31 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    fn next_tile(&self, scene: &Scene<'_>, place: TilePass) -> Stage {
+    fn next_tile(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
-        let tile = self.tile;
-        if tile.column + tile.columns < columns {
-            Stage::Ranges(TilePass { column: tile.column + tile.columns, row: place.row, pass: 0 }, 0)
-        } else if tile.row + tile.rows < rows {
-            Stage::Ranges(TilePass { column: 0, row: tile.row + tile.rows, pass: 0 }, 0)
+        let Tile { column, row, columns: wide, rows: high } = self.tile;
+        self.stage = Stage::Ranges;
+        if column + wide < columns {
+            self.place = Place::tile(column + wide, self.place.row);
+        } else if row + high < rows {
+            self.place = Place::tile(0, row + high);
         } else {
-            Stage::Done
+            self.stage = Stage::Done;
         }
     }
 
-    #[inline(never)] // one copy in flash
-    fn offsets(&mut self, scene: &Scene<'_>, column: usize, row: usize, work: u32) -> Stage {
+    /// Scores the next offset, row by row.
+    fn next_offset(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
-        let mut column = column;
-        for row in row..rows {
-            while column < columns {
-                if self.work >= work {
-                    return Stage::Offsets(column, row);
-                }
-                let (x, y) = scene.window.position(column, row);
-                self.score(scene, x, y);
-                column += 1;
-            }
-            column = 0;
+        let (x, y) = scene.window.position(self.place.column, self.place.row);
+        self.score(scene, x, y);
+        self.place.column += 1;
+        if self.place.column == columns {
+            self.place = Place::tile(0, self.place.row + 1);
         }
-        Stage::Done
+        if self.place.row == rows {
+            self.stage = Stage::Done;
+        }
     }
 
     #[inline(never)] // one copy in flash
@@ -401,7 +435,17 @@ fn candidates(scene: &Scene<'_>, x: i32, y: i32, needed: u32) -> u8 {
     scene.frame.patch(four).map_or(u8::MAX, |patch| scene.scorer.candidates(patch, scene.template, needed))
 }
 
-const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
+/// Offsets of a group.
+const OFFSETS: u8 = 16;
+
+/// -`step`, 0 or `step`: the `number`-th in turn.
+fn third(number: usize, step: u8) -> i32 {
+    match number % 3 {
+        0 => -i32::from(step),
+        1 => 0,
+        _ => step.into(),
+    }
+}
 
 fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())

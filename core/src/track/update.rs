@@ -290,9 +290,9 @@ impl<'a, T: Steps> Update<'a, T> {
     /// Does the remaining work and returns the answer.
     #[must_use]
     pub fn finish(self) -> Answer {
-        let Running { target, workspace, frame } = self.0;
-        complete(target, workspace, &frame);
-        target.conclude(workspace, &frame, SEAL)
+        let Running { target, workspace, frame } = &mut { self.0 };
+        complete(*target, workspace, frame);
+        target.conclude(workspace, frame, SEAL)
     }
 }
 
@@ -334,9 +334,9 @@ impl<'a, T: Steps> Lock<'a, T> {
 
     /// Does the remaining work and sets the target. Returns how distinct it is.
     pub fn finish(self) -> Quality {
-        let Running { target, workspace, frame } = self.0;
-        complete(target, workspace, &frame);
-        target.conclude_lock(workspace, &frame, SEAL)
+        let Running { target, workspace, frame } = &mut { self.0 };
+        complete(*target, workspace, frame);
+        target.conclude_lock(workspace, frame, SEAL)
     }
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Plain<'a> {
 }
 
 impl Scores for Plain<'_> {
-    #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy for all callers
+    #[inline]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_at_least(patch, template, self.table, floor)
     }
@@ -47,8 +47,13 @@ pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> 
 /// The same score if it is at least `floor`. `None` as soon as the remaining pixels cannot reach that.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
+    if cfg!(any(smr_dsp, smr_helium)) {
+        // Spare here, so one loop is enough: if the two bounds are the patch, the bound of the score is the score.
+        return score_between_at_least(patch, patch, template, table, floor);
+    }
     let mut reachable = most(patch, template);
-    for (f, g) in patch.rows().zip(template.rows()) {
+    for y in 0..patch.height().min(template.height()) {
+        let (f, g) = (patch.row(y), template.row(y));
         reachable -= full(f.len().min(g.len())) - row_score(f, g, table);
         if reachable < floor {
             return None;
@@ -89,8 +94,9 @@ fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
 #[inline(never)] // one copy in flash
 pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     let mut sum = 0;
-    for (f, g) in patch.rows().zip(template.rows()) {
-        sum += f.iter().zip(g).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
+    for y in 0..patch.height().min(template.height()) {
+        let pixels = patch.row(y).iter().zip(template.row(y));
+        sum += rolled_if_spare(pixels).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
         if sum > enough {
             break;
         }
@@ -103,6 +109,7 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
 /// `low` is nowhere above `high`. The difference of a pixel is its distance to the range between the two: no patch in the range is closer.
 /// If `low` equals `high`, the bound is the score.
 #[must_use]
+#[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy for all callers
 pub(crate) fn score_between_at_least(
     low: Image<'_>,
     high: Image<'_>,
@@ -111,10 +118,11 @@ pub(crate) fn score_between_at_least(
     floor: u32,
 ) -> Option<u32> {
     let mut reachable = most(low, template);
-    for ((low, high), g) in low.rows().zip(high.rows()).zip(template.rows()) {
-        let pixels = low.iter().zip(high).zip(g);
-        let score: u32 = pixels.map(|((&low, &high), &g)| pixel(g.clamp(low, high.max(low)), g, table)).sum();
-        reachable -= full(low.len().min(g.len())) - score;
+    for y in 0..low.height().min(template.height()) {
+        let (low, high, g) = (low.row(y), high.row(y), template.row(y));
+        for ((&low, &high), &g) in rolled_if_spare(low.iter().zip(high).zip(g)) {
+            reachable -= u32::from(ONE) - pixel(g.min(high).max(low), g, table);
+        }
         if reachable < floor {
             return None;
         }
@@ -126,14 +134,15 @@ pub(crate) fn score_between_at_least(
 /// `low` and `high`.
 #[inline(never)] // one copy in flash
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    let blocks = rows.each_ref().map(|row| row.windows(4));
-    let [a, b, c, d] = blocks;
-    for ((low, high), (((a, b), c), d)) in low.iter_mut().zip(high).zip(a.zip(b).zip(c).zip(d)) {
-        (*low, *high) = (u8::MAX, 0);
-        for &pixel in [a, b, c, d].into_iter().flatten() {
-            *low = pixel.min(*low);
-            *high = pixel.max(*high);
+    for (column, (to_low, to_high)) in low.iter_mut().zip(high).enumerate() {
+        let (mut low, mut high) = (u8::MAX, 0);
+        for row in rolled_if_spare(rows.iter()) {
+            let Some(pixels) = row.get(column..).and_then(|row| row.first_chunk::<4>()) else { return };
+            for &pixel in rolled_if_spare(pixels.iter()) {
+                (low, high) = (pixel.min(low), pixel.max(high));
+            }
         }
+        (*to_low, *to_high) = (low, high);
     }
 }
 
@@ -143,8 +152,9 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 #[must_use]
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
-    for (y, row) in (0..).zip(template.rows()) {
-        let is_seen = (seen.y..seen.bottom()).contains(&y);
+    for y in 0..template.height() {
+        let row = template.row(y);
+        let is_seen = (seen.y..seen.bottom()).contains(&y.into());
         let [left, right] = [seen.x, seen.right()].map(|x| if is_seen { usize::try_from(x).unwrap_or(0) } else { 0 });
         sum += row_on_padding(row.get(..left).unwrap_or_default(), table);
         sum += row_on_padding(row.get(right..).unwrap_or_default(), table);
@@ -154,7 +164,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
 
 #[inline(never)] // one copy in flash
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
-    row.iter().map(|&g| pixel(0, g, table)).sum()
+    rolled_if_spare(row.iter()).map(|&g| pixel(0, g, table)).sum()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::config::Config;
 use crate::image::Image;
+use crate::kernels::rolled;
 use crate::similarity::{Contrast, Table};
 use heapless::Vec;
 
@@ -24,8 +25,11 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// Copies `patch`, of at most `PIXELS` pixels, and sets the first threshold.
     pub(crate) fn start(&mut self, patch: Image<'_>, config: &Config) {
         self.pixels.clear();
-        for row in patch.rows() {
-            let _ = self.pixels.extend_from_slice(row);
+        for y in 0..patch.height() {
+            // Not `extend_from_slice`: nothing else here needs its `memcpy`.
+            for &pixel in rolled(patch.row(y).iter()) {
+                let _ = self.pixels.push(pixel);
+            }
         }
         (self.width, self.height) = (patch.width(), patch.height());
         self.threshold = u16::from(config.first_threshold);
@@ -34,7 +38,9 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// Sets the pixels (at most `PIXELS`), their shape and their threshold.
     pub(crate) fn restore(&mut self, pixels: &[u8], (width, height): (u16, u16), threshold: u16) {
         self.pixels.clear();
-        let _ = self.pixels.extend_from_slice(pixels);
+        for &pixel in rolled(pixels.iter()) {
+            let _ = self.pixels.push(pixel);
+        }
         (self.width, self.height, self.threshold) = (width, height, threshold);
     }
 
@@ -43,10 +49,12 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// If no pixel changed, alpha stays: with an alpha of 0 no pixel would ever count again.
     pub(crate) fn update(&mut self, patch: Image<'_>, config: &Config) {
         let mut largest = 0;
-        for (old, new) in self.pixels.chunks_mut(usize::from(self.width).max(1)).zip(patch.rows()) {
-            // Two loops, so that the compiler vectorizes both.
-            largest = old.iter().zip(new).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
-            old.iter_mut().zip(new).for_each(|(old, &new)| *old = new);
+        let mut pixels = self.pixels.iter_mut();
+        for y in 0..patch.height() {
+            for (&new, old) in rolled(patch.row(y).iter().zip(pixels.by_ref())) {
+                largest = old.abs_diff(new).max(largest);
+                *old = new;
+            }
         }
         if largest > 0 {
             self.threshold = threshold(largest, config).max(config.least_threshold.into());
@@ -64,6 +72,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     /// `None` before the first `start`.
+    #[inline(never)] // one copy in flash
     pub(crate) fn image(&self) -> Option<Image<'_>> {
         Image::new(&self.pixels, self.width, self.height).ok()
     }

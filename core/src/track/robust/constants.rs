@@ -30,12 +30,12 @@ pub(super) const MOST_CELLS: usize = 200;
 /// Weights of the largest filter.
 pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells on a side of the filter.
-pub(super) const LEAST_SIDE: u64 = 4;
+pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
 /// The filter is 1.4 times as wide and as high as the target: 1.4 / `CELL` cells for each pixel of the grid, as a fraction.
-pub(super) const COVER: [u64; 2] = [7, 20];
+pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the grid, in positions: half a pixel. Smaller targets are not magnified further.
-pub(super) const LEAST_STEP: u64 = 2048;
+pub(super) const LEAST_STEP: u32 = 2048;
 
 // Gradients.
 
@@ -94,7 +94,7 @@ pub(super) const QUALITY_ALPHA: u16 = 13;
 
 /// The factor between two neighbouring scales, in units of 1/65536: 1.02.
 /// R with 1.04 -0.063 +- 0.023.
-pub(super) const SCALE_STEP: u64 = 66_847;
+pub(super) const SCALE_STEP: i64 = 66_847;
 /// The factor of a response at another scale than the last, in units of 1/256: 0.984.
 /// R without -0.038 +- 0.016.
 pub(super) const SCALE_PENALTY: i64 = 252;

@@ -8,6 +8,7 @@
 
 use super::constants::{CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS};
 use crate::image::Rect;
+use crate::kernels::rolled;
 
 /// Shapes of the template and of the filter, and the grid's step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,24 +40,11 @@ impl Grid {
     /// ```
     #[must_use]
     pub fn new(target: Rect) -> Self {
-        let area = u64::from(target.area()) << (2 * PIXEL_BITS);
-        // The upper bound, which is never reached, tells the compiler that nothing below overflows.
-        let step = root(area / MOST_PIXELS as u64).clamp(LEAST_STEP, 1 << 32);
-        let [part, of] = COVER;
-        let cells = |size: u16| {
-            let size = u64::from(size) << PIXEL_BITS;
-            ((part * size + of / 2 * step) / (of * step)).clamp(LEAST_SIDE, MOST_SIDE.into())
-        };
-        let (across, down) = fitting(cells(target.width), cells(target.height), MOST_CELLS as u64);
-        // Even, so that the template and the window have the same middle.
-        let pixels = |size: u16, cells: u16| {
-            let side = 2 * (((u64::from(size) << PIXEL_BITS) + step) / (2 * step));
-            // Not `clamp`: the compiler would link its panic.
-            side.min((cells * CELL).into()).max(4)
-        };
+        let step = step(target.area());
+        let (across, down) = fitting([target.width, target.height].map(|size| cells(size, step)), MOST_CELLS);
         let (columns, rows) =
-            fitting(pixels(target.width, across) / 2, pixels(target.height, down) / 2, MOST_PIXELS as u64 / 4);
-        Self { columns: 2 * columns, rows: 2 * rows, across, down, step: u32::try_from(step).unwrap_or(u32::MAX) }
+            fitting([pairs(target.width, across, step), pairs(target.height, down, step)], MOST_PIXELS / 4);
+        Self { columns: 2 * columns, rows: 2 * rows, across, down, step }
     }
 
     /// Pixels of the template.
@@ -75,25 +63,43 @@ impl Grid {
     }
 }
 
-/// The square root, rounded down, by Newton's steps from above. `isqrt` would take 0.6 KB of flash, and this runs only once for each lock.
-fn root(number: u64) -> u64 {
-    let mut root = 1 << 32;
-    loop {
-        let next = (root + number / root.max(1)) / 2;
-        if next >= root {
-            return root;
+/// The step for a box of this area: the square root, rounded down, of area / `MOST_PIXELS`, bit by bit. It is below 2^23.
+fn step(area: u32) -> u32 {
+    let square = u64::from(area) << (2 * PIXEL_BITS);
+    let mut root = 0;
+    for bit in rolled((0..23).rev()) {
+        let larger = root | 1 << bit;
+        if u64::from(larger) * u64::from(larger) * MOST_PIXELS as u64 <= square {
+            root = larger;
         }
-        root = next;
     }
+    root.max(LEAST_STEP)
+}
+
+/// Cells of the filter on a side of the target. Nothing overflows: 7 * 65535 * 2^12 is below 2^31, and so are 20 steps.
+#[inline(never)] // one copy in flash
+fn cells(size: u16, step: u32) -> u16 {
+    let [part, of] = COVER;
+    let size = u32::from(size) << PIXEL_BITS;
+    let cells = (part * size + of / 2 * step) / (of * step).max(1);
+    // Not `clamp`: the compiler would link its panic.
+    u16::try_from(cells).unwrap_or(MOST_SIDE).min(MOST_SIDE).max(LEAST_SIDE)
+}
+
+/// Pairs of pixels on a side of the template: an even number of pixels, so that the template and the window have the same middle.
+#[inline(never)] // one copy in flash
+fn pairs(size: u16, cells: u16, step: u32) -> u16 {
+    let pairs = ((u32::from(size) << PIXEL_BITS) + step) / (2 * step).max(1);
+    u16::try_from(pairs).unwrap_or(u16::MAX).min(cells * CELL / 2).max(2)
 }
 
 /// Two sides; the longer one is cut until their product is at most `most`.
-fn fitting(mut across: u64, mut down: u64, most: u64) -> (u16, u16) {
-    while across * down > most {
+#[inline(never)] // one copy in flash
+fn fitting([mut across, mut down]: [u16; 2], most: usize) -> (u16, u16) {
+    while usize::from(across) * usize::from(down) > most {
         *(if across > down { &mut across } else { &mut down }) -= 1;
     }
-    let small = |side: u64| u16::try_from(side).unwrap_or(u16::MAX);
-    (small(across), small(down))
+    (across, down)
 }
 
 #[cfg(test)]
@@ -102,11 +108,11 @@ mod tests {
 
     #[test]
     fn roots_are_rounded_down() {
-        // The largest area is 65535 * 65535 * 2^24 / 1600, below 2^46.
-        for number in (0..3000).chain((0..46).flat_map(|places| [1 << places, (1 << places) + 1, (2 << places) - 1])) {
-            assert_eq!(root(number), number.isqrt(), "{number}");
+        let wanted = |area: u32| ((u64::from(area) << 24) / 1600).isqrt().max(2048);
+        let ends = (0..32).flat_map(|places| [1 << places, (1 << places) + 1, u32::MAX >> places]);
+        let squares = (1..=65535).step_by(7).map(|side: u32| side * side);
+        for area in (0..3000).chain(ends).chain(squares.flat_map(|square| [square - 1, square, square + 1])) {
+            assert_eq!(u64::from(step(area)), wanted(area), "{area}");
         }
-        let squares = (1_u64..1 << 23).step_by(997).map(|side| side * side);
-        assert!(squares.clone().all(|square| root(square).pow(2) == square && root(square - 1) == square.isqrt() - 1));
     }
 }

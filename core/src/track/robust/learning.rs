@@ -24,6 +24,7 @@
 
 use super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
 use super::cost::{CODED, SLOPED, units, weights};
+use super::division::quotient;
 use super::gaussian::Gaussian;
 use super::grid::Grid;
 use super::response::Responses;
@@ -104,7 +105,7 @@ impl Scratch {
         // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53.
         let responses = rolled(self.responses.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
-        (i64::from(rate) * ((descent << 26) / curvature.max(1))) >> 8
+        (i64::from(rate) * quotient(descent << 26, curvature.max(1))) >> 8
     }
 }
 

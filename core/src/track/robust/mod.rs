@@ -45,6 +45,7 @@ pub(crate) mod config;
 mod constants;
 mod cost;
 mod displacement;
+mod division;
 mod gaussian;
 mod gradients;
 mod grid;

@@ -18,6 +18,7 @@ use super::constants::SPAN;
 use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
 use super::cost::{CODED, REFINED, weights};
 use super::displacement::Displacement;
+use super::division::quotient;
 use super::grid::Grid;
 use super::learning::{Learning, Training};
 use super::motion::{Motion, Place};
@@ -463,6 +464,6 @@ fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, ..
 /// The target's place in a window, from the middle, in units of 1/256 cell.
 fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
-    let part = |to: i64, from: i64| i32::try_from((to - from) * 256 / cell).unwrap_or(0);
+    let part = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);
     (part(target.x, centre.x), part(target.y, centre.y))
 }

@@ -3,7 +3,8 @@
 //! The windows cover the frame side by side, row by row. Each is searched and verified like the first window, so redetection adds the same
 //! cost to every frame.
 
-use super::constants::PIXEL;
+use super::constants::{PIXEL, PIXEL_BITS};
+use super::division::quotient;
 use crate::image::Rect;
 
 /// The next window.
@@ -22,13 +23,21 @@ impl Sweep {
     }
 
     /// The middle of the next window. Neighbouring windows are at most `side` apart, in units of positions.
-    pub(super) fn middle(self, side: i64, bounds: Rect) -> (i64, i64) {
-        let count = |size: u16| ((i64::from(size) * PIXEL + side - 1) / side.max(1)).max(1);
-        let (columns, rows) = (count(bounds.width), count(bounds.height));
-        let number = i64::from(self.next) % (columns * rows).max(1);
-        let centre = |number: i64, count: i64, size: u16| {
-            ((2 * number + 1) * i64::from(size) * PIXEL / (2 * count.max(1)) - PIXEL / 2).max(0)
-        };
-        (centre(number % columns.max(1), columns, bounds.width), centre(number / columns.max(1), rows, bounds.height))
+    pub(super) fn middle(self, side: u32, bounds: Rect) -> (i64, i64) {
+        let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
+        let number = self.next % (columns * rows).max(1);
+        (centre(number % columns, columns, bounds.width), centre(number / columns, rows, bounds.height))
     }
+}
+
+/// Windows on an axis. A step of the grid is at least 409, so a side is at least 13,088, and two of these numbers multiply to less than 2^32.
+fn count(size: u16, side: u32) -> u32 {
+    (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
+}
+
+/// The middle of a window on an axis.
+#[inline(never)] // one copy in flash
+fn centre(number: u32, count: u32, size: u16) -> i64 {
+    let middle = quotient((2 * i64::from(number) + 1) * i64::from(size) * PIXEL, 2 * i64::from(count));
+    (middle - PIXEL / 2).max(0)
 }

@@ -18,6 +18,7 @@
 
 use super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
 use super::displacement::Displacement;
+use super::division::quotient;
 use super::sampling::row_of;
 use crate::image::Image;
 use crate::kernels::rolled;
@@ -116,7 +117,7 @@ impl Sums {
         let (first, second, third) = (b * c - f * f, a * c - e * e, a * b - d * d);
         let (one_two, one_three, two_three) = (e * f - d * c, d * f - e * b, d * e - f * a);
         let determinant = products([first, one_two, one_three], [a, d, e]);
-        let part = |row| quotient(products(row, errors), determinant);
+        let part = |row| part(products(row, errors), determinant);
         let growth = -32 * part([one_three, two_three, third]);
         (
             -part([first, one_two, one_three]),
@@ -139,8 +140,8 @@ fn products(some: [i32; 3], others: [i32; 3]) -> i64 {
 
 /// `sum` / `determinant`, within +-`MOST_MOVE`; 0 if the determinant is not positive.
 #[inline(never)] // one copy in flash
-fn quotient(sum: i64, determinant: i64) -> i32 {
-    let times = if determinant > 0 { sum / determinant } else { 0 };
+fn part(sum: i64, determinant: i64) -> i32 {
+    let times = if determinant > 0 { quotient(sum, determinant) } else { 0 };
     i32::try_from(times.clamp(-MOST_MOVE, MOST_MOVE)).unwrap_or(0)
 }
 

@@ -16,6 +16,7 @@
 
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::cost::units;
+use super::division::quotient;
 use super::grid::Grid;
 use crate::correlation::{Coded, Window};
 use crate::kernels::{Layout, Packed, Products};
@@ -128,7 +129,8 @@ fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
     }
     let (difference, curvature) = (i64::from(before - after), i64::from(curvature));
     // The difference is below 2^25, its square below 2^50.
-    let (top, higher) = ((difference * 128 / curvature).clamp(-128, 128), difference.pow(2) / (-8 * curvature));
+    let top = quotient(difference * 128, curvature).clamp(-128, 128);
+    let higher = quotient(difference.pow(2), -8 * curvature);
     (i32::try_from(top).unwrap_or(0), i32::try_from(higher).unwrap_or(0))
 }
 

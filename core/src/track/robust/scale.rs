@@ -12,6 +12,7 @@
 use super::constants::{CHANNELS, SPAN, WEIGHTS};
 use super::constants::{LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP};
 use super::cost::weights;
+use super::division::quotient;
 use super::gradients::Extractor;
 use super::grid::Grid;
 use super::motion::Place;
@@ -111,8 +112,8 @@ fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
 
 /// The next smaller and the next larger scale.
 pub(super) fn other_scales(scale: u32) -> [u32; 2] {
-    let scale = u64::from(scale);
-    [(scale << 16) / SCALE_STEP, (scale * SCALE_STEP) >> 16]
+    let scale = i64::from(scale);
+    [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]
         .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 

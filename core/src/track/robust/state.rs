@@ -86,7 +86,7 @@ impl Track {
     #[inline(never)] // one copy in flash
     pub(super) fn swept(&self, reach: u16) -> Place {
         let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
-        let (x, y) = self.sweep.middle(side, self.bounds);
+        let (x, y) = self.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), self.bounds);
         Place { x, y, scale: self.tracked_scale }
     }
 
