@@ -24,46 +24,28 @@ struct Row {
     g_stride: usize,
     /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// The number of lower bits of that word that belong to earlier columns.
-    none: usize,
+    /// 255 in each byte of that word that belongs to an earlier column: it has no points again.
+    earlier: u32,
     /// The address where the rows of the template end.
     end: *const u8,
     /// Bytes in the whole words of a row.
     words: usize,
-    /// The points of a row of equal pixels. Includes those of shifted-in zeroes.
+    /// The points of a row of equal pixels.
     full: u32,
 }
 
-/// Adds the pixels of four columns to `sum`, from pixels in `{x}`.
+/// Adds the points of the four columns at `from` to `sum`.
 macro_rules! add {
-    ($sum:literal) => {
+    ($from:literal, $sum:literal $(, $without:literal)?) => {
         concat!(
+            concat!("ldr {x}, ", $from, "\n"),
             "uqsub8 {y}, {x}, {w}\n",
             "uqsub8 {x}, {w}, {x}\n",
             "orr {x}, {x}, {y}\n",
+            $(concat!("orr {x}, {x}, ", $without, "\n"),)?
             "usub8 {y}, {largest}, {x}\n",
             "sel {x}, {x}, {most}\n",
             concat!("usada8 ", $sum, ", {x}, {most}, ", $sum, "\n"),
-        )
-    };
-}
-
-/// The same for the four columns at `from`.
-macro_rules! add_at {
-    ($from:literal, $sum:literal) => {
-        concat!(concat!("ldr {x}, ", $from, "\n"), add!($sum))
-    };
-}
-
-/// The same for the columns after the last whole word, in the word at `from`.
-macro_rules! add_last {
-    ($from:literal, $sum:literal) => {
-        concat!(
-            "ldr {x}, [sp]\n",
-            "ldr {y}, [{x}, #12]\n",
-            concat!("ldr {x}, ", $from, "\n"),
-            "lsr {x}, {x}, {y}\n", // shifted in on both sides: equal
-            add!($sum),
         )
     };
 }
@@ -78,12 +60,12 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; O
     let left = pair.width % LANES;
     let words = pair.width - left;
     #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
-    let full = u32::from(Points::MOST).wrapping_mul(pair.width.next_multiple_of(LANES) as u32);
+    let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
     let row = Row {
         f_stride: pair.patch_stride.wrapping_sub(words),
         g_stride: pair.template_stride.wrapping_sub(words),
         last: if left == 0 { 0 } else { pair.width - LANES },
-        none: 8 * (LANES - left),
+        earlier: u32::MAX >> (8 * left),
         end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
         words,
         full,
@@ -101,38 +83,39 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; O
             "ldr {end}, [{x}, #8]",
             "cmp {end}, #0",
             "beq 3f",
-            "ldr {y}, [{x}, #12]",
             "ldr {w}, [{g}, {end}]",
-            "lsr {w}, {w}, {y}",
-            "add {end}, {end}, {f}",
-            add_last!("[{end}]", "{a}"),
-            add_last!("[{end}, #1]", "{b}"),
-            add_last!("[{end}, #2]", "{c}"),
-            add_last!("[{end}, #3]", "{d}"),
+            "add {f}, {f}, {end}",
+            "ldr {end}, [{x}, #12]",
+            add!("[{f}]", "{a}", "{end}"),
+            add!("[{f}, #1]", "{b}", "{end}"),
+            add!("[{f}, #2]", "{c}", "{end}"),
+            add!("[{f}, #3]", "{d}", "{end}"),
             "ldr {x}, [sp]",
+            "ldr {end}, [{x}, #8]",
+            "sub {f}, {f}, {end}",
             "3:",
             "ldr {end}, [{x}, #20]",
             "tst {end}, #4",
             "add {end}, {end}, {g}",
             "beq 4f",
             "ldr {w}, [{g}], #4",
-            add_at!("[{f}], #4", "{a}"),
-            add_at!("[{f}, #-3]", "{b}"),
-            add_at!("[{f}, #-2]", "{c}"),
-            add_at!("[{f}, #-1]", "{d}"),
+            add!("[{f}], #4", "{a}"),
+            add!("[{f}, #-3]", "{b}"),
+            add!("[{f}, #-2]", "{c}"),
+            add!("[{f}, #-1]", "{d}"),
             "cmp {g}, {end}",
             "beq 6f",
             "4:",
             "ldr {w}, [{g}], #4",
-            add_at!("[{f}], #4", "{a}"),
-            add_at!("[{f}, #-3]", "{b}"),
-            add_at!("[{f}, #-2]", "{c}"),
-            add_at!("[{f}, #-1]", "{d}"),
+            add!("[{f}], #4", "{a}"),
+            add!("[{f}, #-3]", "{b}"),
+            add!("[{f}, #-2]", "{c}"),
+            add!("[{f}, #-1]", "{d}"),
             "ldr {w}, [{g}], #4",
-            add_at!("[{f}], #4", "{a}"),
-            add_at!("[{f}, #-3]", "{b}"),
-            add_at!("[{f}, #-2]", "{c}"),
-            add_at!("[{f}, #-1]", "{d}"),
+            add!("[{f}], #4", "{a}"),
+            add!("[{f}, #-3]", "{b}"),
+            add!("[{f}, #-2]", "{c}"),
+            add!("[{f}, #-1]", "{d}"),
             "cmp {g}, {end}",
             "bne 4b",
             "6:",
