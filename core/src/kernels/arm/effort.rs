@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
-/// How often a bound is computed: while it excludes nothing, less and less often; in the end one time in 16. So bounds in vain cost 1/16 of
+/// How often a bound is computed: while it excludes nothing, less and less often; in the end one time in 64. So bounds in vain cost 1/64 of
 /// their time. The fields are atomic, so that a scorer can be shared; no result depends on them.
 pub(super) struct Effort {
     /// How often to go on without the bound.
@@ -26,7 +26,7 @@ impl Effort {
 
     #[inline(always)]
     pub(super) fn note(&self, excluded: bool) {
-        let in_vain = if excluded { 0 } else { (self.in_vain.load(Relaxed) << 1 | 1) & 15 };
+        let in_vain = if excluded { 0 } else { (self.in_vain.load(Relaxed) << 1 | 1) & 63 };
         self.in_vain.store(in_vain, Relaxed);
         self.without.store(in_vain, Relaxed);
     }
