@@ -2,6 +2,7 @@
 //! any version. Firmware does not need it.
 
 use crate::image::{FineRect, Frame, Image};
+use crate::kernels::Blocks;
 use crate::similarity::Scorer;
 use crate::track::robust::{Config, Robust, Workspace};
 use crate::track::{UpdateError, robust};
@@ -106,19 +107,21 @@ pub fn candidates(scorer: &Scorer<'_>, patch: Image<'_>, template: Image<'_>, fl
     scorer.candidates(patch, template, floor)
 }
 
-/// The ranges of [`spread`] in the form of the backend of `scorer`: for [`most_within`].
+/// The ranges of [`spread`] in the form that the backend of `scorer` needs for [`group_bound`]. `low` and `high` begin at multiples of four bytes, and
+/// their length is a multiple of four.
 pub fn ranges(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     scorer.ranges(rows, low, high);
 }
 
-/// An upper bound of the score of each of 4x4 offsets, from their [`ranges`]; `None` if it is less than `floor`.
+/// An upper bound of the score of each of 4x4 offsets; `None` if it is less than `floor`. `low` and `high` hold the rows of their [`ranges`],
+/// `stride` bytes apart.
 #[must_use]
-pub fn most_within(
+pub fn group_bound(
     scorer: &Scorer<'_>,
-    low: Image<'_>,
-    high: Image<'_>,
+    (low, high): (&[u8], &[u8]),
+    stride: usize,
     template: Image<'_>,
     floor: u32,
 ) -> Option<u32> {
-    scorer.most_within(low, high, template, floor)
+    scorer.bound(&Blocks { low, high, start: 0, stride }, template, floor)
 }

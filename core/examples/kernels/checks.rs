@@ -2,7 +2,7 @@
 
 use crate::memory::{Memory, ROOM};
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
-use smr_core::unstable::{candidates, most_within, ranges, spread};
+use smr_core::unstable::{candidates, group_bound, ranges, spread};
 use smr_core::{Image, Rect};
 
 /// The steepest table, one in between, and the paper's.
@@ -28,6 +28,10 @@ pub struct Difference {
     pub height: usize,
     pub threshold: u16,
 }
+
+/// Bytes that begin at a multiple of four.
+#[repr(align(4))]
+struct Words([u8; 240]);
 
 type Outcome = Result<(), Difference>;
 
@@ -102,21 +106,19 @@ impl Checks {
         let template = picture(memory.other_end, width.into(), shape, false).ok_or(wrong("no picture"))?;
         let table = CutTable::new(&Table::PAPER, threshold);
         let (scorer, plain) = (Scorer::new(self.backend, &table), Scorer::new(Backend::Scalar, &table));
-        let (mut low, mut high) = ([0; 240], [0; 240]);
-        let rows = low.chunks_mut(width.into()).zip(high.chunks_mut(width.into()));
+        let stride = usize::from(width).next_multiple_of(4);
+        let (mut low, mut high) = (Words([0; 240]), Words([0; 240]));
+        let rows = low.0.chunks_mut(stride).zip(high.0.chunks_mut(stride));
         for (y, (low, high)) in (0..height).zip(rows) {
             ranges(&scorer, &[0, 1, 2, 3].map(|row| frame.row(y + row)), low, high);
         }
-        let view = |pixels| Image::new(pixels, width, height).ok();
-        let (low, high) = view(&low).zip(view(&high)).ok_or(wrong("no picture"))?;
+        let bound = |floor| group_bound(&scorer, (&low.0, &high.0), stride, template, floor);
         let score = |at: i32| plain.score(frame.crop(Rect::new(at % 4, at / 4, width, height))?, template);
         let best = (0..16).filter_map(score).max().ok_or(wrong("no score"))?;
         for floor in [0, best / 2, best] {
-            let most = most_within(&scorer, low, high, template, floor);
-            self.compare(most >= Some(best)).ok_or(wrong("bound of a group"))?;
+            self.compare(bound(floor) >= Some(best)).ok_or(wrong("bound of a group"))?;
         }
-        let least = most_within(&scorer, low, high, template, best + 1);
-        self.compare(least.is_none_or(|least| least > best)).ok_or(wrong("bound of a group above its floor"))
+        self.compare(bound(best + 1).is_none_or(|least| least > best)).ok_or(wrong("bound of a group above its floor"))
     }
 
     /// Pictures at both ends of the memory and at its start, with and without gaps between the rows.

@@ -6,10 +6,11 @@
 
 use super::effort::Effort;
 use super::points::{OFFSETS, Points};
+use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
-use crate::kernels::plain::scores::Plain;
+use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::ALL_FOUR;
+use crate::kernels::scores::{ALL_FOUR, Blocks};
 
 /// A table as these kernels look it up, pixel by pixel.
 pub(crate) struct Lookup<'a> {
@@ -46,12 +47,15 @@ impl<'a> Lookup<'a> {
     /// An upper bound of the score of a group, if it is at least `floor`. `misses` is called only for at least `NARROWEST` columns. It counts the
     /// pixels that cannot count.
     #[inline(always)]
-    pub(crate) fn most_within<const NARROWEST: usize>(
+    pub(crate) fn bound<const NARROWEST: usize>(
         &self,
-        rows: &Rows,
+        blocks: &Blocks<'_>,
+        template: Image<'_>,
         floor: u32,
         misses: unsafe fn(&Rows, u32) -> u32,
     ) -> Option<u32> {
+        let Some((low, span)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
+        let rows = Rows::between(low, span, template);
         let full = rows.full_after(0);
         let allowed = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor))?;
         let some_count = (1..256).contains(&self.plain.table.threshold());
@@ -59,7 +63,7 @@ impl<'a> Lookup<'a> {
             return Some(full);
         }
         // SAFETY: there are enough columns, and both halves of the ranges have the same stride.
-        let misses = unsafe { misses(rows, allowed) };
+        let misses = unsafe { misses(&rows, allowed) };
         (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
     }
 

@@ -17,7 +17,7 @@ use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, Scores};
 use core::arch::asm;
 
 /// Pixels in a register.
@@ -112,8 +112,8 @@ impl Scores for Dsp<'_> {
     }
 
     #[inline(never)]
-    fn most_within(&self, low: Image<'_>, span: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.lookup.most_within::<LANES>(&Rows::between(low, span, template), floor, groups::misses)
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.lookup.bound::<LANES>(blocks, template, floor, groups::misses)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, Scores};
 use core::arch::asm;
 
 /// Pixels in a vector.
@@ -151,8 +151,8 @@ impl Scores for Helium<'_> {
     }
 
     #[inline(never)]
-    fn most_within(&self, low: Image<'_>, span: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.lookup.most_within::<1>(&Rows::between(low, span, template), floor, groups::misses)
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.lookup.bound::<1>(blocks, template, floor, groups::misses)
     }
 
     #[inline(never)]
