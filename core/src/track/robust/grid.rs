@@ -58,6 +58,7 @@ impl Grid {
     }
 
     /// The step at `scale`, in units of 1/4096 pixel.
+    #[inline(never)] // one copy in flash
     pub(super) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
     }
