@@ -121,7 +121,7 @@ impl<'a> Scorer<'a> {
 
     /// The same score if it is at least `floor`. `None` as soon as it is certain that it is less.
     #[must_use]
-    #[inline(always)]
+    #[inline(never)] // one copy in flash
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));

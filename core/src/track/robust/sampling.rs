@@ -47,6 +47,7 @@ struct Axis {
 }
 
 impl Axis {
+    #[inline(never)] // one copy in flash
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
         // The middle between the two pixels that the first block reads.
