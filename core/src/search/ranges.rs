@@ -280,10 +280,10 @@ fn ranges_of(pixels: Image<'_>, scorer: &Scorer<'_>, low: &mut [u8], high: &mut 
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
 fn ranges_at_border(frame: &Frame<'_>, (x, y): (i32, i32), scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
-    const PART: usize = 16; // the copy is on the stack
-    const COLUMNS: u16 = 16 + 3;
+    const PART: u16 = 16; // the copy is on the stack
+    const COLUMNS: u16 = PART + 3;
     let mut x = x;
-    for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
+    for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
         let mut copy = [[0; COLUMNS as usize]; SIDE];
         // Reads only the pixels needed: others may not be in memory.
         let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
@@ -299,6 +299,6 @@ fn ranges_at_border(frame: &Frame<'_>, (x, y): (i32, i32), scorer: &Scorer<'_>, 
         if let Ok(copy) = Image::new(copy.as_flattened(), COLUMNS, 4) {
             ranges_of(copy, scorer, low, high);
         }
-        x = x.saturating_add(PART as i32);
+        x = x.saturating_add(PART.into());
     }
 }
