@@ -22,6 +22,7 @@ impl Known<'_> {
         })
     }
 
+    #[inline(never)] // one copy in flash
     fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status> {
         Ok(match self {
             Self::Paper(target) => target.save(bytes)?,
@@ -29,11 +30,13 @@ impl Known<'_> {
         })
     }
 
+    #[inline(never)] // keeps its stack out of that of the calls before
     fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status> {
-        Ok(match self {
+        match self {
             Self::Paper(target) => target.restore(bytes)?,
             Self::Robust(target) => target.restore(bytes)?,
-        })
+        }
+        Ok(())
     }
 }
 

@@ -19,6 +19,9 @@ macro_rules! statuses {
         pub const STATUSES: &[(smr_status, &str, &str)] =
             &[$((smr_status::$name, concat!(stringify!($name), "\0"), concat!($($text, "\n"),+)),)+];
 
+        /// The names by number. A list of its own, so that a program does not link the texts.
+        const NAMES: &[&str] = &[$(concat!(stringify!($name), "\0")),+];
+
         pub(crate) use smr_status::*;
     };
 }
@@ -117,8 +120,8 @@ statuses! {
 #[unsafe(no_mangle)]
 pub extern "C" fn smr_status_name(status: i32) -> *const c_char {
     // The parameter is a plain number: C can pass any, but a Rust enum must hold one of its own.
-    let known = STATUSES.iter().find(|(known, ..)| *known as i32 == status);
-    known.map_or(c"SMR_ERROR_UNKNOWN".as_ptr(), |(_, name, _)| name.as_ptr().cast())
+    let known = usize::try_from(status).ok().and_then(|number| NAMES.get(number));
+    known.map_or(c"SMR_ERROR_UNKNOWN".as_ptr(), |name| name.as_ptr().cast())
 }
 
 /// The return value of an exported function.

@@ -106,20 +106,20 @@ pub(crate) unsafe fn with_frame(
     unsafe {
         let tracker = borrow(tracker)?;
         // Not `?`, which would copy the frame.
-        match &outside(frame, tracker) {
+        match &outside(frame, &tracker.memory()) {
             Ok(frame) => work(tracker, frame),
             Err(error) => Err(*error),
         }
     }
 }
 
-/// The frame, which lies outside the memory of `tracker`.
+/// The frame, which lies outside the `taken` memory of a tracker.
 ///
 /// # Safety
 /// As for [`with_frame`].
 #[inline(never)] // one copy in flash
-unsafe fn outside<'a>(frame: *const smr_frame, tracker: &dyn Tracked) -> Result<Frame<'a>, smr_status> {
+unsafe fn outside<'a>(frame: *const smr_frame, taken: &[Range<usize>; 2]) -> Result<Frame<'a>, smr_status> {
     pointer::check(frame)?;
     // SAFETY: as the caller ensures.
-    unsafe { (*frame).frame(&tracker.memory()) }
+    unsafe { (*frame).frame(taken) }
 }

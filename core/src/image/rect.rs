@@ -104,6 +104,7 @@ pub struct FineRect {
 impl FineRect {
     /// The rectangle with each edge rounded to whole pixels; at least 1x1.
     #[must_use]
+    #[inline(never)] // one copy in flash
     pub fn whole(self) -> Rect {
         let round = |edge: i64| (edge + 128) >> 8;
         let (left, top) = (round(self.x.into()), round(self.y.into()));

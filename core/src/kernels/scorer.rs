@@ -129,7 +129,7 @@ impl<'a> Scorer<'a> {
 
     /// The same score if it is at least `floor`. `None` as soon as it is certain that it is less.
     #[must_use]
-    #[inline(always)]
+    #[inline(never)] // one copy in flash
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
@@ -190,14 +190,15 @@ impl<'a> Scorer<'a> {
         verify::spread(rows, low, high);
     }
 
-    /// The ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at multiples of four bytes, and their
+    /// The ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend; `examples/kernels` compares those of DSP and Helium. `low` and `high` begin at multiples of four bytes, and their
     /// length is a multiple of four; the rows have three more pixels than there are blocks.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.ranges(rows, low, high));
-        #[cfg(feature = "verify")]
-        if self.has_plain_ranges() {
-            verify::spread(rows, low, high);
+        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        match self.ready {
+            Ready::Swar(_) => verify::widened_ranges(rows, self.plain.table, low, high),
+            _ => verify::spread(rows, low, high),
         }
     }
 
@@ -205,23 +206,16 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub(crate) fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let bound = dispatch!(self, kernels => kernels.bound(blocks, template, floor));
-        #[cfg(feature = "verify")]
-        if let Some((low, high)) = blocks.pictures(template).filter(|_| self.has_plain_ranges()) {
-            verify::score_between(bound, (low, high, template), self.plain.table, floor);
+        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        match self.ready {
+            Ready::Swar(_) => verify::bound_of_widened(bound, blocks, template, self.plain.table, floor),
+            _ => {
+                if let Some((low, high)) = blocks.pictures(template) {
+                    verify::score_between(bound, (low, high, template), self.plain.table, floor);
+                }
+            }
         }
         bound
-    }
-
-    /// Whether the ranges of this backend are those of [`Scorer::spread`]. Tests of their own compare the others.
-    #[cfg(feature = "verify")]
-    fn has_plain_ranges(&self) -> bool {
-        match self.ready {
-            #[cfg(not(any(smr_dsp, smr_helium)))]
-            Ready::Swar(_) => false,
-            Ready::Scalar(_) => true,
-            #[allow(unreachable_patterns)] // not every target has another one
-            _ => !cfg!(any(smr_dsp, smr_helium)),
-        }
     }
 
     /// The score of the pixels on the padding; see [`plain::score_on_padding`].

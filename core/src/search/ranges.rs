@@ -303,14 +303,13 @@ fn ranges_at_border(
     low: &mut [u8],
     high: &mut [u8],
 ) {
-    const PART: usize = 16; // the copy is on the stack
-    const SHIFT: i32 = 16;
-    const COLUMNS: u16 = 16 + 3;
+    const PART: u16 = 16; // the copy is on the stack
+    const COLUMNS: u16 = PART + 3;
     let (mut x, mut left) = (x, width);
-    for (low, high) in low.chunks_mut(PART).zip(high.chunks_mut(PART)) {
+    for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
         let mut copy = [[0; COLUMNS as usize]; SIDE];
         // Reads only the pixels needed: others may not be in memory.
-        let columns = u16::try_from(left.min(PART) + SIDE - 1).unwrap_or(u16::MAX);
+        let columns = u16::try_from(left.min(PART.into()) + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
@@ -321,9 +320,9 @@ fn ranges_at_border(
             }
         }
         if let Ok(copy) = Image::new(copy.as_flattened(), COLUMNS, 4) {
-            ranges_of(copy, PART, scorer, low, high);
+            ranges_of(copy, PART.into(), scorer, low, high);
         }
-        x = x.saturating_add(SHIFT);
-        left = left.saturating_sub(PART);
+        x = x.saturating_add(PART.into());
+        left = left.saturating_sub(PART.into());
     }
 }

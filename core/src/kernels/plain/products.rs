@@ -24,9 +24,13 @@ pub(crate) fn responses_inline<const N: usize>(
     let Layout { row, stride, step, span } = layout;
     for y in parts.start..parts.end.min(span) {
         let Some(out) = out.get_mut(y) else { return };
-        for (x, out) in out.iter_mut().take(span).enumerate() {
-            let rows = weights.chunks(row.max(1)).zip((y * stride + x * step..).step_by(stride.max(1)));
-            *out = rows.map(|(weights, from)| dot(cells.get(from..).unwrap_or_default(), weights)).sum();
+        for (x, out) in rolled_if_spare(out.iter_mut().take(span).enumerate()) {
+            let mut from = y * stride + x * step;
+            *out = 0;
+            for weights in rolled_if_spare(weights.chunks(row.max(1))) {
+                *out += dot(cells.get(from..).unwrap_or_default(), weights);
+                from += stride;
+            }
         }
     }
 }
@@ -50,13 +54,15 @@ pub(crate) fn gather_inline<const N: usize>(
     let Layout { row, stride, step, span } = layout;
     for y in parts.start..parts.end.min(span) {
         let Some(errors) = errors.get(y) else { return };
-        for (sums, from) in sums.chunks_mut(row.max(1)).zip((y * stride..).step_by(stride.max(1))) {
-            for (x, &error) in errors.iter().take(span).enumerate() {
+        let mut from = y * stride;
+        for sums in rolled_if_spare(sums.chunks_mut(row.max(1))) {
+            for (x, &error) in rolled_if_spare(errors.iter().take(span).enumerate()) {
                 let cells = cells.get(from + x * step..).unwrap_or_default();
                 for (sum, &cell) in rolled_if_spare(sums.iter_mut().zip(cells)) {
                     *sum += i32::from(error) * i32::from(cell);
                 }
             }
+            from += stride;
         }
     }
 }

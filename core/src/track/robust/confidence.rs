@@ -21,6 +21,7 @@ pub(super) struct Evidence(i32);
 
 impl Evidence {
     /// 0 where no target can be seen.
+    #[inline(never)] // one copy in flash
     pub(super) fn of(candidate: &Candidate) -> Self {
         if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
     }
@@ -68,6 +69,7 @@ impl Confidence {
         Self(mean.min(evidence.0 + CONFIDENCE_LEAD))
     }
 
+    #[inline(never)] // one copy in flash
     pub(super) fn state(self, config: &Config) -> State {
         let confidence = self.value();
         if confidence < config.lost_below {
@@ -85,6 +87,7 @@ impl Confidence {
     }
 
     /// In units of 1/65535.
+    #[inline(never)] // one copy in flash
     pub(super) fn value(self) -> u16 {
         u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
     }

@@ -25,6 +25,7 @@ impl Search {
     }
 
     /// The displacement of a number; 0 is the middle.
+    #[inline(never)] // one copy in flash
     pub(super) fn displacement(&self, number: u16) -> Displacement {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
         // The middle is the fifth of nine, row by row.

@@ -67,6 +67,7 @@ impl Extractor {
     }
 
     /// Begins the features of `lattice`: whole cells, and one sample more on each side. False if there is no room; there are then no cells.
+    #[inline(never)] // one copy in flash
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.next = 0;
         self.energies = [[0; ROW]; 3];

@@ -58,6 +58,7 @@ impl Grid {
     }
 
     /// The step at `scale`, in units of 1/4096 pixel.
+    #[inline(never)] // one copy in flash
     pub(super) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
     }
@@ -82,8 +83,7 @@ fn cells(size: u16, step: u32) -> u16 {
     let [part, of] = COVER;
     let size = u32::from(size) << PIXEL_BITS;
     let cells = (part * size + of / 2 * step) / (of * step).max(1);
-    // Not `clamp`: the compiler would link its panic.
-    u16::try_from(cells).unwrap_or(MOST_SIDE).min(MOST_SIDE).max(LEAST_SIDE)
+    u16::try_from(cells).unwrap_or(MOST_SIDE).clamp(LEAST_SIDE, MOST_SIDE)
 }
 
 /// Pairs of pixels on a side of the template: an even number of pixels, so that the template and the window have the same middle.

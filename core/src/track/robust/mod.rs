@@ -37,7 +37,7 @@
 //! A frame is learned or redetected, never both.
 //!
 //! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs` counts the work,
-//! `constants.rs` holds the constants of the method that are not in [`Config`].
+//! `division.rs` divides wide numbers, `constants.rs` holds the constants of the method that are not in [`Config`].
 
 mod buffers;
 mod confidence;

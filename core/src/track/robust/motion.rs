@@ -24,6 +24,7 @@ impl Place {
     pub(super) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
 
     /// The middle of a box.
+    #[inline(never)] // one copy in flash
     pub(super) fn of(target: Rect) -> Self {
         let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
@@ -57,6 +58,7 @@ impl Motion {
     }
 
     /// The expected place in the next frame; without `velocity`, the present place.
+    #[inline(never)] // one copy in flash
     pub(super) fn expected(&self, velocity: bool, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
         let further = |from: i64, by: i64| if velocity { from + (by >> 1) } else { from };

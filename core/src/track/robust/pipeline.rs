@@ -115,6 +115,7 @@ impl Outcome {
     }
 
     /// The patch that the early template starts as or learns from.
+    #[inline(never)] // one copy in flash
     pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
         buffers.verification.patch(grid, self.displacement)
     }
@@ -317,6 +318,7 @@ impl Model<'_> {
         pipeline.stage = Stage::Features(purpose, lattice);
     }
 
+    #[inline(never)] // one copy in flash
     fn centre(&self, purpose: Purpose) -> Place {
         match purpose {
             Purpose::Lock => self.track.motion.place,
@@ -337,6 +339,7 @@ impl Model<'_> {
     }
 
     /// Begins the view of a place.
+    #[inline(never)] // one copy in flash
     fn view(&self, buffers: &mut Buffers, place: Place) -> View {
         let Buffers { extractor, verification, .. } = buffers;
         View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), verification)
@@ -417,6 +420,7 @@ impl Model<'_> {
         )
     }
 
+    #[inline(never)] // one copy in flash
     fn products(&self) -> Products {
         Products::new(self.config.backend())
     }
@@ -449,6 +453,7 @@ impl Model<'_> {
 }
 
 /// Follows a candidate of redetection if it is the lost target.
+#[inline(never)] // one copy in flash
 fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
     *stage = Stage::Done;
     let Some(track) = &mut outcome.track else { return };

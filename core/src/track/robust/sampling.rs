@@ -47,6 +47,7 @@ struct Axis {
 }
 
 impl Axis {
+    #[inline(never)] // one copy in flash
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
         // The middle between the two pixels that the first block reads.
@@ -76,6 +77,7 @@ impl Axis {
 
 impl Lattice {
     /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that gradients need.
+    #[inline(never)] // one copy in flash
     pub(super) fn search_window(place: Place, grid: &Grid, reach: u16) -> Self {
         let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
         Self::around(place, grid, side(grid.across), side(grid.down))
@@ -93,6 +95,7 @@ impl Lattice {
     }
 
     /// How often the frame is halved: until the mean step is less than two blocks.
+    #[inline(never)] // one copy in flash
     fn halvings(&self) -> u32 {
         let mut halvings = 0;
         while (self.step + self.step_down) >> halvings >= 4 * PIXEL {

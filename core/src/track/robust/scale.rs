@@ -111,6 +111,7 @@ fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
 }
 
 /// The next smaller and the next larger scale.
+#[inline(never)] // one copy in flash
 pub(super) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = i64::from(scale);
     [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]

@@ -107,6 +107,7 @@ impl Scratch {
     }
 
     /// The template in the light of the patch.
+    #[inline(never)] // one copy in flash
     pub(super) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
         Image::new(&self.relit, grid.columns, grid.rows).ok()
     }
