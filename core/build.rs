@@ -1,16 +1,20 @@
-//! The best instruction set of an Arm Cortex-M: cfg `smr_helium`, `smr_dsp`, or neither.
+//! The best instruction set of a 32-bit processor: cfg `smr_helium`, `smr_dsp`, or `smr_swar` if it has none. 64-bit processors and the vectors
+//! of WebAssembly need no cfg of their own.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-check-cfg=cfg(smr_dsp, smr_helium)");
+    println!("cargo::rustc-check-cfg=cfg(smr_dsp, smr_helium, smr_swar)");
     let is = |key: &str, value: &str| variable(key) == value;
-    if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
-        let processor = Processor::read();
-        if processor.has_helium() {
-            println!("cargo::rustc-cfg=smr_helium");
-        } else if processor.has_dsp() {
-            println!("cargo::rustc-cfg=smr_dsp");
-        }
+    let processor = Processor::read();
+    let is_cortex_m = is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none");
+    if is_cortex_m && processor.has_helium() {
+        println!("cargo::rustc-cfg=smr_helium");
+    } else if is_cortex_m && processor.has_dsp() {
+        println!("cargo::rustc-cfg=smr_dsp");
+    } else if is("CARGO_CFG_TARGET_POINTER_WIDTH", "32")
+        && !processor.features.iter().any(|feature| feature == "simd128")
+    {
+        println!("cargo::rustc-cfg=smr_swar");
     }
 }
 

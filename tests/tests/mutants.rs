@@ -20,7 +20,7 @@ const PAPER: [Mutant; 22] = [
     ("strictness of the threshold", "kernels/cut_table.rs", ".get(..threshold.into())", ".get(..=threshold.into())"),
     ("tie rule: distance", "search/peak.rs", "dx * dx + dy * dy", "dx * dx"),
     ("tie rule: order", "search/peak.rs", "self.y, self.x))", "self.x, self.y))"),
-    ("padding", "kernels/plain/scores.rs", "pixel(0, g, table)", "pixel(1, g, table)"),
+    ("padding", "kernels/plain/scores.rs", "table.of_pixels(0, g)", "table.of_pixels(1, g)"),
     ("rounding of alpha", "track/paper/config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "track/paper/template.rs", "if largest > 0", "if true"),
     ("the peak's neighbourhood", "search/runner_up.rs", "usize::from(neighbourhood) + 1", "usize::from(neighbourhood)"),

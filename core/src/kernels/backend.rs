@@ -14,7 +14,7 @@ use super::x86::{avx2::scores as avx2, sse2};
 ///   firmware sets up the MPU to make it Normal;
 /// - in all memory while `UNALIGN_TRP` is set.
 ///
-/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker.
+/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker. [`Backend::Swar`] can read all memory.
 ///
 /// ```
 /// use smr_core::similarity::Backend;
@@ -40,10 +40,15 @@ pub enum Backend {
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
+    /// Any processor, except those with DSP or Helium: words of four pixels in ordinary 32-bit registers, for ranges and bounds, and unrolled
+    /// loops over bytes. The best one for 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC). A [`CutTable`](super::CutTable), of
+    /// which each workspace has one, takes 510 bytes more there. Words are loaded from multiples of four only.
+    Swar,
 }
 
 impl Backend {
-    const ALL: [Self; 7] = [Self::Avx2, Self::Sse2, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Scalar];
+    const ALL: [Self; 8] =
+        [Self::Avx2, Self::Sse2, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
     ///
@@ -73,6 +78,7 @@ impl Backend {
             Self::Sse2 | Self::Avx2 => false,
             Self::Dsp => cfg!(smr_dsp),
             Self::Helium => cfg!(smr_helium),
+            Self::Swar => cfg!(not(any(smr_dsp, smr_helium))),
         }
     }
 }

@@ -6,10 +6,14 @@ pub(crate) const ONE: u16 = u16::MAX;
 /// The most pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
+/// Without vectors the sign of a difference costs more than the difference, so the table has entries for both signs.
+const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
+
 /// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel that looks up here needs no
 /// test for pixels that do not count.
 ///
-/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte and is rebuilt when the threshold changes.
+/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where [`Backend::Swar`](crate::similarity::Backend) is the
+/// best, and is rebuilt when the threshold changes.
 ///
 /// ```
 /// use smr_core::similarity::{CutTable, Table};
@@ -20,7 +24,8 @@ pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 /// ```
 #[derive(Clone, Debug)]
 pub struct CutTable {
-    entries: [u16; 256],
+    /// From the difference 0 on, or -255 if there are [`ENTRIES`] for signed differences.
+    entries: [u16; ENTRIES],
     threshold: u16,
     /// See [`CutTable::chord`]. Stored on targets that need it in every step and divide slowly.
     #[cfg(any(smr_dsp, smr_helium))]
@@ -30,7 +35,7 @@ pub struct CutTable {
 impl CutTable {
     /// The table with the threshold 0: no pixel counts.
     pub(crate) const EMPTY: Self = Self {
-        entries: [0; 256],
+        entries: [0; ENTRIES],
         threshold: 0,
         #[cfg(any(smr_dsp, smr_helium))]
         chord: 0,
@@ -39,10 +44,12 @@ impl CutTable {
     /// Sets the entries below `threshold` to those given, and all others to 0.
     pub(crate) fn cut(&mut self, entries: &[u16; 256], threshold: u16) {
         let counting = entries.get(..threshold.into()).unwrap_or(entries);
-        if let Some((live, rest)) = self.entries.split_at_mut_checked(counting.len()) {
+        let (mirrored, differences) = self.entries.split_at_mut_checked(ENTRIES - 256).unwrap_or_default();
+        if let Some((live, rest)) = differences.split_at_mut_checked(counting.len()) {
             live.copy_from_slice(counting);
             rest.fill(0);
         }
+        mirrored.iter_mut().rev().zip(differences.iter().skip(1)).for_each(|(to, &from)| *to = from);
         self.threshold = threshold;
         #[cfg(any(smr_dsp, smr_helium))]
         {
@@ -55,7 +62,17 @@ impl CutTable {
     #[inline]
     #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries
     pub const fn similarity(&self, difference: u8) -> u16 {
-        self.entries[difference as usize]
+        self.entries[ENTRIES - 256 + difference as usize]
+    }
+
+    /// p of two pixels.
+    #[inline(always)]
+    pub(super) fn of_pixels(&self, f: u8, g: u8) -> u16 {
+        #[cfg(smr_swar)]
+        // SAFETY: a signed difference is -255 to 255, and entry 255 of 511 is that of no difference.
+        return unsafe { *self.entries.as_ptr().add(255).offset(isize::from(f) - isize::from(g)) };
+        #[cfg(not(smr_swar))]
+        self.similarity(f.abs_diff(g))
     }
 
     /// A pixel counts if it differs by less.
@@ -67,7 +84,7 @@ impl CutTable {
 
     #[inline]
     #[allow(dead_code)] // some targets have no backend that needs it
-    pub(super) const fn entries(&self) -> &[u16; 256] {
+    pub(super) const fn entries(&self) -> &[u16; ENTRIES] {
         &self.entries
     }
 

@@ -1,7 +1,7 @@
 //! Chooses the sums of products for a backend: the responses of a filter, and the gradient of its error.
 //!
-//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight. For AVX2 the plain loops are compiled again. All other
-//! backends use the plain loops as they are; the compiler vectorizes them for SSE2 and NEON.
+//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight. Without them, several offsets share loads.
+//! For AVX2 the plain loops are compiled again. SSE2 and NEON use them as they are; the compiler vectorizes them.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::products as dsp;
@@ -10,6 +10,8 @@ use super::arm::helium::products as helium;
 use super::backend::Backend;
 use super::layout::{Layout, Packed};
 use super::plain::products as plain;
+#[cfg(not(any(smr_dsp, smr_helium)))]
+use super::swar::products as swar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::wasm32::simd128::products as simd128;
 #[cfg(target_arch = "x86_64")]
@@ -69,7 +71,7 @@ impl Products {
     pub(crate) fn responses<const N: usize>(
         self,
         parts: Range<usize>,
-        #[cfg_attr(not(smr_dsp), allow(unused))] room: &mut Packed,
+        #[cfg_attr(smr_helium, allow(unused))] room: &mut Packed,
         cells: &[i8],
         layout: Layout,
         weights: &[i16],
@@ -87,6 +89,8 @@ impl Products {
             Backend::Helium => helium::responses(parts, cells, layout, weights, out),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Backend::Simd128 => simd128::responses(parts, cells, layout, weights, out),
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Backend::Swar => swar::responses(parts, room, cells, layout, weights, out),
             _ => plain::responses(parts, cells, layout, weights, out),
         }
         #[cfg(feature = "verify")]
@@ -105,7 +109,7 @@ impl Products {
     pub(crate) fn gather<const N: usize>(
         self,
         parts: Range<usize>,
-        #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))] room: &mut Packed,
+        room: &mut Packed,
         cells: &[i8],
         layout: Layout,
         errors: &[[i16; N]],
@@ -126,6 +130,8 @@ impl Products {
             Backend::Helium => helium::gather(parts, room, cells, layout, errors, sums),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Backend::Simd128 => simd128::gather(parts, cells, layout, errors, sums),
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Backend::Swar => swar::gather(parts, room, cells, layout, errors, sums),
             _ => plain::gather(parts, cells, layout, errors, sums),
         }
         #[cfg(feature = "verify")]

@@ -11,9 +11,11 @@ use crate::image::Image;
 pub(crate) struct Rows {
     pub(crate) patch: *const u8,
     /// The upper bound of the patch. The same as `patch` if the patch is known.
+    #[cfg_attr(smr_swar, allow(dead_code))] // there, bounds have loops of their own
     pub(crate) high: *const u8,
     pub(crate) template: *const u8,
     pub(crate) patch_stride: usize,
+    #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) high_stride: usize,
     pub(crate) template_stride: usize,
     /// Bytes in a row of each picture.
@@ -82,7 +84,7 @@ impl Rows {
 
     /// Where row `y` of the upper bound begins.
     #[inline]
-    #[cfg_attr(target_arch = "arm", allow(dead_code))]
+    #[cfg_attr(any(target_arch = "arm", smr_swar), allow(dead_code))]
     pub(crate) fn high_row(&self, y: usize) -> *const u8 {
         place(self.high, self.high_stride, y)
     }

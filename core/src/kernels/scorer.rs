@@ -9,7 +9,9 @@ use super::arm::helium::scores as helium;
 use super::backend::Backend;
 use super::cut_table::{CutTable, MAX_PIXELS};
 use super::plain::scores::{self as plain, Plain};
-use super::scores::Scores;
+use super::scores::{Blocks, Scores};
+#[cfg(not(any(smr_dsp, smr_helium)))]
+use super::swar::scores as swar;
 #[cfg(feature = "verify")]
 use super::verify::scores as verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -60,6 +62,8 @@ enum Ready<'a> {
     Neon(neon::Lookup),
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
     Simd128(simd128::Lookup),
+    #[cfg(not(any(smr_dsp, smr_helium)))]
+    Swar(swar::Swar<'a>),
 }
 
 /// Calls the backend that a scorer was made for.
@@ -79,6 +83,8 @@ macro_rules! dispatch {
             Ready::Neon($kernels) => $call,
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Ready::Simd128($kernels) => $call,
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Ready::Swar($kernels) => $call,
         }
     };
 }
@@ -102,6 +108,8 @@ impl<'a> Scorer<'a> {
             Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Backend::Simd128 => Ready::Simd128(simd128::Lookup::new(table)),
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Backend::Swar => Ready::Swar(swar::Swar::new(table)),
             _ => Ready::Scalar(plain),
         };
         Self { plain, ready }
@@ -162,11 +170,42 @@ impl<'a> Scorer<'a> {
 
     /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more
     /// pixels than `low` and `high`.
+    #[cfg(any(test, feature = "unstable"))]
     #[inline(always)]
     pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));
         #[cfg(feature = "verify")]
         verify::spread(rows, low, high);
+    }
+
+    /// The ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at multiples of four bytes, and their
+    /// length is a multiple of four; the rows have three more pixels than there are blocks.
+    #[inline(always)]
+    pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        dispatch!(self, kernels => kernels.ranges(rows, low, high));
+        #[cfg(feature = "verify")]
+        match self.ready {
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Ready::Swar(_) => verify::widened_ranges(rows, self.plain.table, low, high),
+            _ => verify::spread(rows, low, high),
+        }
+    }
+
+    /// An upper bound of the score of every patch between `blocks`, if it is at least `floor`.
+    #[inline(always)]
+    pub(crate) fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let bound = dispatch!(self, kernels => kernels.bound(blocks, template, floor));
+        #[cfg(feature = "verify")]
+        match self.ready {
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Ready::Swar(_) => verify::bound_of_widened(bound, blocks, template, self.plain.table, floor),
+            _ => {
+                if let Some((low, high)) = blocks.pictures(template) {
+                    verify::score_between(bound, (low, high, template), self.plain.table, floor);
+                }
+            }
+        }
+        bound
     }
 
     /// The score of the pixels on the padding; see [`plain::score_on_padding`].

@@ -1,5 +1,6 @@
 //! The kernels of SMR in a backend: scores, distances, and bounds that exclude offsets.
 
+use super::plain::scores as plain;
 use crate::image::Image;
 
 /// The kernels of SMR. The function of the same name in `plain/scores.rs` specifies each.
@@ -18,4 +19,37 @@ pub(crate) trait Scores {
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;
 
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
+
+    /// The ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in another form than [`Scores::spread`].
+    #[inline(always)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        self.spread(rows, low, high);
+    }
+
+    /// An upper bound of the score of every patch between `blocks`, which [`Scores::ranges`] has made; `None` if it is less than `floor`.
+    #[inline(always)]
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let Some((low, high)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
+        self.score_between_at_least(low, high, template, floor)
+    }
+}
+
+/// Rows of ranges.
+#[derive(Clone, Copy)]
+pub(crate) struct Blocks<'a> {
+    pub(crate) low: &'a [u8],
+    pub(crate) high: &'a [u8],
+    /// The range that the first pixel of a template is compared with.
+    pub(crate) start: usize,
+    /// A multiple of four.
+    pub(crate) stride: usize,
+}
+
+impl<'a> Blocks<'a> {
+    /// The lower and the upper bounds of a patch, of the size of `template`.
+    pub(crate) fn pictures(&self, template: Image<'_>) -> Option<(Image<'a>, Image<'a>)> {
+        let (width, height) = (template.width(), template.height());
+        let low = Image::with_stride(self.low.get(self.start..)?, width, height, self.stride).ok()?;
+        Some((low, low.like(self.high.get(self.start..)?)?))
+    }
 }

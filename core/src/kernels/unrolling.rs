@@ -16,7 +16,7 @@ pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> 
 #[inline(always)]
 pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {
-        #[cfg(any(smr_dsp, smr_helium))]
+        #[cfg(any(smr_dsp, smr_helium, smr_swar))]
         nothing();
     })
 }
@@ -25,9 +25,26 @@ pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = 
 #[inline(always)]
 #[allow(dead_code)] // not every target needs it
 fn nothing() {
-    #[cfg(target_arch = "arm")]
+    #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
     // SAFETY: it is empty.
     unsafe {
         core::arch::asm!("", options(nomem, nostack, preserves_flags));
     }
+}
+
+/// The same number, computed before what follows. The compiler would mix the order of independent sums until it has no register left. Does
+/// nothing except for Armv6-M.
+#[inline(always)]
+#[allow(dead_code)] // not every target needs it
+pub(crate) fn in_order(number: i32) -> i32 {
+    #[cfg(all(smr_swar, target_arch = "arm"))]
+    let number = {
+        let mut number = number;
+        // SAFETY: it is empty.
+        unsafe {
+            core::arch::asm!("/* {} */", inout(reg) number, options(nomem, nostack, preserves_flags));
+        }
+        number
+    };
+    number
 }

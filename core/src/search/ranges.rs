@@ -11,11 +11,15 @@
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
+use crate::kernels::Blocks;
 use crate::similarity::{Scorer, Table};
 use heapless::Vec;
 
 /// Offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
+
+/// Bytes of a word. Each row of ranges begins with one.
+const WORD: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     /// First half: the minima of the blocks, row by row. Second half: the maxima.
@@ -139,12 +143,12 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         row: usize,
         scorer: &Scorer<'_>,
     ) -> u32 {
-        let width = self.shape.columns_of(tile.columns);
+        let (width, stride) = (self.shape.columns_of(tile.columns), self.shape.stride_of(tile.columns));
         let (x, y) = window.position(tile.column, tile.row + pass + row * self.passes());
-        let (low, high) = self.bytes.split_at_mut_checked(PIXELS / 2).unwrap_or_default();
-        let low = low.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
-        let high = high.get_mut(row * width..).and_then(|rest| rest.get_mut(..width)).unwrap_or_default();
-        ranges_at(frame, x, y, scorer, low, high);
+        let (low, high) = self.bytes.split_at_mut_checked(half(PIXELS)).unwrap_or_default();
+        let low = low.get_mut(row * stride..).and_then(|rest| rest.get_mut(..stride)).unwrap_or_default();
+        let high = high.get_mut(row * stride..).and_then(|rest| rest.get_mut(..stride)).unwrap_or_default();
+        ranges_at(frame, x, y, width, scorer, low, high);
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
@@ -163,18 +167,16 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         // The first row of the template that belongs to this pass, and the row of ranges it is compared with.
         let passes = self.passes();
         let first = pass.wrapping_sub(row) & (passes - 1);
-        let stride = self.shape.columns_of(tile.columns);
+        let stride = self.shape.stride_of(tile.columns);
         let start = ((row + first) >> self.shape.halvings) * stride + column;
-        let (low, high) = self.bytes.split_at_checked(PIXELS / 2).unwrap_or_default();
+        let (low, high) = self.bytes.split_at_checked(half(PIXELS)).unwrap_or_default();
+        let blocks = Blocks { low, high, start, stride };
         let lower = |bound: &mut u32| {
             let template = template.every(first, passes)?;
-            let size = (template.width(), template.height());
-            let low = Image::with_stride(low.get(start..)?, size.0, size.1, stride).ok()?;
-            let high = low.like(high.get(start..)?)?;
             let pixels = u32::from(template.width()) * u32::from(template.height());
             // These rows counted as fully similar so far: replace that by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);
-            let score = scorer.score_between_at_least(low, high, template, needed.max(1).saturating_sub(others));
+            let score = scorer.bound(&blocks, template, needed.max(1).saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
             Some(pixels)
         };
@@ -216,8 +218,8 @@ impl Shape {
 
     fn fits(&self, capacity: usize, groups: usize) -> bool {
         let tile = Tile { column: 0, row: 0, columns: self.columns, rows: self.rows };
-        let ranges = self.columns_of(self.columns) * ((self.rows_of(self.rows) >> self.halvings) + 1);
-        ranges <= capacity / 2 && tile.groups() <= groups
+        let ranges = self.stride_of(self.columns) * ((self.rows_of(self.rows) >> self.halvings) + 1);
+        ranges <= half(capacity) && tile.groups() <= groups
     }
 
     /// Whether the ranges of a tile cost at most 1/16 of scoring its offsets. That is the loss if nothing can be excluded.
@@ -231,30 +233,48 @@ impl Shape {
         (self.width + columns).saturating_sub(SIDE)
     }
 
+    /// Bytes of such a row.
+    const fn stride_of(&self, columns: usize) -> usize {
+        self.columns_of(columns).next_multiple_of(WORD)
+    }
+
     const fn rows_of(&self, rows: usize) -> usize {
         (self.height + rows).saturating_sub(SIDE)
     }
 }
 
-/// The ranges of the blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. Pixels outside the frame are 0.
-fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
-    let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
+/// The bytes for minima, and for maxima, of a buffer of `capacity` bytes: whole words.
+const fn half(capacity: usize) -> usize {
+    capacity / 2 / WORD * WORD
+}
+
+/// The ranges of the `width` blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. Pixels outside the frame are 0.
+fn ranges_at(frame: &Frame<'_>, x: i32, y: i32, width: usize, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+    let columns = u16::try_from(width + SIDE - 1).unwrap_or(u16::MAX);
     match frame.patch(Rect::new(x, y, columns, 4)) {
-        Some(pixels) => scorer.spread(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
-        None => ranges_at_border(frame, x, y, scorer, low, high),
+        Some(pixels) => scorer.ranges(&[0, 1, 2, 3].map(|row| pixels.row(row)), low, high),
+        None => ranges_at_border(frame, x, y, width, scorer, low, high),
     }
 }
 
 /// The same if some pixels lie outside the frame: from a padded copy, 16 blocks at a time.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
-fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
+fn ranges_at_border(
+    frame: &Frame<'_>,
+    x: i32,
+    y: i32,
+    width: usize,
+    scorer: &Scorer<'_>,
+    low: &mut [u8],
+    high: &mut [u8],
+) {
     const PART: u16 = 16; // the copy is on the stack
-    let mut x = x;
+    let (mut x, mut left) = (x, width);
     for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
         let mut copy = [[0; PART as usize + SIDE - 1]; SIDE];
         // Reads only the pixels needed: others may not be in memory.
-        let columns = u16::try_from(low.len() + SIDE - 1).unwrap_or(u16::MAX);
+        let columns = u16::try_from(left.min(PART.into()) + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
@@ -263,7 +283,8 @@ fn ranges_at_border(frame: &Frame<'_>, x: i32, y: i32, scorer: &Scorer<'_>, low:
                 to.iter_mut().skip(right).zip(from).for_each(|(to, &from)| *to = from);
             }
         }
-        scorer.spread(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
+        scorer.ranges(&copy.each_ref().map(<[u8; PART as usize + SIDE - 1]>::as_slice), low, high);
         x = x.saturating_add(PART.into());
+        left = left.saturating_sub(PART.into());
     }
 }

@@ -13,7 +13,7 @@ pub(crate) struct Plain<'a> {
 }
 
 impl Scores for Plain<'_> {
-    #[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy for all callers
+    #[cfg_attr(any(smr_dsp, smr_helium, smr_swar), inline(never))] // one copy for all callers
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_at_least(patch, template, self.table, floor)
     }
@@ -154,7 +154,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
 
 #[inline(never)] // one copy in flash
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
-    row.iter().map(|&g| pixel(0, g, table)).sum()
+    row.iter().map(|&g| u32::from(table.of_pixels(0, g))).sum()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::image::Image;
 use crate::kernels::backend::Backend;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::scorer::Scorer;
+use crate::kernels::scores::Blocks;
 use std::boxed::Box;
 use std::vec::Vec;
 
@@ -206,7 +207,101 @@ fn all_ranges(backend: Backend) {
     }
 }
 
+/// Memory for ranges.
+#[repr(align(4))]
+struct Aligned([u8; 4096]);
+
+/// Templates within the ranges of a group, at every column: the bound is at least the score of each of the group's 16 offsets. The rows of
+/// the frame and the template touch a forbidden page.
+fn all_groups(backend: Backend) {
+    let mut guarded: [Guarded; 5] = core::array::from_fn(|_| Guarded::with_room(12 << 10));
+    for width in 1..=EDGE {
+        let (height, column) = (1 + width % 11, usize::from(width * 3 % 13));
+        let (columns, below) = (column + usize::from(width), usize::from(height));
+        let stride = columns.next_multiple_of(4);
+        let seed = u32::from(width);
+        let frame: Vec<_> = (0..below + 6).map(|row| calm(columns + 6, seed + row as u32)).collect();
+        let table = cut(width % 40);
+        let scorer = Scorer::new(backend, &table);
+        for side in [Side::After, Side::Before] {
+            let [rows @ .., for_template] = &mut guarded;
+            let mut bytes = Aligned([0; 4096]);
+            let (low, high) = bytes.0.split_at_mut(2048);
+            let ranges = low.chunks_mut(stride).zip(high.chunks_mut(stride)).take(below + 3);
+            for (row, (low, high)) in ranges.enumerate() {
+                let mut of_frame = frame[row..].iter();
+                let four = rows.each_mut().map(|memory| memory.copy(&of_frame.next().unwrap()[..columns + 3], side));
+                scorer.ranges(&four, low, high);
+            }
+            let template: Vec<u8> = (2..)
+                .zip(&frame[1..])
+                .take(below)
+                .flat_map(|(_, row)| row[column + 2..][..width.into()].to_vec())
+                .collect();
+            let template = Image::new(for_template.copy(&close_to(&template, seed), side), width, height).unwrap();
+            for top in 0..3 {
+                let blocks = Blocks { low, high, start: top * stride + column, stride };
+                let scores = (0..16).map(|offset| {
+                    let rows = frame[top + offset / 4..].iter().take(below);
+                    let patch: Vec<u8> =
+                        rows.flat_map(|row| row[column + offset % 4..][..width.into()].to_vec()).collect();
+                    plain::score(Image::new(&patch, width, height).unwrap(), template, &table)
+                });
+                let (best, most) = (scores.max().unwrap(), plain::most(template, template));
+                for floor in [0, 1, best, best + 1, best.midpoint(most), most] {
+                    let bound = scorer.bound(&blocks, template, floor);
+                    assert!(
+                        bound.is_some() || best < floor,
+                        "{backend:?}: {width}x{height}, score {best}, floor {floor}"
+                    );
+                    let right = bound.is_none_or(|bound| bound >= best.max(floor) && bound <= most);
+                    assert!(right, "{backend:?}: {width}x{height}: {bound:?}, score {best}, floor {floor}");
+                }
+            }
+        }
+    }
+}
+
+/// Neighbouring bytes are close to each other.
+fn calm(length: usize, seed: u32) -> Vec<u8> {
+    let mut level = 100u8;
+    noise(length, seed)
+        .iter()
+        .map(|&step| {
+            level = level.wrapping_add(step % 15).wrapping_sub(7);
+            level
+        })
+        .collect()
+}
+
+/// Groups far from the template are excluded, at every column.
+fn far_groups(backend: Backend) {
+    let scorer_table = cut(13);
+    let scorer = Scorer::new(backend, &scorer_table);
+    for (width, column) in (16..=EDGE).zip((0..13).cycle()) {
+        let (columns, height) = (column + usize::from(width), 9usize);
+        let stride = columns.next_multiple_of(4);
+        let mut bytes = Aligned([0; 4096]);
+        let (low, high) = bytes.0.split_at_mut(2048);
+        let row = std::vec![100; columns + 3];
+        for (low, high) in low.chunks_mut(stride).zip(high.chunks_mut(stride)).take(height) {
+            scorer.ranges(&[&row; 4], low, high);
+        }
+        let blocks = Blocks { low, high, start: column, stride };
+        for (level, counts) in [(80, false), (87, false), (88, true), (112, true), (114, false), (130, false)] {
+            let template = std::vec![level; usize::from(width) * height];
+            let template = Image::new(&template, width, 9).unwrap();
+            let most = plain::most(template, template);
+            // Up to two rows may be left out.
+            let bound = scorer.bound(&blocks, template, most / 4);
+            assert_eq!(bound.is_some(), counts, "{backend:?}: {width}x{height} at column {column}, level {level}");
+        }
+    }
+}
+
 for_each_backend!(
+    all_groups,
+    far_groups,
     all_sizes,
     all_thresholds_and_alignments,
     all_differences,

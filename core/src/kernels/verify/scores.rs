@@ -2,6 +2,8 @@
 
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+use super::super::scores::Blocks;
 use crate::image::Image;
 
 /// Checks a score of at least `floor`.
@@ -53,6 +55,42 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
         plain::spread(&block, &mut low, &mut high);
         assert_eq!((&low[0], &high[0]), answer, "range of column {column}, expected and given");
     }
+}
+
+/// Checks the ranges of `swar/scores.rs`.
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[track_caller]
+pub(crate) fn widened_ranges(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]) {
+    let half = |level: u8| u16::from(level / 2).saturating_sub(table.threshold() / 2);
+    for (column, (&least, &most)) in low.iter().zip(high).enumerate() {
+        let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
+        if block.iter().any(|row| row.is_empty()) {
+            return;
+        }
+        let (mut low, mut high) = ([0], [0]);
+        plain::spread(&block, &mut low, &mut high);
+        let expected = (half(low[0]), half(u8::MAX - high[0]));
+        assert_eq!(expected, (least.into(), most.into()), "range of column {column}, expected and given");
+    }
+}
+
+/// Checks a bound by such ranges: at least the number of pixels within them.
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[track_caller]
+pub(crate) fn bound_of_widened(
+    answer: Option<u32>,
+    blocks: &Blocks<'_>,
+    template: Image<'_>,
+    table: &CutTable,
+    floor: u32,
+) {
+    let Some((low, high)) = blocks.pictures(template) else { return };
+    let counts = |&((&low, &high), &g): &((&u8, &u8), &u8)| low <= g / 2 && high <= (u8::MAX - g) / 2;
+    let rows = low.rows().zip(high.rows()).zip(template.rows());
+    let inside = rows.map(|((low, high), g)| low.iter().zip(high).zip(g).filter(counts).count()).sum();
+    let least = if table.threshold() == 0 { 0 } else { plain::full(inside) };
+    let right = answer.map_or(least < floor, |answer| answer >= floor.max(least));
+    assert!(right, "{answer:?} reached instead of {least}, floor {floor}: {template:?}");
 }
 
 #[cfg(test)]

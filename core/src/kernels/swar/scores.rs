@@ -1,0 +1,362 @@
+//! Scores, distances, ranges and bounds for processors without DSP or SIMD: words of four pixels in ordinary 32-bit registers (SWAR),
+//! and unrolled loops over bytes.
+//!
+//! A byte of a word holds the upper seven bits of a pixel. Its top bit is free for the result of a comparison:
+//!
+//! ```text
+//! x + (127 - y) has the top bit set if x > y
+//! ```
+//!
+//! Ranges and bounds need no more than that: a bound may be too large. Scores and distances need all eight bits, so they take bytes.
+//!
+//! These processors load words from multiples of four only. The search stores ranges there. Words of frames and templates are put together
+//! from two aligned words.
+
+use crate::image::Image;
+use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::plain::scores::{self as plain, Plain};
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::{Blocks, Scores};
+use crate::kernels::unrolling::rolled;
+use core::{mem, slice};
+
+/// Pixels in a word.
+const LANES: usize = 4;
+
+/// The lower seven bits of each byte, and the top bit.
+const LOWER: u32 = 0x7F7F_7F7F;
+const TOP: u32 = !LOWER;
+
+/// Pixels that the loops over bytes take at a time.
+const UNROLLED: usize = 8;
+
+/// Words of a row, at most. Each byte of a sum counts one pixel of each word.
+const MOST_WORDS: usize = 255;
+
+pub(crate) struct Swar<'a> {
+    plain: Plain<'a>,
+    /// Half the threshold, in each byte. A pixel whose upper seven bits are so far outside a range does not count.
+    threshold: u32,
+}
+
+impl<'a> Swar<'a> {
+    #[inline(always)] // see `Scorer::new`
+    pub(crate) fn new(table: &'a CutTable) -> Self {
+        Self { plain: Plain { table }, threshold: u32::from(table.threshold() / 2) * 0x0101_0101 }
+    }
+}
+
+impl Scores for Swar<'_> {
+    #[inline(never)]
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let rows = Rows::of(patch, template);
+        let (mut reachable, of_row) = (rows.full_after(0), plain::full(rows.width));
+        for y in 0..rows.height {
+            let (f, g) = rows.row(y);
+            // SAFETY: both pictures have `width` pixels there.
+            reachable -= of_row - unsafe { row_score(f, g, rows.width, self.plain.table) };
+            if reachable < floor {
+                return None;
+            }
+        }
+        Some(reachable).filter(|&score| score >= floor)
+    }
+
+    #[inline(always)]
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        self.plain.score_between_at_least(low, high, template, floor)
+    }
+
+    #[inline(never)]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let rows = Rows::of(patch, template);
+        let mut sum = 0;
+        for y in 0..rows.height {
+            let (f, g) = rows.row(y);
+            // SAFETY: both pictures have `width` pixels there.
+            sum += unsafe { row_distance(f, g, rows.width) };
+            if sum > enough {
+                break;
+            }
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        plain::spread(rows, low, high);
+    }
+
+    #[inline(always)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        widened_ranges(rows, self.threshold, low, high);
+    }
+
+    #[inline(always)]
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        if self.plain.table.threshold() == 0 {
+            return (floor == 0).then_some(0);
+        }
+        count_at_least(blocks, template, floor)
+    }
+}
+
+/// The score of `width` pixels.
+///
+/// # Safety
+/// So many can be read at `f` and at `g`.
+#[inline(never)] // so that nothing else needs a register
+unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> u32 {
+    // SAFETY: as the caller guarantees.
+    unsafe { row_sum(f, g, width, |f, g| table.of_pixels(f, g).into()) }
+}
+
+/// The distance of `width` pixels.
+///
+/// # Safety
+/// As for [`row_score`].
+#[inline(never)]
+unsafe fn row_distance(f: *const u8, g: *const u8, width: usize) -> u32 {
+    // SAFETY: as the caller guarantees.
+    unsafe { row_sum(f, g, width, |f, g| f.abs_diff(g).into()) }
+}
+
+/// The sum of `of` over `width` pixels.
+///
+/// # Safety
+/// As for [`row_score`].
+#[inline(always)]
+unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(u8, u8) -> u32) -> u32 {
+    let mut sum = 0;
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        for _ in rolled(0..width / UNROLLED) {
+            for column in 0..UNROLLED {
+                sum += of(*f.add(column), *g.add(column));
+            }
+            (f, g) = (f.add(UNROLLED), g.add(UNROLLED));
+        }
+        for column in 0..width % UNROLLED {
+            sum += of(*f.add(column), *g.add(column));
+        }
+    }
+    sum
+}
+
+/// For each 4x4 block the upper seven bits of the lowest pixel, and 127 less those of the highest, both less the threshold but not below 0.
+///
+/// Column by column the least and the most of four rows, then of two and of four columns.
+#[inline(never)]
+fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut [u8]) {
+    let (low, high) = (words_mut(low), words_mut(high));
+    let [mut a, mut b, mut c, mut d] = rows.map(Words::new);
+    let (mut least, mut most) = (Minima::default(), Minima::default());
+    for word in 0..low.len() + Minima::DELAY {
+        let half = |words: &mut Words<'_>| words.next() >> 1 & LOWER;
+        let ((a, b), (c, d)) = (sorted(half(&mut a), half(&mut b)), sorted(half(&mut c), half(&mut d)));
+        let (least, most) = (least.next(min(a, c)), most.next(LOWER ^ max(b, d)));
+        let at = word.wrapping_sub(Minima::DELAY);
+        if let (Some(low), Some(high)) = (low.get_mut(at), high.get_mut(at)) {
+            (*low, *high) = (beyond(least, threshold).to_le(), beyond(most, threshold).to_le());
+        }
+    }
+}
+
+/// The minima of each four neighbouring columns.
+#[derive(Default)]
+struct Minima {
+    /// The word of columns before, and the minima of each two columns of the word before that.
+    columns: u32,
+    pairs: u32,
+}
+
+impl Minima {
+    /// [`Minima::next`] gives minima that begin so many words before those that it takes.
+    const DELAY: usize = 2;
+
+    #[inline(always)]
+    fn next(&mut self, columns: u32) -> u32 {
+        let pairs = min(self.columns, self.columns >> 8 | columns << 24);
+        let fours = min(self.pairs, self.pairs >> 16 | pairs << 16);
+        (self.columns, self.pairs) = (columns, pairs);
+        fours
+    }
+}
+
+/// max(a - b, 0) in each byte. Each byte of `a` is at most 127, of `b` at most 128.
+#[inline(always)]
+fn beyond(a: u32, b: u32) -> u32 {
+    let difference = (a | TOP) - b;
+    let is_beyond = difference & TOP;
+    difference & (is_beyond - (is_beyond >> 7))
+}
+
+#[inline(always)]
+fn min(a: u32, b: u32) -> u32 {
+    a - beyond(a, b)
+}
+
+#[inline(always)]
+fn max(a: u32, b: u32) -> u32 {
+    b + beyond(a, b)
+}
+
+/// The lower and the higher of each two bytes.
+#[inline(always)]
+fn sorted(a: u32, b: u32) -> (u32, u32) {
+    let beyond = beyond(a, b);
+    (a - beyond, b + beyond)
+}
+
+/// The words of a slice that begins at a multiple of four; none of another one.
+fn words_mut(bytes: &mut [u8]) -> &mut [u32] {
+    if bytes.as_ptr().addr().is_multiple_of(LANES) {
+        // SAFETY: so many words lie in the slice, aligned, and a u32 may have any value.
+        unsafe { slice::from_raw_parts_mut(bytes.as_mut_ptr().cast(), bytes.len() / LANES) }
+    } else {
+        &mut []
+    }
+}
+
+/// The words of a row that begins at any address. After its end come zeroes.
+struct Words<'a> {
+    /// Those at multiples of four.
+    aligned: slice::Iter<'a, u32>,
+    /// The bytes after them.
+    end: u32,
+    /// The aligned word that holds the next byte, and the bits before that byte.
+    present: u32,
+    shift: u32,
+}
+
+impl<'a> Words<'a> {
+    #[inline(always)]
+    fn new(row: &'a [u8]) -> Self {
+        // SAFETY: a word may have any value.
+        let (start, aligned, end) = unsafe { row.align_to::<u32>() };
+        let before = row.as_ptr().addr() % LANES;
+        let mut words = Self { aligned: aligned.iter(), end: joined(end), present: 0, shift: bits(before) };
+        words.present = if before == 0 { words.next_aligned() } else { joined(start) << words.shift };
+        words
+    }
+
+    #[inline(always)]
+    fn next_aligned(&mut self) -> u32 {
+        self.aligned.next().map_or_else(|| mem::take(&mut self.end), |&word| u32::from_le(word))
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> u32 {
+        let next = self.next_aligned();
+        // In two steps: a shift by 32 is not defined.
+        let word = self.present >> self.shift | next << 1 << (31 - self.shift);
+        self.present = next;
+        word
+    }
+}
+
+/// The bits of up to three bytes.
+#[allow(clippy::cast_possible_truncation)]
+fn bits(bytes: usize) -> u32 {
+    8 * bytes as u32
+}
+
+/// Up to three bytes as the lower ones of a word.
+fn joined(bytes: &[u8]) -> u32 {
+    rolled(bytes.iter().rev()).fold(0, |word, &byte| word << 8 | u32::from(byte))
+}
+
+/// An upper bound of the score of every patch between `blocks`, if it is at least `floor`. Pixels that count are taken as fully similar, and so
+/// are rows whose words reach beyond the template: at most the first and the last one of templates that have at least seven columns.
+#[inline(never)]
+fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+    let (width, height) = (usize::from(template.width()), usize::from(template.height()));
+    let full = plain::full(width * height);
+    let allowed = full.checked_sub(floor)?;
+    // The ranges before the template in its first word.
+    let skipped = blocks.start % LANES;
+    let count = (skipped + width).div_ceil(LANES);
+    let from = blocks.start - skipped;
+    let end = from + (height - 1) * blocks.stride + count * LANES;
+    let (low, high, (pixels, stride)) = (blocks.low, blocks.high, template.parts());
+    let are_aligned = (low.as_ptr().addr() | high.as_ptr().addr() | blocks.stride).is_multiple_of(LANES);
+    if !are_aligned || end > low.len().min(high.len()) || count > MOST_WORDS {
+        return Some(full);
+    }
+    let mut row = Row {
+        low: low.as_ptr().wrapping_add(from).cast(),
+        high: high.as_ptr().wrapping_add(from).cast(),
+        count,
+        first: TOP << (8 * skipped),
+        last: TOP >> (8 * (count * LANES - skipped - width)),
+    };
+    let mut at = pixels.as_ptr().wrapping_sub(skipped);
+    let (mut outside, pixels) = (0, pixels.as_ptr_range());
+    for _ in rolled(0..height) {
+        let before = at.addr() % LANES;
+        let words = at.wrapping_sub(before);
+        let words_end = words.wrapping_add(LANES * (count + usize::from(before > 0)));
+        if words >= pixels.start && words_end <= pixels.end {
+            // SAFETY: the words of the row lie within the ranges, and those of the template within its pixels.
+            outside += unsafe {
+                match before {
+                    0 => row.outside::<false>(words.cast(), 0),
+                    _ => row.outside::<true>(words.cast(), bits(before)),
+                }
+            };
+            if outside * u32::from(ONE) > allowed {
+                return None;
+            }
+        }
+        at = at.wrapping_add(stride);
+        (row.low, row.high) = (row.low.wrapping_byte_add(blocks.stride), row.high.wrapping_byte_add(blocks.stride));
+    }
+    Some(full - outside * u32::from(ONE))
+}
+
+/// A row of ranges.
+struct Row {
+    low: *const u32,
+    high: *const u32,
+    /// Words, at least one.
+    count: usize,
+    /// The top bits of the pixels of the template in the first word, and in the last.
+    first: u32,
+    last: u32,
+}
+
+impl Row {
+    /// The number of pixels outside their ranges. With `SHIFTED` the template begins `shift` bits after `g`.
+    ///
+    /// # Safety
+    /// These words can be read, with `SHIFTED` one more of the template.
+    #[inline(never)] // so that nothing else needs a register
+    unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {
+        let (mut low, mut high) = (self.low, self.high);
+        let (mut sum, mut mask) = (0, self.first);
+        // SAFETY: as the caller guarantees.
+        unsafe {
+            let mut present = u32::from_le(*g);
+            let mut outside = |low: *const u32, high: *const u32, g: *const u32| {
+                let pixels = if SHIFTED {
+                    let next = u32::from_le(*g.add(1));
+                    let pixels = present >> shift | next << (32 - shift);
+                    present = next;
+                    pixels
+                } else {
+                    u32::from_le(*g)
+                };
+                let pixels = pixels >> 1 & LOWER;
+                (u32::from_le(*low) + (LOWER ^ pixels)) | (u32::from_le(*high) + pixels)
+            };
+            for _ in rolled(1..self.count) {
+                sum += (outside(low, high, g) & mask) >> 7;
+                mask = TOP;
+                (low, high, g) = (low.add(1), high.add(1), g.add(1));
+            }
+            sum += (outside(low, high, g) & mask & self.last) >> 7;
+        }
+        let pairs = (sum & 0x00FF_00FF) + (sum >> 8 & 0x00FF_00FF);
+        (pairs & 0xFFFF) + (pairs >> 16)
+    }
+}
