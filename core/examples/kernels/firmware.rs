@@ -1,5 +1,6 @@
 //! The firmware: comparisons, cost, and at last a read beyond the memory, which must fault.
 
+use crate::alignment;
 use crate::checks::{Checks, Difference};
 use crate::figures::{self, Counter};
 use crate::measure::Timer;
@@ -23,6 +24,7 @@ fn main() -> ! {
         error!("this board's memory is not known");
         exit(1)
     };
+    alignment::require(&peripherals.SCB);
     let mut checks = Checks { backend: Backend::best(), compared: 0 };
     if let Err(difference) = checks.all(&mut memory) {
         let Difference { what, width, height, threshold } = difference;

@@ -11,6 +11,9 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+#[path = "../alignment.rs"]
+mod alignment;
+#[cfg(target_os = "none")]
 mod checks;
 #[cfg(target_os = "none")]
 mod figures;

@@ -1,10 +1,12 @@
 //! The firmware: locks, then for each frame reads the windows that the tracker needs, updates, and writes the answer.
 
+use crate::alignment;
 use crate::host_file::HostFile;
 use crate::measure::{Timer, spin, stack};
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
 use semihosting::process::exit;
+use smr_core::similarity::Backend;
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, paper, robust};
 
 const VERSION: u32 = 3;
@@ -22,6 +24,9 @@ const TEMPLATE_PIXELS: usize = 64 * 64;
 const SMR_BUFFER: usize = (64 + 2 * RADIUS as usize) * (64 + 2 * RADIUS as usize);
 /// Two windows of `robust`, for a target that has up to 48x48 pixels at the lock.
 const ROBUST_BUFFER: usize = 48 * 1024;
+
+/// The plain loops with the feature `plain`, else the fastest ones.
+const BACKEND: Option<Backend> = if cfg!(feature = "plain") { Some(Backend::Scalar) } else { None };
 
 type Smr = Paper<TEMPLATE_PIXELS, { 2 * RADIUS as usize + 1 }>;
 
@@ -45,7 +50,9 @@ impl Replayed for Smr {
     type Buffer = [u8; SMR_BUFFER];
 
     fn numbers() -> paper::Config {
-        paper::Config::camera_within(RADIUS)
+        let mut config = paper::Config::camera_within(RADIUS);
+        config.backend = BACKEND;
+        config
     }
 
     #[inline(always)]
@@ -60,7 +67,9 @@ impl Replayed for Robust {
     type Buffer = [u8; ROBUST_BUFFER];
 
     fn numbers() -> robust::Config {
-        robust::Config::robust()
+        let mut config = robust::Config::robust();
+        config.backend = BACKEND;
+        config
     }
 
     #[inline(always)]
@@ -91,6 +100,7 @@ fn main() -> ! {
     let (Some(peripherals), Some(mut answers)) = (Peripherals::take(), HostFile::create(c"answers.smr")) else {
         exit(1)
     };
+    alignment::require(&peripherals.SCB);
     let mut frame = 0;
     let end = choose(Timer::new(peripherals.SYST), &mut answers, &mut frame);
     let record = match end {
