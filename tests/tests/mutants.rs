@@ -17,9 +17,9 @@ const PAPER: [Mutant; 22] = [
         "        table.fill(scale);",
         "table.fill(scale); table.entries[7] += 1;",
     ),
-    ("strictness of the threshold", "kernels/cut_table.rs", ".get(..threshold.into())", ".get(..=threshold.into())"),
+    ("strictness of the threshold", "kernels/cut_table.rs", "if d < threshold.into()", "if d + 1 < threshold.into()"),
     ("tie rule: distance", "search/peak.rs", "dx * dx + dy * dy", "dx * dx"),
-    ("tie rule: order", "search/peak.rs", "self.y, self.x))", "self.x, self.y))"),
+    ("tie rule: order", "search/peak.rs", "dy, self.y, self.x)", "dy, self.x, self.y)"),
     ("padding", "kernels/plain/scores.rs", "table.of_pixels(0, g)", "table.of_pixels(1, g)"),
     ("rounding of alpha", "track/paper/config.rs", ".div_ceil(", ".wrapping_div("),
     ("alpha of an unchanged template", "track/paper/template.rs", "if largest > 0", "if true"),
@@ -43,7 +43,7 @@ const PAPER: [Mutant; 22] = [
         "ratio.numerator.cmp(&(ratio.denominator + ratio.denominator / 50))",
     ),
     ("what a group can reach", "search/ranges.rs", "others + score)", "others + score / 2)"),
-    ("the last groups of a tile", "search/scan.rs", "column >= new.0 && row", "column > new.0 && row"),
+    ("the last groups of a tile", "search/scan.rs", "column < new.0 || row", "column <= new.0 || row"),
     (
         "the zone of updates: left",
         "track/paper/config.rs",
@@ -131,7 +131,7 @@ const ROBUST: [Mutant; 29] = [
     ),
     ("velocity", "track/robust/motion.rs", "self.place.x + right) >> 1", "self.place.x + right) >> 2"),
     ("first steps", "track/robust/constants.rs", "FIRST_STEPS: u32 = 25;", "FIRST_STEPS: u32 = 24;"),
-    ("scales", "track/robust/constants.rs", "SCALE_STEP: u64 = 66_847;", "SCALE_STEP: u64 = 66_848;"),
+    ("scales", "track/robust/constants.rs", "SCALE_STEP: i64 = 66_847;", "SCALE_STEP: i64 = 66_848;"),
     ("what other scales count", "track/robust/constants.rs", "SCALE_PENALTY: i64 = 252;", "SCALE_PENALTY: i64 = 128;"),
     ("the early template", "track/robust/config.rs", "early_rate: 1,", "early_rate: 16,"),
     ("the growth", "track/robust/refinement.rs", "-32 * part([", "-16 * part(["),
@@ -162,7 +162,12 @@ const ROBUST: [Mutant; 29] = [
 /// tests of `check` have such a target.
 const LOST: [Mutant; 3] = [
     ("how much is enough", "track/robust/constants.rs", "FOUND_FROM: i32 = 52_000;", "FOUND_FROM: i32 = 104_000;"),
-    ("where a lost target is searched", "track/robust/redetection.rs", "(2 * number + 1)", "(2 * number)"),
+    (
+        "where a lost target is searched",
+        "track/robust/redetection.rs",
+        "(2 * i64::from(number) + 1)",
+        "(2 * i64::from(number))",
+    ),
     ("what is asked for", "track/robust/target.rs", "reach + 2 * SCALE_REACH", "reach"),
 ];
 
