@@ -76,13 +76,13 @@
 #define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 8 * sizeof(size_t) + 96)
 /** Bytes of a workspace for any number of the paper's trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 648)
+    (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1176)
 /** The most bytes that #smr_save writes for the paper's tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 42)
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (12392 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
-#define SMR_ROBUST_WORKSPACE_SIZE (39872 + 16 * sizeof(size_t))
+#define SMR_ROBUST_WORKSPACE_SIZE (40384 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 12316
 

@@ -17,9 +17,13 @@ pub const ALIGNMENT: usize = 8;
 /// `SMR_PAPER_TARGET_SIZE` in the header: a byte for each pixel, the fixed fields, and a small reserve.
 pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 8]>() + 96;
 
+/// Bytes that the table of a 32-bit processor without DSP or SIMD takes more: it has entries for differences of both signs. The header leaves room
+/// for them, so that it fits every processor.
+pub(crate) const SIGNED_DIFFERENCES: usize = 512;
+
 /// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words for each offset, a table and the fixed fields.
 pub const PAPER_WORKSPACE_SIZE: usize =
-    PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 648;
+    PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 664 + SIGNED_DIFFERENCES;
 
 /// `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 42;
@@ -34,7 +38,7 @@ const SAVED_REFINER: usize = 1040;
 pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` in the header.
-pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + size_of::<[usize; 16]>();
+pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` in the header.
 pub const ROBUST_SAVED_SIZE: usize = 11276 + SAVED_REFINER;

@@ -4,7 +4,8 @@
 
 use crate::answer::smr_answer;
 use crate::capacity::{
-    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE,
+    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_TARGET_SIZE,
+    ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES,
 };
 use crate::config::{smr_config, smr_method};
 use crate::pointer::{self, Out};
@@ -104,10 +105,16 @@ impl<T: Method> Scratch<T> {
 }
 
 const _: () = assert!(fits::<Stored<PaperTarget>>(PAPER_TARGET_SIZE));
-const _: () = assert!(fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE));
+const _: () = assert!(
+    fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE)
+        || fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE - SIGNED_DIFFERENCES)
+);
 const _: () =
     assert!(fits::<Stored<Robust>>(ROBUST_TARGET_SIZE) || fits::<Stored<Robust>>(ROBUST_TARGET_SIZE - REFINER));
-const _: () = assert!(fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE));
+const _: () = assert!(
+    fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE)
+        || fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE - SIGNED_DIFFERENCES)
+);
 
 /// True if memory of the `size` that the header states holds a `T`, with at most 64 bytes to spare.
 const fn fits<T>(size: usize) -> bool {

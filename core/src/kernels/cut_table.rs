@@ -59,7 +59,7 @@ impl CutTable {
         for (d, (to, &from)) in rolled(to.iter_mut().zip(entries)).enumerate() {
             *to = if d < threshold.into() { from } else { 0 };
         }
-        mirrored.iter_mut().rev().zip(differences.iter().skip(1)).for_each(|(to, &from)| *to = from);
+        rolled(mirrored.iter_mut().rev().zip(differences.iter().skip(1))).for_each(|(to, &from)| *to = from);
         self.threshold = threshold;
         #[cfg(any(smr_dsp, smr_helium))]
         {

@@ -3,6 +3,8 @@
 //! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference almost as similarities do. So a
 //! score is at most the number of points divided by a fixed rate, and an offset with too few points is excluded without looking up a table.
 
+use crate::kernels::unrolling::rolled;
+
 /// How points bound the score by a table that is cut off at a threshold.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
@@ -24,7 +26,7 @@ impl Points {
             return Self::NONE;
         };
         let points = |d: u8| u32::from(Self::MOST - d) << 24;
-        let rates = (0..=largest).zip(entries).map(|(d, &p)| points(d) / u32::from(p.max(1)));
+        let rates = rolled((0..=largest).zip(entries)).map(|(d, &p)| points(d) / u32::from(p.max(1)));
         Self { largest, rate: rates.min().unwrap_or(0) }
     }
 

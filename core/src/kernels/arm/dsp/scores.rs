@@ -18,6 +18,7 @@ use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Scores};
+use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
 /// Pixels in a register.
@@ -122,7 +123,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
         plain::spread(rows, low, span);
-        for (low, span) in low.iter_mut().zip(span).take(blocks) {
+        for (low, span) in rolled(low.iter_mut().zip(span).take(blocks)) {
             *low = low.saturating_sub(margin);
             *span = span.saturating_add(margin).wrapping_sub(*low);
         }
