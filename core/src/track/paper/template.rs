@@ -49,12 +49,13 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// If no pixel changed, alpha stays: with an alpha of 0 no pixel would ever count again.
     pub(crate) fn update(&mut self, patch: Image<'_>, config: &Config) {
         let mut largest = 0;
-        let mut pixels = self.pixels.iter_mut();
+        let columns = usize::from(self.width);
         for y in 0..patch.height() {
-            for (&new, old) in rolled(patch.row(y).iter().zip(pixels.by_ref())) {
-                largest = old.abs_diff(new).max(largest);
-                *old = new;
-            }
+            let old = self.pixels.get_mut(usize::from(y) * columns..).unwrap_or_default();
+            let new = patch.row(y);
+            // Two loops, so that the compiler vectorizes both for Helium.
+            largest = rolled(old.iter().zip(new)).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
+            rolled(old.iter_mut().zip(new)).for_each(|(old, &new)| *old = new);
         }
         if largest > 0 {
             self.threshold = threshold(largest, config).max(config.least_threshold.into());
