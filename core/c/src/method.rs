@@ -25,6 +25,9 @@ use smr_core::{Frame, LockError, Rect, Robust, Target};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
+    /// An empty workspace. As a constant it is written in place, all zeroes.
+    const EMPTY: Self::Workspace;
+
     /// This tracker's part of `config`.
     ///
     /// # Safety
@@ -47,6 +50,7 @@ pub(crate) fn method_of<T: Method>() -> *const smr_method {
 impl Method for PaperTarget {
     const METHOD: smr_method =
         smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
+    const EMPTY: Self::Workspace = smr_core::paper::Workspace::new();
 
     unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status> {
         // SAFETY: as the caller ensures.
@@ -61,6 +65,7 @@ impl Method for PaperTarget {
 impl Method for Robust {
     const METHOD: smr_method =
         smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
+    const EMPTY: Self::Workspace = smr_core::robust::Workspace::new();
 
     unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status> {
         Ok(config.robust())
@@ -138,7 +143,7 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
         (&raw mut (*storage).held.target).write(target);
         (&raw mut (*storage).held.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
-        (&raw mut (*workspace).workspace).write(T::Workspace::default());
+        (&raw mut (*workspace).workspace).write(T::EMPTY);
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
     }
     Ok(())

@@ -81,7 +81,6 @@ impl<const SPAN: usize> Leaders<SPAN> {
     }
 
     /// The least score with which an offset can still change the result.
-    #[inline(never)] // one copy in flash
     pub(super) fn needed(&self) -> u32 {
         let best = self.best.map_or(0, |best| best.score);
         match self.beside {

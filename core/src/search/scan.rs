@@ -116,7 +116,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     pub(crate) const fn new() -> Self {
         Self {
             leaders: Leaders::new(),
-            ranges: Ranges::new(),
+            ranges: const { Ranges::new() },
             tile: Tile { column: 0, row: 0, columns: 0, rows: 0 },
             stage: Stage::Done,
             place: Place::tile(0, 0),

@@ -49,9 +49,10 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// If no pixel changed, alpha stays: with an alpha of 0 no pixel would ever count again.
     pub(crate) fn update(&mut self, patch: Image<'_>, config: &Config) {
         let mut largest = 0;
+        let columns = usize::from(self.width);
         for y in 0..patch.height() {
-            let (from, new) = (usize::from(y) * usize::from(self.width), patch.row(y));
-            let old = self.pixels.get_mut(from..).and_then(|rest| rest.get_mut(..new.len())).unwrap_or_default();
+            let old = self.pixels.get_mut(usize::from(y) * columns..).unwrap_or_default();
+            let new = patch.row(y);
             // Two loops, so that the compiler vectorizes both.
             largest = rolled(old.iter().zip(new)).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
             rolled(old.iter_mut().zip(new)).for_each(|(old, &new)| *old = new);

@@ -32,7 +32,7 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
     #[inline(always)] // built in place: as a call it would be built on the stack and copied
     pub const fn new() -> Self {
         Self {
-            search: const { Search::new() },
+            search: Search::new(),
             table: const { CutTable::EMPTY },
             under_way: const { UnderWay::NOTHING },
             locking: const { Track::new(Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0)) },

@@ -37,7 +37,7 @@ impl Memory {
         Self {
             track: None,
             filter: Filter::new(),
-            template: const { Template::new() }, // as a constant it is not written at all
+            template: Template::new(),
             #[cfg(feature = "refiner")]
             first: Vec::new(),
         }
