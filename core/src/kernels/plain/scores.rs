@@ -3,7 +3,7 @@
 
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::Scores;
-use super::super::unrolling::rolled_if_spare;
+use super::super::unrolling::{rolled, rolled_if_spare};
 use crate::image::{Image, Rect};
 
 /// The plain loops as a backend.
@@ -165,7 +165,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
 
 #[inline(never)] // one copy in flash
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
-    rolled_if_spare(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
+    rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
 }
 
 #[cfg(test)]
