@@ -60,7 +60,7 @@ impl<'a> Part<'a> {
         if fits_x && fits_y { Ok(Self { image, x, y }) } else { Err(FrameError::OutsideFrame) }
     }
 
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         // What wraps is far beyond the right or lower edge.
         let (x, y) = (rect.x.wrapping_sub(self.x.into()), rect.y.wrapping_sub(self.y.into()));
@@ -111,7 +111,7 @@ impl<'a> Frame<'a> {
 
     /// The pixels in `rect` (frame coordinates); `None` if no part in memory contains all of them.
     #[must_use]
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     pub fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         self.first.patch(rect).or_else(|| self.second.as_ref()?.patch(rect))
     }

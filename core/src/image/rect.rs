@@ -64,7 +64,7 @@ impl Rect {
 
     /// The pixels in both rectangles; the empty rectangle at (0, 0) if there are none.
     #[must_use]
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     pub fn intersection(self, other: Self) -> Self {
         let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
         let (top, bottom) = (self.y.max(other.y), self.bottom().min(other.bottom()));
@@ -104,7 +104,7 @@ pub struct FineRect {
 impl FineRect {
     /// The rectangle with each edge rounded to whole pixels; at least 1x1.
     #[must_use]
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     pub fn whole(self) -> Rect {
         let round = |edge: i64| (edge + 128) >> 8;
         let (left, top) = (round(self.x.into()), round(self.y.into()));

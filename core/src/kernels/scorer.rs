@@ -168,6 +168,9 @@ impl<'a> Scorer<'a> {
         score
     }
 
+    /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
+    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium));
+
     /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {

@@ -187,7 +187,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage == Stage::Done
     }
 
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
     }
@@ -328,7 +328,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The next group of the tile that is not excluded.
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     fn next_group(&mut self, needed: u32) -> Option<usize> {
         let group = self.ranges.next_group(&self.tile, self.place.next, needed);
         if group.is_none() {
@@ -377,7 +377,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let (x, y) = scene.window.position(self.tile.column + column, self.tile.row + row);
         if offset.is_multiple_of(SIDE) {
             // To score one offset is faster than to bound four.
-            let are_many = row >= new.1 && new.0 + 1 < column + SIDE;
+            let are_many = Scorer::BOUNDS_FOUR && row >= new.1 && new.0 + 1 < column + SIDE;
             self.candidates = if are_many { candidates(scene, x, y, self.leaders.needed()) } else { u8::MAX };
         }
         if column < new.0 || row < new.1 {

@@ -73,7 +73,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     /// `None` before the first `start`.
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
     pub(crate) fn image(&self) -> Option<Image<'_>> {
         Image::new(&self.pixels, self.width, self.height).ok()
     }
