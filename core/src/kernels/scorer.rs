@@ -171,10 +171,12 @@ impl<'a> Scorer<'a> {
     /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
     pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium));
 
-    /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score.
+    /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score,
+    /// or if the patch does not have three more columns than the template and as many rows.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
-        if checked(patch, template).is_none() {
+        let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();
+        if !fits || checked(patch, template).is_none() {
             return ALL_FOUR;
         }
         let candidates = dispatch!(self, kernels => kernels.candidates(patch, template, floor));
