@@ -153,12 +153,16 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 #[must_use]
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
+    let width = usize::from(template.width());
     for y in 0..template.height() {
-        let row = template.row(y);
         let is_seen = (seen.y..seen.bottom()).contains(&y.into());
         let [left, right] = [seen.x, seen.right()].map(|x| if is_seen { usize::try_from(x).unwrap_or(0) } else { 0 });
-        sum += row_on_padding(row.get(..left).unwrap_or_default(), table);
-        sum += row_on_padding(row.get(right..).unwrap_or_default(), table);
+        if left > 0 {
+            sum += row_on_padding(template.row(y).get(..left).unwrap_or_default(), table);
+        }
+        if right < width {
+            sum += row_on_padding(template.row(y).get(right..).unwrap_or_default(), table);
+        }
     }
     sum
 }
