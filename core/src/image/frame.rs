@@ -61,6 +61,7 @@ impl<'a> Part<'a> {
     }
 
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         // What wraps is far beyond the right or lower edge.
         let (x, y) = (rect.x.wrapping_sub(self.x.into()), rect.y.wrapping_sub(self.y.into()));
@@ -112,6 +113,7 @@ impl<'a> Frame<'a> {
     /// The pixels in `rect` (frame coordinates); `None` if no part in memory contains all of them.
     #[must_use]
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     pub fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         self.first.patch(rect).or_else(|| self.second.as_ref()?.patch(rect))
     }

@@ -65,6 +65,7 @@ impl Rect {
     /// The pixels in both rectangles; the empty rectangle at (0, 0) if there are none.
     #[must_use]
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     pub fn intersection(self, other: Self) -> Self {
         let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
         let (top, bottom) = (self.y.max(other.y), self.bottom().min(other.bottom()));
@@ -105,6 +106,7 @@ impl FineRect {
     /// The rectangle with each edge rounded to whole pixels; at least 1x1.
     #[must_use]
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     pub fn whole(self) -> Rect {
         let round = |edge: i64| (edge + 128) >> 8;
         let (left, top) = (round(self.x.into()), round(self.y.into()));

@@ -94,6 +94,7 @@ impl<'a> Image<'a> {
     /// The `width` pixels of row `y`; empty if `y` >= height.
     #[must_use]
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     pub fn row(&self, y: u16) -> &'a [u8] {
         if y >= self.height {
             return &[];
@@ -120,6 +121,7 @@ impl<'a> Image<'a> {
     /// The part inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
     #[must_use]
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     pub fn crop(&self, rect: Rect) -> Option<Self> {
         let (x, y) = (place(rect.x, rect.width, self.width)?, place(rect.y, rect.height, self.height)?);
         let start = y * self.stride + x;

@@ -69,6 +69,7 @@ impl Window {
     /// Positions on the x axis and on the y axis.
     #[must_use]
     #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(not(target_os = "none"), inline)]
     pub fn size(&self) -> (usize, usize) {
         (count(self.left, self.right), count(self.top, self.bottom))
     }

@@ -26,10 +26,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     pub(crate) fn start(&mut self, patch: Image<'_>, config: &Config) {
         self.pixels.clear();
         for y in 0..patch.height() {
-            // Not `extend_from_slice`: nothing else here needs its `memcpy`.
-            for &pixel in rolled(patch.row(y).iter()) {
-                let _ = self.pixels.push(pixel);
-            }
+            self.append(patch.row(y));
         }
         (self.width, self.height) = (patch.width(), patch.height());
         self.threshold = u16::from(config.first_threshold);
@@ -38,10 +35,21 @@ impl<const PIXELS: usize> Template<PIXELS> {
     /// Sets the pixels (at most `PIXELS`), their shape and their threshold.
     pub(crate) fn restore(&mut self, pixels: &[u8], (width, height): (u16, u16), threshold: u16) {
         self.pixels.clear();
-        for &pixel in rolled(pixels.iter()) {
-            let _ = self.pixels.push(pixel);
-        }
+        self.append(pixels);
         (self.width, self.height, self.threshold) = (width, height, threshold);
+    }
+
+    /// Appends pixels; there is room for them.
+    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    fn append(&mut self, pixels: &[u8]) {
+        if cfg!(target_os = "none") {
+            // Nothing else there needs the `memcpy` of `extend_from_slice`.
+            for &pixel in rolled(pixels.iter()) {
+                let _ = self.pixels.push(pixel);
+            }
+        } else {
+            let _ = self.pixels.extend_from_slice(pixels);
+        }
     }
 
     /// Replaces the template G by `patch` G', of the same size, and sets alpha = k * max |G' - G|.
