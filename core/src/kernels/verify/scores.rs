@@ -4,7 +4,9 @@ use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
 use super::super::scores::Blocks;
-use crate::image::{Image, Rect};
+use crate::image::Image;
+#[cfg(feature = "verify")]
+use crate::image::Rect;
 
 /// Checks a score of at least `floor`.
 #[track_caller]
