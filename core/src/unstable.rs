@@ -88,8 +88,8 @@ pub fn spread(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut
     scorer.spread(rows, low, high);
 }
 
-/// Which of four offsets may score at least `floor`, by the backend of `scorer`: bit i is clear only if the offset i columns to the right cannot. The
-/// patch has three more columns than the template.
+/// Which of four offsets may score at least `floor`, by the backend of `scorer`: bit i is clear only if the offset i columns to the right
+/// cannot. The patch has three more columns than the template.
 ///
 /// ```
 /// use smr_core::Image;
@@ -107,8 +107,8 @@ pub fn candidates(scorer: &Scorer<'_>, patch: Image<'_>, template: Image<'_>, fl
     scorer.candidates(patch, template, floor)
 }
 
-/// The ranges of [`spread`] in the form that the backend of `scorer` needs for [`group_bound`]. `low` and `high` begin at multiples of four bytes, and
-/// their length is a multiple of four.
+/// The ranges of [`spread`] in the form that the backend of `scorer` needs for [`group_bound`]. `low` and `high` begin at multiples of four
+/// bytes, and their length is a multiple of four.
 pub fn ranges(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     scorer.ranges(rows, low, high);
 }

@@ -30,8 +30,8 @@
 //! loops follow what the program is compiled for.
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of an instruction set says only
-//! what a vector is and how it looks up a table. The loops in `arm/` are assembly. Both instruction sets there use the bounds of `arm/loss.rs` and `arm/points.rs`; `arm/effort.rs` decides how often
-//! a bound is worth its time.
+//! what a vector is and how it looks up a table. The loops in `arm/` are assembly. Both instruction sets there share the bounds of
+//! `arm/bounds.rs` and `arm/points.rs`; `arm/effort.rs` decides how often a bound is worth its time.
 //! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` compares the other loops with the plain
 //! ones (feature `verify`).
 //!
@@ -77,8 +77,8 @@ mod arm {
         pub(in super::super) mod scores;
         pub(in super::super) mod weights;
     }
+    mod bounds;
     mod effort;
-    mod loss;
     pub(super) mod points;
 }
 mod backend;

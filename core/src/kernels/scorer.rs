@@ -195,8 +195,8 @@ impl<'a> Scorer<'a> {
         verify::spread(rows, low, high);
     }
 
-    /// The ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend; `examples/kernels` compares those of DSP and Helium. `low` and `high` begin at multiples of four bytes, and their
-    /// length is a multiple of four; the rows have three more pixels than there are blocks.
+    /// The ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at multiples of four bytes, and their length
+    /// is a multiple of four; the rows have three more pixels than there are blocks. `examples/kernels` compares the ranges of DSP and Helium.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.ranges(rows, low, high));

@@ -1,7 +1,7 @@
 //! Keeps the compiler from unrolling small loops, which saves flash.
 //!
 //! For Arm's microcontrollers the compiler unrolls a small loop four times and adds a loop for the rest. That is several times the code and
-//! saves few instructions. The compiler does not unroll a loop that contains assembly, even if that is empty.
+//! saves few instructions. It does not do so with a loop that contains assembly, even if that is empty, unless the number of rounds is constant.
 
 /// The same iterator, whose loop is not unrolled. Does nothing for Helium: assembly would keep the compiler from vectorizing.
 #[inline(always)]

@@ -3,7 +3,8 @@
 //! 1. The last position, then a descent of the SAD from there: a good score early excludes more.
 //! 2. For the runner-up nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
-//! 4. The offsets of the remaining groups are scored. Scoring stops as soon as an offset cannot reach the needed score.
+//! 4. The offsets of the remaining groups are scored; where a backend can, four at a time are bounded first. Scoring stops as soon as an
+//!    offset cannot reach the needed score.
 //!
 //! The result does not depend on the order, nor on how the work is divided into steps.
 
@@ -149,7 +150,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     /// Continues for about `work` comparisons (at least 1) and returns how many were made. Counted are:
     ///
-    /// - 1 for a byte of the template against a byte of the frame, even if scoring stopped before it;
+    /// - 1 for a byte of the template against a byte of the frame, even if scoring stopped before it, or a bound excluded the offset;
     /// - 2 for each range;
     /// - 1 for each word of working memory read in a pass over groups or maxima.
     ///
@@ -428,8 +429,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// Which of the four offsets from (`x`, `y`) to the right may score `needed`: see [`Scorer::candidates`]. All four if the box is not wholly inside the
-/// frame at each of them.
+/// Which of the four offsets from (`x`, `y`) to the right may score `needed`: see [`Scorer::candidates`]. All four if the box is not wholly
+/// inside the frame at each of them.
 fn candidates(scene: &Scene<'_>, x: i32, y: i32, needed: u32) -> u8 {
     let four = Rect::new(x, y, scene.template.width().saturating_add(3), scene.template.height());
     scene.frame.patch(four).map_or(u8::MAX, |patch| scene.scorer.candidates(patch, scene.template, needed))

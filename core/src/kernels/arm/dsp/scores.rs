@@ -9,8 +9,8 @@
 //! memory it faults; external RAM (0xA000_0000 and up) is Device memory until the MPU says otherwise. See
 //! [`Backend`](crate::similarity::Backend).
 
+use super::super::bounds::{Limit, Lookup, blocks};
 use super::super::effort::Effort;
-use super::super::loss::{Limit, Lookup, blocks};
 use super::candidates;
 use super::groups;
 use crate::image::Image;

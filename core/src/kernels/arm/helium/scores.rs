@@ -8,8 +8,8 @@
 //!
 //! There are no intrinsics, so these are `asm!`.
 
+use super::super::bounds::{Limit, Lookup, blocks};
 use super::super::effort::Effort;
-use super::super::loss::{Limit, Lookup, blocks};
 use super::{candidates, groups};
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
