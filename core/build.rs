@@ -1,9 +1,10 @@
 //! The best instruction set of a 32-bit processor: cfg `smr_helium`, `smr_dsp`, or `smr_swar` if it has none. 64-bit processors and the vectors
-//! of WebAssembly need no cfg of their own.
+//! of WebAssembly need no cfg of their own. Where every byte of code counts, in flash and in WebAssembly, cfg `smr_small` keeps one copy of
+//! functions that a compiler would inline.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-check-cfg=cfg(smr_dsp, smr_helium, smr_swar)");
+    println!("cargo::rustc-check-cfg=cfg(smr_dsp, smr_helium, smr_small, smr_swar)");
     let is = |key: &str, value: &str| variable(key) == value;
     let processor = Processor::read();
     let is_cortex_m = is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none");
@@ -15,6 +16,9 @@ fn main() {
         && !processor.features.iter().any(|feature| feature == "simd128")
     {
         println!("cargo::rustc-cfg=smr_swar");
+    }
+    if is("CARGO_CFG_TARGET_OS", "none") || is("CARGO_CFG_TARGET_ARCH", "wasm32") {
+        println!("cargo::rustc-cfg=smr_small");
     }
 }
 

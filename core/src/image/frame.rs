@@ -60,8 +60,8 @@ impl<'a> Part<'a> {
         if fits_x && fits_y { Ok(Self { image, x, y }) } else { Err(FrameError::OutsideFrame) }
     }
 
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         // What wraps is far beyond the right or lower edge.
         let (x, y) = (rect.x.wrapping_sub(self.x.into()), rect.y.wrapping_sub(self.y.into()));
@@ -112,8 +112,8 @@ impl<'a> Frame<'a> {
 
     /// The pixels in `rect` (frame coordinates); `None` if no part in memory contains all of them.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         self.first.patch(rect).or_else(|| self.second.as_ref()?.patch(rect))
     }

@@ -64,8 +64,8 @@ impl Rect {
 
     /// The pixels in both rectangles; the empty rectangle at (0, 0) if there are none.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub fn intersection(self, other: Self) -> Self {
         let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
         let (top, bottom) = (self.y.max(other.y), self.bottom().min(other.bottom()));
@@ -105,8 +105,8 @@ pub struct FineRect {
 impl FineRect {
     /// The rectangle with each edge rounded to whole pixels; at least 1x1.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub fn whole(self) -> Rect {
         let round = |edge: i64| (edge + 128) >> 8;
         let (left, top) = (round(self.x.into()), round(self.y.into()));

@@ -93,8 +93,8 @@ impl<'a> Image<'a> {
 
     /// The `width` pixels of row `y`; empty if `y` >= height.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub fn row(&self, y: u16) -> &'a [u8] {
         if y >= self.height {
             return &[];
@@ -120,8 +120,8 @@ impl<'a> Image<'a> {
 
     /// The part inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub fn crop(&self, rect: Rect) -> Option<Self> {
         let (x, y) = (place(rect.x, rect.width, self.width)?, place(rect.y, rect.height, self.height)?);
         let start = y * self.stride + x;

@@ -50,7 +50,7 @@ impl CutTable {
     };
 
     /// Sets the entries below `threshold` to those given, and all others to 0.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(crate) fn cut(&mut self, entries: &[u16; 256], threshold: u16) {
         // From the threshold before on all are 0.
         let changing = usize::from(self.threshold.max(threshold)).min(256);

@@ -65,7 +65,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
     }
 
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         self.best = None;
         self.beside = match wanted {

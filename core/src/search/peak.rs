@@ -16,8 +16,8 @@ pub struct Peak {
 
 impl Peak {
     /// Whether this offset is the peak rather than `other`: by the score, then by the tie rule.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub(super) fn beats(&self, other: &Self, window: &Window) -> bool {
         if self.score == other.score { self.order(window) < other.order(window) } else { self.score > other.score }
     }

@@ -55,13 +55,13 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) const fn groups(&self) -> usize {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
     /// The first offset of a group that no group before it contains, counted from the first of the tile.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
@@ -164,7 +164,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`. Returns the number of pixels
     /// compared, at most.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -200,7 +200,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     }
 
     /// The first group from `group` on whose bound is at least `needed` and not 0.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
         Some(group + bounds.iter().position(|&bound| bound >= needed.max(1))?)
@@ -284,7 +284,7 @@ fn ranges_at(
 }
 
 /// The ranges of the first `width` blocks in the first four rows of `pixels`.
-#[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+#[cfg_attr(smr_small, inline(never))] // one copy
 fn ranges_of(pixels: Image<'_>, width: usize, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let (pixels, stride) = pixels.parts();
     let row = |row: usize| pixels.get(row * stride..)?.get(..width + SIDE - 1);

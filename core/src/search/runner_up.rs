@@ -67,7 +67,7 @@ impl<const SPAN: usize> Maxima<SPAN> {
     }
 }
 
-#[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+#[cfg_attr(smr_small, inline(never))] // one copy
 fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     let index = usize::try_from(at.saturating_sub(first)).unwrap_or(usize::MAX);
     if let Some(maximum) = maxima.get_mut(index) {
@@ -79,7 +79,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
 ///
 /// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair that
 /// uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
-#[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+#[cfg_attr(smr_small, inline(never))] // one copy
 fn pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));

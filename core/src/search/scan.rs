@@ -188,7 +188,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage == Stage::Done
     }
 
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
     }
@@ -329,7 +329,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The next group of the tile that is not excluded.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     fn next_group(&mut self, needed: u32) -> Option<usize> {
         let group = self.ranges.next_group(&self.tile, self.place.next, needed);
         if group.is_none() {

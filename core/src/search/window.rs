@@ -68,8 +68,8 @@ impl Window {
 
     /// Positions on the x axis and on the y axis.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
-    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline)]
     pub fn size(&self) -> (usize, usize) {
         (count(self.left, self.right), count(self.top, self.bottom))
     }

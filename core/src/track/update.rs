@@ -75,7 +75,7 @@ impl UnderWay {
     }
 
     /// Counts work done. It may exceed the grant if a piece of work cannot be divided.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) const fn spend(&mut self, work: u32) {
         self.granted = self.granted.saturating_sub(work);
         self.done = self.done.saturating_add(work);

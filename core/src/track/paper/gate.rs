@@ -66,7 +66,7 @@ impl Track {
 
     /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only if
     /// `least_ratio` is not 0.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn after(self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
         let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
@@ -79,14 +79,14 @@ impl Track {
     }
 
     /// The box at `peak`, and the state of a target there.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
 
     /// The gate: does the peak exceed the runner-up enough to enter `state`?
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     fn accepts(&self, found: &Found, state: State, config: &Config) -> bool {
         let (gate, peak) = (&config.gate, found.peak.score);
         // `None`: it is below the peak, and the decision does not depend on it.
@@ -97,7 +97,7 @@ impl Track {
     }
 
     /// What the search must find to decide on `state`.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
         match ratio.numerator.cmp(&ratio.denominator) {
@@ -117,7 +117,7 @@ impl Track {
     }
 
     /// The ratio of peak and runner-up needed to enter `state`.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
             (State::Lost, _) => config.gate.lost,

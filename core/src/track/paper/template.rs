@@ -40,7 +40,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     /// Appends pixels; there is room for them.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     fn append(&mut self, pixels: &[u8]) {
         if cfg!(target_os = "none") {
             // Nothing else there needs the `memcpy` of `extend_from_slice`.
@@ -81,7 +81,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     /// `None` before the first `start`.
-    #[cfg_attr(target_os = "none", inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(crate) fn image(&self) -> Option<Image<'_>> {
         Image::new(&self.pixels, self.width, self.height).ok()
     }

@@ -175,7 +175,7 @@ fn invert(columns: &mut [u32], rows: u32) {
 }
 
 /// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `energy` is the sum over `cells` cells.
-#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
+#[cfg_attr(smr_dsp, inline(never))] // one copy
 fn inverse(energy: u32, cells: u32) -> u32 {
     // Nine energies are below 2^29; 64 times their mean is below 2^32.
     (NORM_GAIN << 16) / (root(64 * (energy / cells.max(1))) + NORM_FLOOR)

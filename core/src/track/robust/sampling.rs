@@ -325,7 +325,7 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
 }
 
 /// A row of blocks, or of pixels if the frame is not halved.
-#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
+#[cfg_attr(smr_dsp, inline(never))] // one copy
 fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, block: u16) -> &'a [u8] {
     if halvings == 0 {
         return row_of(pixels, block, 0);
@@ -334,7 +334,7 @@ fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32,
 }
 
 /// Row `first` + `row` of `pixels`. Below the last row it is repeated: the frame's edge may cut a block.
-#[cfg_attr(smr_dsp, inline(never))] // one copy in flash
+#[cfg_attr(smr_dsp, inline(never))] // one copy
 pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
