@@ -395,7 +395,7 @@ fn what_the_emulated_chip_recorded_is_replayed() {
     if !there(Command::new(cargo).args(["thumbv7em-none-eabihf", "--compiler"])) {
         return skip("no compiler for thumbv7em-none-eabihf (see .ci/target-cargo)");
     }
-    let elf = firmware::build("record", Machine::Mps2An386).expect("the firmware builds");
+    let elf = firmware::build("record", Machine::Mps2An386, "").expect("the firmware builds");
     let folder = tempfile::tempdir().unwrap();
     let run = Command::new(PROGRAM).arg("run").arg(elf).current_dir(folder.path()).output().expect("host-sim runs");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));

@@ -1,15 +1,12 @@
 //! The firmware: locks, then for each frame reads the windows that the tracker needs, updates, and writes the answer.
 
-use crate::alignment;
 use crate::host_file::HostFile;
 use crate::measure::{Timer, spin, stack};
-use cortex_m::Peripherals;
-use cortex_m_rt::entry;
 use semihosting::process::exit;
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, paper, robust};
 
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const HEADER: usize = 11 * 4;
 const CALIBRATION: u32 = 2_000_000;
 /// Numbers of a record.
@@ -95,27 +92,40 @@ enum Refusal {
     NoOutput = 6,
 }
 
-#[entry]
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
-    let (Some(peripherals), Some(mut answers)) = (Peripherals::take(), HostFile::create(c"answers.smr")) else {
-        exit(1)
-    };
-    alignment::require(&peripherals.SCB);
+    let (Some(timer), Some(mut answers)) = (start(), HostFile::create(c"answers.smr")) else { exit(1) };
     let mut frame = 0;
-    let end = choose(Timer::new(peripherals.SYST), &mut answers, &mut frame);
+    let end = choose(timer, &mut answers, &mut frame);
     let record = match end {
-        Ok(()) => {
+        Ok(lock) => {
             let (used, room) = stack();
-            [3, frame, used, room]
+            [3, frame, used, room, lock]
         }
-        Err(refusal) => [4, frame, refusal as u32, 0],
+        Err(refusal) => [4, frame, refusal as u32, 0, 0],
     };
     let written = write(&mut answers, &record);
     exit(i32::from(end.is_err() || written.is_err()))
 }
 
-/// Replays the recording with the tracker that it names.
-fn choose(timer: Timer, answers: &mut HostFile, at: &mut u32) -> Result<(), Refusal> {
+/// Prepares the processor. cortex-m-rt has painted the stack before.
+#[cfg(target_arch = "arm")]
+fn start() -> Option<Timer> {
+    let peripherals = cortex_m::Peripherals::take()?;
+    crate::alignment::require(&peripherals.SCB);
+    Some(Timer::new(peripherals.SYST))
+}
+
+/// Prepares the processor.
+#[cfg(target_arch = "riscv32")]
+fn start() -> Option<Timer> {
+    crate::measure::paint_stack();
+    Some(Timer::new())
+}
+
+/// Replays the recording with the tracker that it names. The result is the ticks of the lock.
+fn choose(timer: Timer, answers: &mut HostFile, at: &mut u32) -> Result<u32, Refusal> {
     let recording = Recording::open()?;
     match recording.method {
         Smr::METHOD => replay::<Smr>(recording, timer, answers, at),
@@ -124,14 +134,14 @@ fn choose(timer: Timer, answers: &mut HostFile, at: &mut u32) -> Result<(), Refu
     }
 }
 
-/// Sets `at` to the number of the current frame, from 1.
+/// Sets `at` to the number of the current frame, from 1. The result is the ticks of the lock.
 #[inline(never)] // so that the measured stack contains only the tracker that runs
 fn replay<T: Replayed>(
     mut recording: Recording,
     mut timer: Timer,
     answers: &mut HostFile,
     at: &mut u32,
-) -> Result<(), Refusal> {
+) -> Result<u32, Refusal> {
     let mut buffer = T::buffer();
     let buffer = buffer.as_mut();
     // References: moving the objects would put second copies on the stack.
@@ -153,7 +163,8 @@ fn replay<T: Replayed>(
     }
     let bounds = Rect::new(0, 0, recording.width, recording.height);
     let first = recording.read(0, target.lock_window(bounds, recording.target), None, buffer)?;
-    target.lock(&mut workspace, &first, recording.target).map_err(|_| Refusal::NoLock)?;
+    let (locked, lock) = timer.measure(|| target.lock(&mut workspace, &first, recording.target));
+    locked.map_err(|_| Refusal::NoLock)?;
     for index in 1..recording.frames {
         *at = index + 1;
         let window = target.window().ok_or(Refusal::NoUpdate)?;
@@ -164,7 +175,7 @@ fn replay<T: Replayed>(
         let saved = target.save(buffer).ok().and_then(|size| buffer.get(..size)).ok_or(Refusal::NoUpdate)?;
         write(answers, &record(*at, &answer, fnv(saved), [work, ticks, longest]))?;
     }
-    Ok(())
+    Ok(lock)
 }
 
 /// The answer, the ticks of the update, and those of its longest step.

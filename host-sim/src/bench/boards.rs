@@ -1,5 +1,5 @@
 //! Instructions of an update on the emulated boards: the firmware in QEMU, smr with its window of +-16, on the recordings' own
-//! boxes.
+//! boxes. Where the fastest backend is that of words of four pixels, the plain loops are measured beside it.
 
 use crate::emulator::Recording;
 use crate::emulator::firmware;
@@ -10,7 +10,8 @@ use crate::output::Exchange;
 use crate::sequence::Sequence;
 use crate::spread::Spread;
 use anyhow::Result;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use smr_core::similarity::Backend;
 use std::process::Stdio;
 
 /// What was measured on a board.
@@ -19,6 +20,8 @@ pub struct Figures {
     #[serde(flatten)]
     pub origin: Origin,
     pub machine: &'static str,
+    #[serde(serialize_with = "by_name")]
+    pub backend: Backend,
     /// Instructions of each update, over all frames of all recordings.
     pub instructions: Spread<u64>,
     pub recordings: Vec<Measured>,
@@ -40,8 +43,12 @@ pub struct Measured {
 
 /// Builds the firmware, and runs it on recordings, in whole.
 /// Errors: it does not build, QEMU fails, or a recording cannot be read. A box that is too big for the firmware is not an error: it is noted.
-pub fn measure(setup: &Setup, method: CoreKind, sequences: impl Iterator<Item = Result<Sequence>>) -> Result<Figures> {
-    let elf = firmware::build("replay", setup.machine)?;
+pub fn measure(
+    setup: &Setup,
+    (method, backend): (CoreKind, Backend),
+    sequences: impl Iterator<Item = Result<Sequence>>,
+) -> Result<Figures> {
+    let elf = firmware::build("replay", setup.machine, if backend == Backend::Scalar { "plain" } else { "" })?;
     let (mut counts, mut recordings) = (Vec::new(), Vec::new());
     let (mut skipped, mut differences) = (Vec::new(), Vec::new());
     for sequence in sequences {
@@ -67,5 +74,9 @@ pub fn measure(setup: &Setup, method: CoreKind, sequences: impl Iterator<Item = 
         recordings.push(Measured { sequence: name, target, frames, instructions });
     }
     let (origin, machine) = (Origin::new(method.into(), serde_json::Map::new()), setup.machine.name());
-    Ok(Figures { origin, machine, instructions: Spread::of(&counts), recordings, skipped, differences })
+    Ok(Figures { origin, machine, backend, instructions: Spread::of(&counts), recordings, skipped, differences })
+}
+
+fn by_name<S: Serializer>(backend: &Backend, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(&format_args!("{backend:?}"))
 }

@@ -64,7 +64,7 @@ impl Report {
             goals: vec![],
         };
         for board in &report.boards {
-            let name = format!("{}, {}", board.machine, board.origin.method);
+            let name = format!("{}, {}, {:?}", board.machine, board.origin.method, board.backend);
             let named = board.differences.iter().map(|difference| format!("{name}: {difference}"));
             report.differences.extend(named);
         }

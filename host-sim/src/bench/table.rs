@@ -100,31 +100,33 @@ fn speeds(speeds: &[Speed]) -> String {
 }
 
 fn boards(report: &Report) -> String {
-    let mut lines = vec![header("instructions of an update|method|recording|box|frames|median|p95|max")];
+    let mut lines = vec![header("instructions of an update|method|backend|recording|box|frames|median|p95|max")];
     let mut notes = String::new();
     for board in &report.boards {
         lines.extend(board.recordings.iter().map(|measured| {
             let [width, height] = measured.target;
             let size = format!("{width}x{height}");
-            let names = [board.machine, board.origin.method, &measured.sequence, &size].map(str::to_owned);
-            instructions(names, measured.frames, measured.instructions)
+            instructions(board, [&measured.sequence, &size], measured.frames, measured.instructions)
         }));
         if !board.recordings.is_empty() {
             lines.push(all_of(board));
         }
         for skipped in &board.skipped {
-            notes += &format!("left out on {}, {}: {skipped}\n", board.machine, board.origin.method);
+            let (machine, method, backend) = (board.machine, board.origin.method, board.backend);
+            notes += &format!("left out on {machine}, {method}, {backend:?}: {skipped}\n");
         }
     }
-    aligned(&lines, 3) + &notes
+    aligned(&lines, 4) + &notes
 }
 
 fn all_of(board: &Figures) -> Vec<String> {
     let frames = board.recordings.iter().map(|measured| measured.frames).sum();
-    instructions([board.machine, board.origin.method, "all", NOTHING].map(str::to_owned), frames, board.instructions)
+    instructions(board, ["all", NOTHING], frames, board.instructions)
 }
 
-fn instructions(names: [String; 4], frames: u32, of: Spread<u64>) -> Vec<String> {
+fn instructions(board: &Figures, [recording, size]: [&str; 2], frames: u32, of: Spread<u64>) -> Vec<String> {
+    let backend = format!("{:?}", board.backend);
+    let names = [board.machine, board.origin.method, &backend, recording, size].map(str::to_owned);
     let figures = [frames.into(), of.median, of.p95, of.max].map(|figure| figure.to_string());
     names.into_iter().chain(figures).collect()
 }
@@ -154,6 +156,7 @@ mod tests {
     use crate::bench::searches::Way;
     use crate::bench::window::Ratio;
     use crate::evaluate::{MethodKind, Origin};
+    use smr_core::similarity::Backend;
 
     fn report() -> Report {
         let plain = Way::Sad(Sad::Plain);
@@ -175,6 +178,7 @@ mod tests {
         let measured = Measured { sequence: "one".into(), target, frames: 7, instructions: figures };
         let board = Figures {
             machine: "mps2-an386",
+            backend: Backend::Dsp,
             origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             instructions: figures,
             recordings: vec![measured],
@@ -209,9 +213,9 @@ mod tests {
             "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
             "OpenCV 5.0.0: a call on the same pixels",
             "SAD, plain loop         OpenCV matchTemplate  1.500        -",
-            "mps2-an386                 smr     one        24x28       7      10   20   30",
-            "mps2-an386                 smr     all            -       7      10   20   30",
-            "left out on mps2-an386, smr: two: the box is too big",
+            "mps2-an386                 smr     Dsp      one        24x28       7      10   20   30",
+            "mps2-an386                 smr     Dsp      all            -       7      10   20   30",
+            "left out on mps2-an386, smr, Dsp: two: the box is too big",
             "goals are stated for templates of 64x64 (on boards: the recordings' own boxes) in the six TLD recordings \
              (../shared/sequences/tld); measured: one, two",
             "work  2.000 s   1.000 s  within: 0.50 of it",

@@ -149,16 +149,21 @@ impl Bench {
     /// Instructions of an update on every board that is asked for, on the same recordings.
     fn boards(&self, paths: &[PathBuf]) -> Result<Vec<Figures>> {
         let methods = self.methods();
-        let bar = progress::of("boards", Some(self.machine.len() * methods.len() * paths.len()), "recordings");
+        let of_machine = |&machine: &Machine| {
+            let backends = machine.backends().iter();
+            backends
+                .flat_map(|&backend| methods.iter().map(move |&method| (machine, method, backend)))
+                .collect::<Vec<_>>()
+        };
+        let runs: Vec<_> = self.machine.iter().flat_map(of_machine).collect();
+        let bar = progress::of("boards", Some(runs.len() * paths.len()), "recordings");
         let mut figures = Vec::new();
-        for (&machine, &method) in
-            self.machine.iter().flat_map(|machine| methods.iter().map(move |method| (machine, method)))
-        {
+        for (machine, method, backend) in runs {
             let sequences = paths.iter().map(|path| {
                 bar.inc(1);
                 self.recording.open(path)
             });
-            figures.push(boards::measure(&self.emulator.setup(machine), method, sequences)?);
+            figures.push(boards::measure(&self.emulator.setup(machine), (method, backend), sequences)?);
         }
         bar.finish_and_clear();
         Ok(figures)

@@ -24,9 +24,9 @@ pub struct EmulatorOptions {
     /// End QEMU, as an error, if it prints nothing for this many seconds
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = whole::<NonZeroU16>(1..=65535))]
     timeout: NonZeroU16,
-    /// The program
-    #[arg(long, value_name = "PROGRAM", default_value = "qemu-system-arm")]
-    qemu: String,
+    /// The emulator [default: qemu-system-arm; for virt qemu-system-riscv32]
+    #[arg(long, value_name = "PROGRAM")]
+    qemu: Option<String>,
 }
 
 impl QemuOptions {
@@ -38,6 +38,7 @@ impl QemuOptions {
 impl EmulatorOptions {
     pub fn setup(&self, machine: Machine) -> Setup {
         let patience = Duration::from_secs(self.timeout.get().into());
-        Setup { program: self.qemu.clone(), machine, patience }
+        let program = self.qemu.clone().unwrap_or_else(|| machine.emulator().0.to_owned());
+        Setup { program, machine, patience }
     }
 }

@@ -58,7 +58,7 @@ impl Target {
         let target = sequence.start()?;
         let elf = match &self.elf {
             Some(elf) => elf.clone(),
-            None => firmware::build("replay", self.qemu.machine)?,
+            None => firmware::build("replay", self.qemu.machine, "")?,
         };
         let sizes = Sizes::of(&elf)?;
         let folder = Exchange::create()?;
@@ -93,6 +93,9 @@ fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(out, "  flash: {} bytes, with both trackers", sizes.flash)?;
     let [median, p95, max] = [instructions.median, instructions.p95, instructions.max];
+    if let Some(lock) = report.lock_instructions {
+        writeln!(out, "  instructions of the lock: {lock}")?;
+    }
     writeln!(out, "  instructions of an update: median {median}, 95 % below {p95}, at most {max}")?;
     if longest_step != instructions {
         writeln!(

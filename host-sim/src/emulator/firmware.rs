@@ -32,7 +32,12 @@ impl Sizes {
         let file = file.map_err(|_| anyhow!("{} is not firmware: expected an ELF file of 32 bits", name()))?;
         let endian = file.endian();
         let mut sizes = Self::default();
-        for section in file.elf_section_table().iter() {
+        let sections = file.elf_section_table();
+        for section in sections.iter() {
+            // riscv-rt makes a section of the memory that is left.
+            if sections.section_name(endian, section).is_ok_and(|name| name == b".stack") {
+                continue;
+            }
             let (flags, size) = (section.sh_flags(endian), section.sh_size(endian));
             let placed = flags & SHF_ALLOC != 0;
             if placed && flags & SHF_WRITE != 0 {
@@ -50,16 +55,16 @@ impl Sizes {
 /// What `cargo` for microcontrollers is in smr's sources.
 const CARGO: &str = ".ci/target-cargo";
 
-/// Builds the firmware `example` for `machine`; the working folder lies in smr's sources.
+/// Builds the firmware `example` for `machine` with `features`; the working folder lies in smr's sources.
 ///
 /// # Errors
 /// It does not, or there is nothing to build with.
-pub fn build(example: &str, machine: Machine) -> Result<PathBuf> {
+pub fn build(example: &str, machine: Machine, features: &str) -> Result<PathBuf> {
     let sources = sources()?;
     let (target, processor) = machine.target();
     let mut cargo = Command::new(sources.join(CARGO));
     cargo.args([target, "build", "--package", "smr-examples", "--profile", "firmware", "--bin", example]);
-    cargo.args(["--quiet", "--message-format", "json-render-diagnostics"]);
+    cargo.args(["--features", features, "--quiet", "--message-format", "json-render-diagnostics"]);
     if let Some(processor) = processor {
         let variable = target.replace(['-', '.'], "_").to_uppercase();
         cargo.env(format!("CARGO_TARGET_{variable}_RUSTFLAGS"), format!("-Ctarget-cpu={processor}"));

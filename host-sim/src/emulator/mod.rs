@@ -41,6 +41,8 @@ pub struct Report {
     pub buffer_bytes: u32,
     /// Work of an update, in each frame, in the units of `Update::step`.
     pub work: Spread<u64>,
+    /// Instructions of the lock. Only known if the firmware came to its end.
+    pub lock_instructions: Option<u64>,
     /// Instructions of an update, in each frame.
     pub instructions: Spread<u64>,
     /// Those of the longest step of each update.
@@ -120,6 +122,7 @@ impl Recording {
             workspace_bytes: hello.workspace,
             buffer_bytes: hello.buffer,
             work: Spread::default(),
+            lock_instructions: None,
             instructions: Spread::default(),
             longest_step: Spread::default(),
             counts: Vec::new(),
@@ -140,7 +143,9 @@ impl Recording {
         report.instructions = Spread::of(&report.counts);
         (report.work, report.longest_step) = (Spread::of(&work), Spread::of(&longest));
         if report.difference.is_none() {
-            report.stack = Some(end(answers.next(qemu)?)?);
+            let (stack, lock) = end(answers.next(qemu)?)?;
+            report.stack = Some(stack);
+            report.lock_instructions = Some(hello.instructions(lock));
             qemu.finish()?;
         }
         Ok(report)
@@ -157,9 +162,9 @@ impl Recording {
     }
 }
 
-fn end(record: Record) -> Result<Stack> {
+fn end(record: Record) -> Result<(Stack, u32)> {
     match record {
-        Record::End(stack) => Ok(stack),
+        Record::End(stack, lock) => Ok((stack, lock)),
         other => bail!("expected the end, the firmware sent {other:?}"),
     }
 }

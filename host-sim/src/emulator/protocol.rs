@@ -7,7 +7,7 @@ use serde::Serialize;
 use smr_core::{Answer, FineRect, Rect, Target, Tracker};
 use std::fmt;
 
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What stands for a number that there is not.
 const NONE: u32 = u32::MAX;
@@ -64,9 +64,17 @@ const fn number_of(method: CoreKind) -> u32 {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Record {
     Hello(Hello),
-    Answer { frame: u32, answered: Remembered, taken: Taken },
-    End(Stack),
-    Refused { frame: u32, why: u32 },
+    Answer {
+        frame: u32,
+        answered: Remembered,
+        taken: Taken,
+    },
+    /// The stack, and the ticks of the lock.
+    End(Stack, u32),
+    Refused {
+        frame: u32,
+        why: u32,
+    },
 }
 
 impl Record {
@@ -85,7 +93,7 @@ impl Record {
             }),
             3 => {
                 let _frames = word();
-                Ok(Self::End(Stack { used: word(), room: word() }))
+                Ok(Self::End(Stack { used: word(), room: word() }, word()))
             }
             4 => Ok(Self::Refused { frame: word(), why: word() }),
             kind => bail!("the firmware sent a record of kind {kind}: expected 1 to 4"),
@@ -275,7 +283,8 @@ mod tests {
     }
 
     fn hello() -> Hello {
-        let Ok(Record::Hello(hello)) = Record::read(&record(&[1, 3, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000]))
+        let Ok(Record::Hello(hello)) =
+            Record::read(&record(&[1, VERSION, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000]))
         else {
             panic!("a hello")
         };
@@ -295,10 +304,12 @@ mod tests {
 
     #[test]
     fn other_versions_and_kinds_are_errors() {
-        assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 3"));
+        assert!(error(Record::read(&record(&[1, 1]))).contains("version 1 of the protocol: expected 4"));
         assert!(error(Record::read(&record(&[9]))).contains("kind 9"));
         assert!(error(Record::read(&record(&[2, 2, 0, 0, 3, 3, 4]))).contains("state 4"));
-        assert!(error(Record::read(&record(&[1, 3, 0, 4096, 16, 9216, 4500, 4600, 1, 0]))).contains("stands still"));
+        assert!(
+            error(Record::read(&record(&[1, VERSION, 0, 4096, 16, 9216, 4500, 4600, 1, 0]))).contains("stands still")
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::ending::Process;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
+use smr_core::similarity::Backend;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::process::{ChildStdout, Command, ExitStatus, Stdio};
@@ -13,6 +14,9 @@ use std::time::{Duration, Instant};
 /// The boards that firmware runs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Machine {
+    /// Cortex-M3, with firmware for Cortex-M0+
+    #[value(name = "mps2-an385")]
+    Mps2An385,
     /// Cortex-M4
     #[value(name = "mps2-an386")]
     Mps2An386,
@@ -22,6 +26,8 @@ pub enum Machine {
     /// Cortex-M55, with Helium
     #[value(name = "mps3-an547")]
     Mps3An547,
+    /// RV32IMAC
+    Virt,
 }
 
 impl Machine {
@@ -29,9 +35,32 @@ impl Machine {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Mps2An385 => "mps2-an385",
             Self::Mps2An386 => "mps2-an386",
             Self::Mps2An500 => "mps2-an500",
             Self::Mps3An547 => "mps3-an547",
+            Self::Virt => "virt",
+        }
+    }
+
+    /// The QEMU that has it, and Debian's package of that.
+    #[must_use]
+    pub const fn emulator(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Mps2An385 | Self::Mps2An386 | Self::Mps2An500 | Self::Mps3An547 => {
+                ("qemu-system-arm", "qemu-system-arm")
+            }
+            Self::Virt => ("qemu-system-riscv32", "qemu-system-misc"),
+        }
+    }
+
+    /// The backends to measure on it: the fastest one, and beside words of four pixels the plain loops.
+    #[must_use]
+    pub const fn backends(self) -> &'static [Backend] {
+        match self {
+            Self::Mps2An385 | Self::Virt => &[Backend::Swar, Backend::Scalar],
+            Self::Mps2An386 | Self::Mps2An500 => &[Backend::Dsp],
+            Self::Mps3An547 => &[Backend::Helium],
         }
     }
 
@@ -39,8 +68,10 @@ impl Machine {
     #[must_use]
     pub const fn target(self) -> (&'static str, Option<&'static str>) {
         match self {
+            Self::Mps2An385 => ("thumbv6m-none-eabi", None),
             Self::Mps2An386 | Self::Mps2An500 => ("thumbv7em-none-eabihf", None),
             Self::Mps3An547 => ("thumbv8m.main-none-eabihf", Some("cortex-m55")),
+            Self::Virt => ("riscv32imac-unknown-none-elf", None),
         }
     }
 }
@@ -48,7 +79,7 @@ impl Machine {
 /// How QEMU is to be run.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// `qemu-system-arm`, or another path to it.
+    /// The emulator's name or path.
     pub program: String,
     pub machine: Machine,
     /// How long nothing may happen.
@@ -74,11 +105,16 @@ impl Qemu {
         let mut command = Command::new(program);
         command.args(["-machine", setup.machine.name(), "-icount", "shift=0"]);
         command.args(["-display", "none", "-monitor", "none", "-serial", "null", "-chardev", "stdio,id=log"]);
+        if setup.machine == Machine::Virt {
+            // Without firmware of its own before ours.
+            command.args(["-bios", "none"]);
+        }
         command.args(["-semihosting-config", "enable=on,target=native,chardev=log", "-kernel"]).arg(elf);
         command.current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(Stdio::piped());
         let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
-                bail!("there is no {program}: install QEMU for Arm (Debian: qemu-system-arm), or name it with --qemu")
+                let package = setup.machine.emulator().1;
+                bail!("there is no {program}: install QEMU (Debian: {package}), or name it with --qemu")
             }
             other => other.with_context(|| format!("cannot start {program}"))?,
         };
