@@ -29,7 +29,8 @@ impl Memory {
     /// Call it once. `None` if the board is unknown.
     pub fn take(mpu: &MPU) -> Option<Self> {
         let edges = match processor() {
-            0xC24 => Edges { end: 0x2080_0000, other_end: 0x0080_0000, start: 0x2100_0000 }, // M4: mps2-an386
+            // M3: mps2-an385, M4: mps2-an386
+            0xC23 | 0xC24 => Edges { end: 0x2080_0000, other_end: 0x0080_0000, start: 0x2100_0000 },
             0xC27 => Edges { end: 0x2080_0000, other_end: 0x0080_0000, start: 0x6000_0000 }, // M7: mps2-an500
             0xD22 => Edges { end: 0x2008_0000, other_end: 0x0008_0000, start: 0x2100_0000 }, // M55: mps3-an547
             _ => return None,
