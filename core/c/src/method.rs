@@ -12,14 +12,14 @@ use crate::pointer::{self, Out};
 #[cfg(feature = "unstable")]
 use crate::status::SMR_ERROR_OTHER_METHOD;
 use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
-use crate::tracker::{Known, Tracked, smr_tracker};
+use crate::tracker::{Known, Tracked, UnderWay, smr_tracker};
 #[cfg(feature = "unstable")]
 use crate::unstable::ResponseMap;
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
-use core::ptr;
-use smr_core::{Frame, LockError, Rect, Robust, Target};
+use core::ptr::{self, NonNull};
+use smr_core::{Frame, LockError, Rect, Robust, Target, calls};
 
 /// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {
@@ -137,10 +137,10 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
     let (storage, workspace) = (storage.cast::<Stored<T>>(), workspace.cast::<Scratch<T>>());
     // SAFETY: as the caller ensures.
     let config = unsafe { T::configuration(config)? };
-    let target = T::new(config)?;
+    T::check_config(&config)?;
     // SAFETY: the caller ensures that there is memory for both. Each field is written in place.
     unsafe {
-        (&raw mut (*storage).held.target).write(target);
+        (&raw mut (*storage).held.target).write(T::of_checked(config));
         (&raw mut (*storage).held.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
         (&raw mut (*workspace).workspace).write(T::EMPTY);
@@ -151,21 +151,22 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
 
 impl<T: Method> Held<T> {
     /// The workspace, if the memory still holds one of this type.
-    fn marked(&self) -> Result<*mut Scratch<T>, smr_status> {
+    #[inline(never)] // one copy in flash
+    fn marked(&self) -> Option<NonNull<Scratch<T>>> {
         let workspace = self.workspace;
         // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any bytes are a usize.
         if unsafe { (&raw const (*workspace).mark).read() } != Scratch::mark_of(workspace) {
-            return Err(SMR_ERROR_NOT_INITIALISED);
+            return None;
         }
-        Ok(workspace)
+        NonNull::new(workspace)
     }
 
     /// The target and its workspace, in which an update of another tracker may be under way.
-    #[inline(never)] // one copy in flash
+    #[inline(always)] // only the call of `marked` remains
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
-        let workspace = self.marked()?;
+        let mut workspace = self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.
-        Ok((&mut self.target, unsafe { &mut (*workspace).workspace }))
+        Ok((&mut self.target, unsafe { &mut workspace.as_mut().workspace }))
     }
 }
 
@@ -190,31 +191,39 @@ impl<T: Method> Tracked for Held<T> {
         Ok(())
     }
 
-    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        let (target, workspace) = self.parts()?;
-        target.resume_lock(workspace, frame)?.finish();
-        Ok(())
-    }
-
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
         let (target, workspace) = self.parts()?;
         target.begin(workspace, frame)?;
         Ok(())
     }
 
-    fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status> {
-        let (target, workspace) = self.parts()?;
-        match target.resume_lock(workspace, frame) {
-            Ok(mut lock) => return Ok(lock.step(work)),
-            Err(LockError::NotBegun) => {}
-            Err(error) => return Err(error.into()),
-        }
-        Ok(target.resume(workspace, frame)?.step(work))
+    fn step(&mut self, frame: &Frame<'_>, work: u32, of: UnderWay) -> Option<Result<(), smr_status>> {
+        let (target, workspace) = match self.parts() {
+            Ok(parts) => parts,
+            Err(status) => return Some(Err(status)),
+        };
+        let of_lock = match of {
+            UnderWay::Update => Err(LockError::NotBegun),
+            _ => calls::step_lock(target, workspace, frame, work),
+        };
+        let done = match of_lock {
+            Err(LockError::NotBegun) if of != UnderWay::Lock => {
+                calls::step(target, workspace, frame, work).map_err(smr_status::from)
+            }
+            result => result.map_err(smr_status::from),
+        };
+        done.map(|done| done.then_some(())).transpose()
     }
 
-    fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
+    fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
         let (target, workspace) = self.parts()?;
-        out.write(target.resume(workspace, frame)?.finish().into());
+        calls::conclude_lock(target, workspace, frame);
+        Ok(())
+    }
+
+    fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
+        let (target, workspace) = self.parts()?;
+        out.write(calls::conclude(target, workspace, frame).into());
         Ok(())
     }
 
@@ -229,7 +238,7 @@ impl<T: Method> Tracked for Held<T> {
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status> {
         // SAFETY: as for `parts`; nobody writes the workspace while the result lives.
-        Ok(T::work(unsafe { &(*self.marked()?).workspace }))
+        Ok(T::work(unsafe { &self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
     }
 
     #[cfg(feature = "unstable")]

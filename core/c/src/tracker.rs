@@ -41,6 +41,14 @@ pub(crate) enum Known<'a> {
     Robust(&'a mut Robust),
 }
 
+/// What a step continues.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum UnderWay {
+    Lock,
+    Update,
+    Either,
+}
+
 /// The calls that follow a target, whatever its method.
 pub(crate) trait Tracked {
     /// For all other calls.
@@ -49,17 +57,42 @@ pub(crate) trait Tracked {
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
     fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
-    fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    fn step(&mut self, frame: &Frame<'_>, work: u32) -> Result<bool, smr_status>;
+    /// `None` until only `conclude` or `conclude_lock` is left. This result fits in a register.
+    fn step(&mut self, frame: &Frame<'_>, work: u32, of: UnderWay) -> Option<Result<(), smr_status>>;
+    fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
-    fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
+    fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status>;
     #[cfg(feature = "unstable")]
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::unstable::ResponseMap, smr_status>;
+}
+
+impl dyn Tracked + '_ {
+    /// Does the rest of a lock.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
+        self.complete(frame, UnderWay::Lock)?;
+        self.conclude_lock(frame)
+    }
+
+    /// Does the rest of an update.
+    #[inline(never)] // one copy in flash
+    pub(crate) fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
+        self.complete(frame, UnderWay::Update)?;
+        self.conclude(frame, out)
+    }
+
+    fn complete(&mut self, frame: &Frame<'_>, of: UnderWay) -> Result<(), smr_status> {
+        loop {
+            if let Some(result) = self.step(frame, u32::MAX, of) {
+                return result;
+            }
+        }
+    }
 }
 
 /// The tracker that `smr_init` made at this address.
@@ -102,24 +135,28 @@ pub(crate) unsafe fn with_frame(
     frame: *const smr_frame,
     work: impl FnOnce(&mut dyn Tracked, &Frame<'_>) -> Result<(), smr_status>,
 ) -> Result<(), smr_status> {
+    // Not `?`, which would copy the frame.
     // SAFETY: as the caller ensures.
-    unsafe {
-        let tracker = borrow(tracker)?;
-        // Not `?`, which would copy the frame.
-        match &outside(frame, &tracker.memory()) {
-            Ok(frame) => work(tracker, frame),
-            Err(error) => Err(*error),
-        }
+    match &mut unsafe { framed(tracker, frame) } {
+        Ok((tracker, frame)) => work(*tracker, frame),
+        Err(error) => Err(*error),
     }
 }
 
-/// The frame, which lies outside the `taken` memory of a tracker.
+/// The tracker, and the frame, which lies outside its memory.
 ///
 /// # Safety
 /// As for [`with_frame`].
 #[inline(never)] // one copy in flash
-unsafe fn outside<'a>(frame: *const smr_frame, taken: &[Range<usize>; 2]) -> Result<Frame<'a>, smr_status> {
-    pointer::check(frame)?;
+unsafe fn framed<'a>(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+) -> Result<(&'a mut dyn Tracked, Frame<'a>), smr_status> {
     // SAFETY: as the caller ensures.
-    unsafe { (*frame).frame(taken) }
+    unsafe {
+        let tracker = borrow(tracker)?;
+        pointer::check(frame)?;
+        let frame = (*frame).frame(&tracker.memory())?;
+        Ok((tracker, frame))
+    }
 }

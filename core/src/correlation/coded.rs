@@ -32,7 +32,7 @@ impl<const N: usize> Coded<N> {
     }
 
     /// Takes `count` numbers, whose largest is `largest`, in units of 2^`unit`.
-    #[inline(always)] // into its two callers
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(crate) fn set(&mut self, numbers: ScaledSums<'_>, count: usize, largest: u32, unit: u32) {
         let shift = shift_below(largest, LARGEST);
         // Cannot fail: no caller has more than `N`.
@@ -66,6 +66,7 @@ impl<const N: usize> Coded<N> {
 }
 
 /// The least shift to the right that makes `largest` less than `bound`.
+#[cfg_attr(smr_small, inline(never))] // one copy
 pub(crate) fn shift_below(largest: u32, bound: u32) -> u32 {
     let mut shift = 0;
     while largest >> shift >= bound {

@@ -67,18 +67,16 @@ impl Rect {
     #[cfg_attr(smr_small, inline(never))] // one copy
     #[cfg_attr(not(smr_small), inline)]
     pub fn intersection(self, other: Self) -> Self {
-        let (left, right) = (self.x.max(other.x), self.right().min(other.right()));
-        let (top, bottom) = (self.y.max(other.y), self.bottom().min(other.bottom()));
-        match (extent(left, right), extent(top, bottom)) {
-            (Some(width), Some(height)) => Self::new(left, top, width, height),
-            _ => Self::default(),
-        }
+        let (x, y) = (self.x.max(other.x), self.y.max(other.y));
+        let width = extent(x, self.right().min(other.right()));
+        let height = extent(y, self.bottom().min(other.bottom()));
+        if width == 0 || height == 0 { Self::default() } else { Self::new(x, y, width, height) }
     }
 }
 
-/// to - from, if it is positive and fits a `u16`.
-fn extent(from: i32, to: i32) -> Option<u16> {
-    u16::try_from(to.checked_sub(from)?).ok().filter(|&size| size > 0)
+/// to - from; 0 if it is negative or does not fit a `u16`.
+fn extent(from: i32, to: i32) -> u16 {
+    u16::try_from(to.saturating_sub(from)).unwrap_or(0)
 }
 
 /// A rectangle in units of 1/256 pixel. It may reach outside the frame.

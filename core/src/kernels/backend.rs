@@ -59,6 +59,7 @@ impl Backend {
 
     /// The fastest of them.
     #[must_use]
+    #[cfg_attr(smr_small, inline)] // a constant
     pub fn best() -> Self {
         Self::available().next().unwrap_or(Self::Scalar)
     }

@@ -39,6 +39,7 @@ impl Products {
     }
 
     /// Products in part `part` of the responses.
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
         let _ = part;
         match self.0 {

@@ -118,7 +118,8 @@ impl<'a> Scorer<'a> {
     /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is compared.
     /// `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
     #[must_use]
-    #[inline(always)] // with only the plain loop, just its call remains
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(not(smr_small), inline(always))] // with only the plain loop, just its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score(patch, template));

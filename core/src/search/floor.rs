@@ -15,6 +15,8 @@ use core::cmp::Ordering;
 pub(super) struct Leaders<const SPAN: usize> {
     best: Option<Peak>,
     beside: Beside,
+    /// See [`Self::needed`].
+    needed: u32,
     maxima: Maxima<SPAN>,
 }
 
@@ -62,12 +64,12 @@ impl Equals {
 impl<const SPAN: usize> Leaders<SPAN> {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
-        Self { best: None, beside: Beside::Nothing, maxima: Maxima::new() }
+        Self { best: None, beside: Beside::Nothing, needed: 0, maxima: Maxima::new() }
     }
 
     #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
-        self.best = None;
+        (self.best, self.needed) = (None, 0);
         self.beside = match wanted {
             Wanted::Peak => Beside::Nothing,
             Wanted::Equals(neighbourhood) => Beside::Equals(Equals::of(neighbourhood, &Peak { x: 0, y: 0, score: 0 })),
@@ -81,12 +83,8 @@ impl<const SPAN: usize> Leaders<SPAN> {
     }
 
     /// The least score with which an offset can still change the result.
-    pub(super) fn needed(&self) -> u32 {
-        let best = self.best.map_or(0, |best| best.score);
-        match self.beside {
-            Beside::RunnerUp { floor, .. } => best.min(floor.saturating_add(1)),
-            _ => best,
-        }
+    pub(super) const fn needed(&self) -> u32 {
+        self.needed
     }
 
     /// The least score with which the offset at (`x`, `y`) can still change the result: one more than [`Self::needed`] if the
@@ -126,12 +124,23 @@ impl<const SPAN: usize> Leaders<SPAN> {
         if self.best.is_none_or(|best| candidate.beats(&best, window)) {
             self.best = Some(candidate);
         }
+        self.set_needed();
+    }
+
+    /// After a change of the peak or the floor.
+    fn set_needed(&mut self) {
+        let best = self.best.map_or(0, |best| best.score);
+        self.needed = match self.beside {
+            Beside::RunnerUp { floor, .. } => best.min(floor.saturating_add(1)),
+            _ => best,
+        };
     }
 
     /// Raises the floor by pairs among all offsets noted so far. `note` only sees pairs with the peak.
     pub(super) fn raise_floor(&mut self) {
         if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
+            self.set_needed();
         }
     }
 

@@ -96,10 +96,6 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows are left.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
-        let part = |from: usize, most: usize, all: usize| {
-            let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
-            (from.min(all.saturating_sub(size)), size)
-        };
         let ((column, columns), (row, rows)) =
             (part(column, self.shape.columns, columns), part(row, self.shape.rows, rows));
         Tile { column, row, columns, rows }
@@ -134,6 +130,9 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// The pixels under the offsets of a tile; `None` if some are outside the frame or not in memory.
     pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, tile: &Tile) -> Option<Image<'a>> {
+        if cfg!(all(target_os = "none", not(smr_helium))) {
+            return None; // each row finds its own: takes little time and less flash
+        }
         let (x, y) = window.position(tile.column, tile.row);
         let side = |blocks: usize| u16::try_from(blocks + SIDE - 1).unwrap_or(u16::MAX);
         let (width, height) = (self.shape.columns_of(tile.columns), self.shape.rows_of(tile.rows));
@@ -203,7 +202,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
-        Some(group + bounds.iter().position(|&bound| bound >= needed.max(1))?)
+        Some(group + rolled(bounds.iter()).position(|&bound| bound >= needed.max(1))?)
     }
 }
 
@@ -260,6 +259,13 @@ impl Shape {
     }
 }
 
+/// The first of `most` offsets from `from` on, and their number. If fewer than 4 of `all` are left, it starts earlier.
+#[cfg_attr(smr_small, inline(never))] // one copy
+fn part(from: usize, most: usize, all: usize) -> (usize, usize) {
+    let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
+    (from.min(all.saturating_sub(size)), size)
+}
+
 /// The bytes for minima, and for maxima, of a buffer of `capacity` bytes: whole words.
 const fn half(capacity: usize) -> usize {
     capacity / 2 / WORD * WORD
@@ -267,6 +273,7 @@ const fn half(capacity: usize) -> usize {
 
 /// The ranges of the `width` blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` are those from (`x`, `y`) on, if they
 /// are known. Pixels outside the frame are 0.
+#[inline(always)] // into its one caller
 fn ranges_at(
     frame: &Frame<'_>,
     pixels: Option<Image<'_>>,
@@ -287,8 +294,12 @@ fn ranges_at(
 #[cfg_attr(smr_small, inline(never))] // one copy
 fn ranges_of(pixels: Image<'_>, width: usize, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let (pixels, stride) = pixels.parts();
-    let row = |row: usize| pixels.get(row * stride..)?.get(..width + SIDE - 1);
-    let rows = [0, 1, 2, 3].map(|number| row(number).unwrap_or_default());
+    let mut rows = [&[][..]; SIDE];
+    let mut rest = pixels;
+    for row in &mut rows {
+        *row = rest.get(..width + SIDE - 1).unwrap_or_default();
+        rest = rest.get(stride..).unwrap_or_default();
+    }
     scorer.ranges(&rows, low, high);
 }
 
@@ -305,11 +316,11 @@ fn ranges_at_border(
 ) {
     const PART: u16 = 16; // the copy is on the stack
     const COLUMNS: u16 = PART + 3;
-    let (mut x, mut left) = (x, width);
-    for (low, high) in low.chunks_mut(PART.into()).zip(high.chunks_mut(PART.into())) {
+    let (mut x, mut at) = (x, 0);
+    while at < width {
         let mut copy = [[0; COLUMNS as usize]; SIDE];
         // Reads only the pixels needed: others may not be in memory.
-        let columns = u16::try_from(left.min(PART.into()) + SIDE - 1).unwrap_or(u16::MAX);
+        let columns = u16::try_from((width - at).min(PART.into()) + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
@@ -320,9 +331,11 @@ fn ranges_at_border(
             }
         }
         if let Ok(copy) = Image::new(copy.as_flattened(), COLUMNS, 4) {
-            ranges_of(copy, PART.into(), scorer, low, high);
+            let part = at..low.len().min(at + usize::from(PART));
+            let (low, high) = (low.get_mut(part.clone()), high.get_mut(part));
+            ranges_of(copy, PART.into(), scorer, low.unwrap_or_default(), high.unwrap_or_default());
         }
         x = x.saturating_add(PART.into());
-        left = left.saturating_sub(PART.into());
+        at += usize::from(PART);
     }
 }

@@ -219,26 +219,26 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// The next neighbour, row by row. After the last one the next step of the descent begins, or the descent ends.
     #[inline(never)] // one copy in flash
     fn descend(&mut self, scene: &Scene<'_>) {
-        let mut at = self.descent;
-        if at.step == 0 {
-            self.score(scene, at.x, at.y);
+        let Descent { x, y, best, distance: least, step } = self.descent;
+        if step == 0 {
+            self.score(scene, x, y);
             return self.begin_scouts();
         }
         let next = self.place.next;
         self.place.next += 1;
         if next == 9 {
             self.place.next = 0;
-            at = Descent { x: at.best.0, y: at.best.1, step: at.step / 2, ..at };
+            (self.descent.x, self.descent.y) = best;
+            self.descent.step = step / 2;
         } else if next != 4 {
-            let (x, y) = (at.x + third(next, at.step), at.y + third(next / 3, at.step));
+            let (x, y) = (x + third(next % 3, step), y + third(next / 3, step));
             if scene.window.contains(x, y)
-                && let Some(distance) = self.sad(scene, x, y, at.distance)
-                && distance < at.distance
+                && let Some(distance) = self.sad(scene, x, y, least)
+                && distance < least
             {
-                (at.best, at.distance) = ((x, y), distance);
+                (self.descent.best, self.descent.distance) = ((x, y), distance);
             }
         }
-        self.descent = at;
     }
 
     /// The SAD of every other row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
@@ -276,7 +276,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    #[inline(never)] // one copy in flash
     fn first_tile(&mut self, scene: &Scene<'_>) {
         self.place = Place::tile(0, 0);
         self.stage = if self.pruning && self.ranges.divide(&scene.window, scene.template) {
@@ -439,9 +438,9 @@ fn candidates(scene: &Scene<'_>, x: i32, y: i32, needed: u32) -> u8 {
 /// Offsets of a group.
 const OFFSETS: u8 = 16;
 
-/// -`step`, 0 or `step`: the `number`-th in turn.
+/// -`step`, 0 or `step`: the `number`-th.
 fn third(number: usize, step: u8) -> i32 {
-    match number % 3 {
+    match number {
         0 => -i32::from(step),
         1 => 0,
         _ => step.into(),

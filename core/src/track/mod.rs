@@ -36,4 +36,6 @@ pub use quality::Quality;
 pub use saved::{RestoreError, SaveError};
 pub use target::Target;
 pub use tracker::Tracker;
+#[doc(hidden)]
+pub use update::calls;
 pub use update::{Lock, Steps, Update};

@@ -59,11 +59,9 @@ impl Quality {
 /// The ratio of a patch with itself, shifted; 65535 if no pixel is left.
 fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
     let (width, height) = (patch.width() - right, patch.height() - down);
-    let part = |x: u16, y: u16| patch.crop(Rect::new(x.into(), y.into(), width, height));
-    let score = match (part(0, 0), part(right, down)) {
-        (Some(here), Some(moved)) => scorer.score_at_least(here, moved, 0),
-        _ => None,
-    };
+    let moved = patch.crop(Rect::new(right.into(), down.into(), width, height));
+    // Compares the common top left part.
+    let score = moved.and_then(|moved| scorer.score_at_least(patch, moved, 0));
     let pixels = u32::from(width) * u32::from(height);
     score.map_or(Table::ONE, |score| u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE))
 }

@@ -60,7 +60,22 @@ pub trait Target: Steps {
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
-    fn new(config: Self::Config) -> Result<Self, ConfigError>;
+    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    fn new(config: Self::Config) -> Result<Self, ConfigError> {
+        Self::check_config(&config)?;
+        Ok(Self::of_checked(config))
+    }
+
+    /// Whether the configuration is valid.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    #[doc(hidden)]
+    fn check_config(config: &Self::Config) -> Result<(), ConfigError>;
+
+    /// A tracker state without a target; the configuration was checked. Without a `Result` around it, it is built in place.
+    #[doc(hidden)]
+    fn of_checked(config: Self::Config) -> Self;
 
     /// The configuration.
     fn config(&self) -> &Self::Config;

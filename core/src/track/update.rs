@@ -217,19 +217,78 @@ struct Running<'a, T: Steps> {
 
 impl<T: Steps> Running<'_, T> {
     fn step(&mut self, work: u32) -> bool {
-        T::under_way(self.workspace, SEAL).grant(work);
-        self.target.advance(self.workspace, &self.frame, SEAL)
+        step(self.target, self.workspace, &self.frame, work)
     }
+}
+
+/// For the C interface, which keeps neither an [`Update`] nor a [`Lock`]: no call has a copy of the frame on its stack.
+#[doc(hidden)]
+pub mod calls {
+    use super::{Answer, Frame, Kind, LockError, Quality, SEAL, Steps, UpdateError, is_under_way};
+
+    /// A step of the lock that is under way. True if only [`conclude_lock`] is left.
+    ///
+    /// # Errors
+    /// As [`Target::resume_lock`](crate::Target::resume_lock).
+    pub fn step_lock<T: Steps>(
+        target: &mut T,
+        workspace: &mut T::Workspace,
+        frame: &Frame<'_>,
+        work: u32,
+    ) -> Result<bool, LockError> {
+        if !is_under_way(target, workspace, Kind::Lock) {
+            return Err(LockError::NotBegun);
+        }
+        target.check_lock_under_way(workspace, frame, SEAL)?;
+        Ok(super::step(target, workspace, frame, work))
+    }
+
+    /// A step of the update that is under way. True if only [`conclude`] is left.
+    ///
+    /// # Errors
+    /// As [`Target::resume`](crate::Target::resume).
+    pub fn step<T: Steps>(
+        target: &mut T,
+        workspace: &mut T::Workspace,
+        frame: &Frame<'_>,
+        work: u32,
+    ) -> Result<bool, UpdateError> {
+        if !is_under_way(target, workspace, Kind::Update) {
+            return Err(UpdateError::NotBegun);
+        }
+        target.check(frame, SEAL)?;
+        Ok(super::step(target, workspace, frame, work))
+    }
+
+    /// Ends an update whose last step was true.
+    pub fn conclude<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Answer {
+        super::end(target, workspace);
+        target.conclude(workspace, frame, SEAL)
+    }
+
+    /// Ends a lock whose last step was true.
+    pub fn conclude_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
+        super::end(target, workspace);
+        target.conclude_lock(workspace, frame, SEAL)
+    }
+}
+
+/// Continues for about `work` units of work.
+fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: u32) -> bool {
+    T::under_way(workspace, SEAL).grant(work);
+    target.advance(workspace, frame, SEAL)
+}
+
+/// Nothing is under way any more.
+fn end<T: Steps>(target: &mut T, workspace: &mut T::Workspace) {
+    T::under_way(workspace, SEAL).end();
+    target.ticket(SEAL).change();
 }
 
 /// Does all remaining steps.
 fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) {
-    T::under_way(workspace, SEAL).grant(u32::MAX);
-    while !target.advance(workspace, frame, SEAL) {
-        T::under_way(workspace, SEAL).grant(u32::MAX);
-    }
-    T::under_way(workspace, SEAL).end();
-    target.ticket(SEAL).change();
+    while !step(target, workspace, frame, u32::MAX) {}
+    end(target, workspace);
 }
 
 /// A whole lock. Unlike [`Lock`] it keeps no second copy of the frame on the stack.

@@ -151,12 +151,14 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 ///
 /// `seen` is the part that lies on the frame, in coordinates of the template. It is empty if the whole template lies on the padding.
 #[must_use]
+#[cfg_attr(smr_small, inline(never))] // keeps its registers out of those of its caller
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
     let width = usize::from(template.width());
+    let [left, right] = [seen.x, seen.right()].map(|x| usize::try_from(x).unwrap_or(0));
     for y in 0..template.height() {
         let is_seen = (seen.y..seen.bottom()).contains(&y.into());
-        let [left, right] = [seen.x, seen.right()].map(|x| if is_seen { usize::try_from(x).unwrap_or(0) } else { 0 });
+        let (left, right) = if is_seen { (left, right) } else { (0, 0) };
         if left > 0 {
             sum += row_on_padding(template.row(y).get(..left).unwrap_or_default(), table);
         }

@@ -248,6 +248,7 @@ impl Config {
     /// config.first_threshold = 0;
     /// assert_eq!(config.check(), Err(ConfigError::NothingCounts));
     /// ```
+    #[cfg_attr(smr_small, inline(never))] // so that a configuration is copied by words
     pub const fn check(&self) -> Result<(), ConfigError> {
         let Gate { tracking, leaving, returning, lost, .. } = &self.gate;
         let mut fractions: &[&Fraction] = &[&self.k, tracking, leaving, returning, lost];

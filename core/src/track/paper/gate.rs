@@ -37,12 +37,19 @@ impl Track {
     }
 
     /// The window of the next search: radius + growth * `lost_for`, up to the limit.
+    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn search_window(&self, config: &Config) -> Window {
         let grown =
             |radius: u16, limit: u16| radius.saturating_add(config.growth.saturating_mul(self.lost_for)).min(limit);
         let (radius, limit) = (config.window, config.window_limit);
         let radius = Radius { x: grown(radius.x, limit.x), y: grown(radius.y, limit.y) };
         Window::new(self.target, radius, self.bounds, config.padding)
+    }
+
+    /// The pixels of the frame that the next search may read.
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    pub(super) fn pixels(&self, config: &Config) -> Rect {
+        self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
     }
 
     /// Moves the box by units of 1/256 pixel, rounded to pixels; it stays in the padded frame.
@@ -67,14 +74,14 @@ impl Track {
     /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only if
     /// `least_ratio` is not 0.
     #[cfg_attr(smr_small, inline(never))] // one copy
-    pub(super) fn after(self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
+    pub(super) fn after(&self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
         let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
         let edge = self.edge || (!was_lost && state == State::Leaving);
         if self.accepts(found, state, config) && (config.gate.least_ratio == 0 || shows(target)) {
-            Self { target, state, edge: edge && !was_lost, lost_for: 0, ..self }
+            Self { target, state, edge: edge && !was_lost, lost_for: 0, ..*self }
         } else {
-            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..self }
+            Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..*self }
         }
     }
 

@@ -91,7 +91,6 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     }
 
     /// Applies the gate to the result of the search: new state, box and template.
-    #[inline(never)] // one copy in flash
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
         // A box partly outside the frame has no patch and is not checked.
@@ -143,10 +142,18 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         }
     }
 
+    fn check_config(config: &Config) -> Result<(), ConfigError> {
+        config.check()
+    }
+
     #[inline(always)] // built in place: as a call it would be built on the stack and copied
-    fn new(config: Config) -> Result<Self, ConfigError> {
-        config.check()?;
-        Ok(Self { config, template: Template::new(), track: None, ticket: Ticket::NEW })
+    fn of_checked(config: Config) -> Self {
+        // A constant is set to zeroes by words there, but copied by way of the stack in a debug build.
+        #[cfg(smr_small)]
+        let template = const { Template::new() };
+        #[cfg(not(smr_small))]
+        let template = Template::new();
+        Self { config, template, track: None, ticket: Ticket::NEW }
     }
 
     fn config(&self) -> &Config {
@@ -159,9 +166,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn window(&self) -> Option<Rect> {
-        let track = self.track.as_ref()?;
-        let window = track.search_window(&self.config);
-        Some(window.pixels(track.target.width, track.target.height, track.bounds))
+        self.track.as_ref().map(|track| track.pixels(&self.config))
     }
 
     fn sweep_window(&self) -> Option<Rect> {
@@ -219,13 +224,11 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     #[inline(never)] // one copy in flash
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
-        let track = self.track.ok_or(UpdateError::NotLocked)?;
+        let track = self.track.as_ref().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
-        let window = track.search_window(&self.config);
-        let pixels = window.pixels(track.target.width, track.target.height, track.bounds);
-        if frame.covers(pixels) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
+        if frame.covers(track.pixels(&self.config)) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
     fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError> {
@@ -240,7 +243,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
-        let Some(track) = self.track else { return };
+        let Some(track) = &self.track else { return };
         let wanted = track.wanted(State::Tracking, &self.config);
         workspace.window = track.search_window(&self.config);
         workspace.search.begin(&workspace.window, self.config.pruning, wanted);
@@ -288,7 +291,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         under_way.spend(3 * locking.target.area());
         table.set(self.config.table, self.template.threshold());
         let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
-        self.track = Some(Track { quality, ..*locking });
+        locking.quality = quality;
+        self.track = Some(*locking);
         quality
     }
 }

@@ -69,9 +69,7 @@ impl Extractor {
     /// Begins the features of `lattice`: whole cells, and one sample more on each side. False if there is no room; there are then no cells.
     #[inline(never)] // one copy in flash
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
-        self.next = 0;
-        self.energies = [[0; ROW]; 3];
-        lattice.prepare(bounds, &mut self.sampling);
+        self.begin_rows(bounds, lattice);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
         // Old cells need not be cleared: every byte is written.
         let fits = out.resize_default(cells * CHANNELS).is_ok();
@@ -79,6 +77,13 @@ impl Extractor {
             out.clear();
         }
         fits
+    }
+
+    #[inline(never)] // one copy in flash
+    fn begin_rows(&mut self, bounds: Rect, lattice: &Lattice) {
+        self.next = 0;
+        self.energies = [[0; ROW]; 3];
+        lattice.prepare(bounds, &mut self.sampling);
     }
 
     /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
@@ -183,6 +188,7 @@ fn inverse(energy: u32, cells: u32) -> u32 {
 
 /// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction they are faster than
 /// `isqrt`.
+#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))] // one copy
 pub(super) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;

@@ -96,7 +96,10 @@ fn pairs(size: u16, cells: u16, step: u32) -> u16 {
 /// Two sides; the longer one is cut until their product is at most `most`.
 #[inline(never)] // one copy in flash
 fn fitting([mut across, mut down]: [u16; 2], most: usize) -> (u16, u16) {
-    while usize::from(across) * usize::from(down) > most {
+    for () in rolled(core::iter::repeat(())) {
+        if usize::from(across) * usize::from(down) <= most {
+            break;
+        }
         *(if across > down { &mut across } else { &mut down }) -= 1;
     }
     (across, down)

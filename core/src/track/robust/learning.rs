@@ -122,7 +122,7 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
     errors.as_flattened_mut().fill(0);
     for (row, (errors, responses)) in errors.iter_mut().zip(&training.responses.rows).enumerate().take(span) {
         let down = label.at_offset(row, target.1, reach);
-        for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(across).take(span)) {
+        for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(&across).take(span)) {
             let label = (across * down + (1 << 13)) >> 14;
             *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);
             largest = largest.max(error.unsigned_abs());

@@ -106,10 +106,7 @@ impl Sums {
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
         let largest = squares.into_iter().max().unwrap_or(0);
-        let mut shift = 0;
-        while largest >> shift >= 1 << PLACES_OF_SUMS {
-            shift += 1;
-        }
+        let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(PLACES_OF_SUMS).cast_signed();
         let [a, b, c] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [d, e, f] = self.products.map(|product| toward_zero(product, shift));
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));

@@ -80,31 +80,48 @@ impl Responses {
 /// The peak of the responses at `span` offsets on each axis. With `penalty`, responses far from the middle count less.
 #[inline(never)] // one copy in flash
 pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
-    let counts = |x: usize, y: usize, response: i32| if penalty { penalised(x, y, span, response) } else { response };
+    let responses = Counted { rows, span, penalty };
     let (mut x, mut y) = (span / 2, span / 2);
-    let mut response = rows.get(y).and_then(|row| row.get(x)).map_or(i32::MIN, |&middle| counts(x, y, middle));
+    let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
             // A response never counts for more than its value.
-            let counted = if candidate > response { counts(right, down, candidate) } else { candidate };
+            let counted = if candidate > response { responses.count(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
             }
         }
     }
-    let at = |x: Option<usize>, y: Option<usize>| {
-        let (x, y) = (x.filter(|&x| x < span)?, y.filter(|&y| y < span)?);
-        Some(counts(x, y, *rows.get(y)?.get(x)?))
-    };
     let part = |before: Option<i32>, after: Option<i32>| match (before, after) {
         (Some(before), Some(after)) => top(before, response, after),
         _ => (0, 0),
     };
-    let (right, across) = part(at(x.checked_sub(1), Some(y)), at(Some(x + 1), Some(y)));
-    let (below, down) = part(at(Some(x), y.checked_sub(1)), at(Some(x), Some(y + 1)));
+    // What wraps is outside.
+    let (right, across) = part(responses.at(x.wrapping_sub(1), y), responses.at(x + 1, y));
+    let (below, down) = part(responses.at(x, y.wrapping_sub(1)), responses.at(x, y + 1));
     let cells = |at: usize| i32::try_from(2 * at + 1).unwrap_or(0) - i32::try_from(span).unwrap_or(0);
     let height = response.saturating_add(across).saturating_add(down);
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
+}
+
+/// The responses at `span` offsets on each axis. With `penalty`, those far from the middle count less.
+struct Counted<'a> {
+    rows: &'a [[i32; SPAN]],
+    span: usize,
+    penalty: bool,
+}
+
+impl Counted<'_> {
+    /// What the response at an offset counts; `None` outside.
+    #[cfg_attr(smr_small, inline(never))] // one copy
+    fn at(&self, x: usize, y: usize) -> Option<i32> {
+        let response = self.rows.get(..self.span)?.get(y)?.get(..self.span)?.get(x)?;
+        Some(self.count(x, y, *response))
+    }
+
+    fn count(&self, x: usize, y: usize, response: i32) -> i32 {
+        if self.penalty { penalised(x, y, self.span, response) } else { response }
+    }
 }
 
 /// The counted response at an offset.

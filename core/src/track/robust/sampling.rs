@@ -97,11 +97,10 @@ impl Lattice {
     /// How often the frame is halved: until the mean step is less than two blocks.
     #[inline(never)] // one copy in flash
     fn halvings(&self) -> u32 {
-        let mut halvings = 0;
-        while (self.step + self.step_down) >> halvings >= 4 * PIXEL {
-            halvings += 1;
-        }
-        halvings
+        // The least h for which the sum of both steps is below 2^(h + BITS).
+        const BITS: u32 = PIXEL_BITS + 2;
+        let sum = self.step + self.step_down;
+        sum.checked_ilog2().map_or(0, |log| (log + 1).saturating_sub(BITS))
     }
 
     #[inline(never)] // one copy in flash

@@ -164,10 +164,13 @@ impl Target for Robust {
         config.most_work()
     }
 
+    fn check_config(config: &Config) -> Result<(), ConfigError> {
+        config.check()
+    }
+
     #[inline(always)] // built in place: as a call it would be built on the stack and copied
-    fn new(config: Config) -> Result<Self, ConfigError> {
-        config.check()?;
-        Ok(Self { config, memory: Memory::new(), ticket: Ticket::NEW })
+    fn of_checked(config: Config) -> Self {
+        Self { config, memory: Memory::new(), ticket: Ticket::NEW }
     }
 
     fn config(&self) -> &Config {
@@ -247,12 +250,12 @@ impl Steps for Robust {
     }
 
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
-        let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
+        let track = self.memory.track.as_ref().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
-        let covered = frame.covers(self.expected_pixels(&track))
-            && self.swept_pixels(&track).is_none_or(|rect| frame.covers(rect));
+        let covered =
+            frame.covers(self.expected_pixels(track)) && self.swept_pixels(track).is_none_or(|rect| frame.covers(rect));
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
@@ -263,7 +266,7 @@ impl Steps for Robust {
     }
 
     fn check_lock_under_way(&self, workspace: &Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
-        let track = workspace.pipeline.outcome.track.ok_or(LockError::NotBegun)?;
+        let track = workspace.pipeline.outcome.track.as_ref().ok_or(LockError::NotBegun)?;
         lock_goes_on(frame, track.bounds, self.lock_window(track.bounds, track.bbox().whole()))
     }
 

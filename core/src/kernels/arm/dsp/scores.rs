@@ -18,20 +18,16 @@ use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Scores};
-use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
 /// Pixels in a register.
 pub(super) const LANES: usize = 4;
 
 /// Columns that `distance` takes at a time: its loop is unrolled for this many.
-const STRIP: usize = 32 * LANES;
+const STRIP: usize = 16 * LANES;
 
 /// Bytes of code of `loss` for a word.
 const LOSS_WORD: usize = 40;
-
-/// A distance of this many pixels is below 2^30.
-const MAX_PIXELS: usize = 1 << 22;
 
 pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
@@ -84,8 +80,8 @@ impl Scores for Dsp<'_> {
     #[inline(never)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let pair = Rows::of(patch, template);
-        if pair.width < LANES || pair.width * pair.height > MAX_PIXELS {
-            return few_or_many(patch, template, enough);
+        if pair.width < LANES {
+            return few(patch, template, enough);
         }
         // Negative until the distance exceeds `enough`. No sum overflows.
         let start = !enough.min(1 << 30).cast_signed();
@@ -101,8 +97,11 @@ impl Scores for Dsp<'_> {
     }
 
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        ranges(rows, 0, low, high);
         let blocks = blocks(rows, low, high);
+        if blocks < LANES {
+            return plain::spread(rows, low, high);
+        }
+        ranges(rows, 0, low, high);
         low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
     }
 
@@ -118,15 +117,11 @@ impl Scores for Dsp<'_> {
     }
 }
 
-/// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
+/// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths. Nothing if there are fewer than four blocks: a
+/// row has at least as many as the template has columns, and no bound reads those of fewer than four.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
-        plain::spread(rows, low, span);
-        for (low, span) in rolled(low.iter_mut().zip(span).take(blocks)) {
-            *low = low.saturating_sub(margin);
-            *span = span.saturating_add(margin).wrapping_sub(*low);
-        }
         return;
     }
     let from = Spread { rows: rows.each_ref().map(|row| row.as_ptr()), margin: u32::from_ne_bytes([margin; LANES]) };
@@ -265,7 +260,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
 /// A separate function, so that the usual case need not save registers for it.
 #[cold]
 #[inline(never)]
-fn few_or_many(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+fn few(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
@@ -304,7 +299,6 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
             "3:",
             "mov pc, {words}",
             ".p2align 2", // adr can point to 4 only if it is aligned
-            distance_of_words!(124 120 116 112 108 104 100 96 92 88 84 80 76 72 68 64),
             distance_of_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
             "4:",
             "add r0, r0, {f_stride}",
@@ -393,12 +387,14 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
     // and reads its second word at `last + 3`, the last word of a row.
     unsafe {
         asm!(
-            of_four_rows!("{a}", "{b}"),
             "2:",
+            of_four_rows!("{a}", "{b}"),
             "cmp {at}, {last}",
-            "bhs 3f",
+            "bhs 5f",
+            "3:",
             "add {at}, {at}, #4",
             of_four_rows!("{c}", "{d}"),
+            "4:",
             of_four_columns!(least, "{a}", "{c}"),
             "ldr {f}, [{rows}, #16]",
             "uqsub8 {e}, {e}, {f}",
@@ -411,25 +407,20 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
             "usub8 {e}, {e}, {f}",
             "str {e}, [{span}, {at}]",
             "mov {b}, {d}",
-            "b 2b",
-            "3:",
+            "subs {e}, {at}, {last}",
+            "blo 3b",
+            "cmp {e}, #4", // only after the last round
+            "beq 6f",
             "mov {at}, {last}",
-            of_four_rows!("{a}", "{b}"),
+            "b 2b",
+            "5:",
             "add {at}, {at}, #3",
             of_four_rows!("{c}", "{d}"),
             "add {at}, {at}, #1",
             "lsr {c}, {c}, #8",
-            of_four_columns!(least, "{a}", "{c}"),
-            "ldr {f}, [{rows}, #16]",
-            "uqsub8 {e}, {e}, {f}",
-            "str {e}, [{low}, {at}]",
             "lsr {d}, {d}, #8",
-            of_four_columns!(most, "{b}", "{d}"),
-            "ldr {f}, [{rows}, #16]",
-            "uqadd8 {e}, {e}, {f}",
-            "ldr {f}, [{low}, {at}]",
-            "usub8 {e}, {e}, {f}",
-            "str {e}, [{span}, {at}]",
+            "b 4b",
+            "6:",
             a = out(reg) _,
             b = out(reg) _,
             c = out(reg) _,
