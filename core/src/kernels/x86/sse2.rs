@@ -15,7 +15,7 @@ use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 
 impl Vector for __m128i {
@@ -29,6 +29,7 @@ impl Vector for __m128i {
         fn beyond(a: Self, b: Self) -> Self { _mm_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm_sub_epi8(a, b) }
         fn at_most(a: Self, b: Self) -> Self { _mm_cmpeq_epi8(_mm_subs_epu8(a, b), _mm_setzero_si128()) }
+        fn is_above(a: Self, b: Self) -> Self { _mm_cmpgt_epi8(a, b) }
         fn nothing() -> Self { _mm_setzero_si128() }
         fn add(total: Self, bytes: Self) -> Self { _mm_add_epi64(total, _mm_sad_epu8(bytes, _mm_setzero_si128())) }
         fn add_distance(total: Self, f: Self, g: Self) -> Self { _mm_add_epi64(total, _mm_sad_epu8(f, g)) }
@@ -50,6 +51,7 @@ impl Neighbours for __m128i {
         fn store(bytes: Self, to: *mut u8) { _mm_storeu_si128(to.cast(), bytes) }
         fn min(a: Self, b: Self) -> Self { _mm_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm_max_epu8(a, b) }
+        fn raised(a: Self, b: Self) -> Self { _mm_adds_epu8(a, b) }
         fn further<const BY: i32>(bytes: Self) -> Self { _mm_srli_si128::<BY>(bytes) }
     }
 }
@@ -103,6 +105,25 @@ impl Scores for Bound<'_> {
     }
 
     #[inline(always)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        self.spread(rows, low, high);
+        generic::widen_all(low, high, self.last);
+    }
+
+    #[inline(always)]
+    fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, to: &mut RowsOfRanges<'_>) -> bool {
+        // SAFETY: a `Bound` exists only if SSE2 does.
+        unsafe { ranges_of_rows(pixels, step, self.last, to) }
+    }
+
+    #[inline(always)]
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let Some(rows) = Rows::of_blocks(blocks, template) else { return Some(plain::most(template, template)) };
+        // SAFETY: a `Bound` exists only if SSE2 does, and the pictures are borrowed.
+        unsafe { inside_at_least(&rows, floor) }
+    }
+
+    #[inline(always)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         if rows.width < __m128i::LANES {
@@ -117,6 +138,26 @@ impl Scores for Bound<'_> {
 unsafe fn distance(rows: &Rows, enough: u32) -> u32 {
     // SAFETY: as the caller guarantees.
     unsafe { by_width!(rows.width, __m128i, generic::distance::<__m128i, WHOLE, END>(rows, enough)) }
+}
+
+/// See [`Scores::ranges_of_rows`].
+///
+/// # Safety
+/// The processor has SSE2.
+#[target_feature(enable = "sse2")]
+unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
+    // SAFETY: as the caller guarantees.
+    unsafe { generic::ranges_of_rows::<__m128i>(pixels, step, last, to) }
+}
+
+/// See [`generic::inside_at_least`].
+///
+/// # Safety
+/// The processor has SSE2, and the pictures are borrowed.
+#[target_feature(enable = "sse2")]
+unsafe fn inside_at_least(rows: &Rows, floor: u32) -> Option<u32> {
+    // SAFETY: as the caller guarantees.
+    unsafe { by_width!(rows.width, __m128i, generic::inside_at_least::<__m128i, WHOLE, END>(rows, floor)) }
 }
 
 /// See [`plain::spread`].
