@@ -175,6 +175,18 @@ macro_rules! scores {
             }
 
             #[inline(always)]
+            fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+                if !self.candidates.is_worth_it() {
+                    return ALL_FOUR;
+                }
+                let (rows, last) = (Rows::of(patch, template), self.last.unwrap_or(0));
+                // SAFETY: as above; the patch has three more columns than the template.
+                let candidates = unsafe { by_width!(rows.width, $vector, candidates::<WHOLE, END>(&rows, last, floor)) };
+                self.candidates.note(candidates != ALL_FOUR);
+                candidates
+            }
+
+            #[inline(always)]
             fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
                 let rows = Rows::of(patch, template);
                 // SAFETY: as above.
@@ -210,6 +222,12 @@ macro_rules! scores {
         unsafe fn inside_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, floor: u32) -> Option<u32> {
             // SAFETY: as the caller guarantees.
             unsafe { generic::inside_at_least::<$vector, WHOLE, END>(rows, floor) }
+        }
+
+        #[target_feature(enable = $features)]
+        unsafe fn candidates<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> u8 {
+            // SAFETY: as the caller guarantees.
+            unsafe { generic::candidates::<$vector, WHOLE, END>(rows, last, floor) }
         }
 
         /// See [`Scores::ranges`].
@@ -449,7 +467,117 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
+/// Which of four offsets may score at least `floor`: see [`Scores::candidates`](super::scores::Scores::candidates). It counts the pixels of each that do
+/// not count in its score. A vector of the template is loaded and turned into ranges once for all four.
+///
+/// # Safety
+/// As for [`sum_at_least`]; the patch has three more columns.
+#[inline(always)]
+pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    last: u8,
+    floor: u32,
+) -> u8 {
+    // SAFETY: as the caller guarantees; `end` was made for the width.
+    unsafe {
+        let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
+        let Some(allowed) = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor)) else { return 0 };
+        let mut counts = [Count { bytes: V::splat(0), flushed: 0 }; 4];
+        let mut y = 0;
+        while y < rows.height {
+            let until = rows.height.min(y + ROWS_A_LOOK);
+            while y < until {
+                count_of_four::<V, WHOLE, END>(rows, y, end, last, &mut counts);
+                y += 1;
+            }
+            if within(&mut counts, allowed) == 0 {
+                return 0;
+            }
+        }
+        within(&mut counts, allowed)
+    }
+}
+
+/// Counts the pixels of row `y` that do not count in the scores of four offsets.
+///
+/// # Safety
+/// As for [`candidates`]; the row exists, and `end` was made for its width.
+#[inline(always)]
+unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    y: usize,
+    end: V,
+    last: V,
+    counts: &mut [Count<V>; 4],
+) {
+    // SAFETY: as the caller guarantees; no vector ends beyond the width of the template, or more than three columns beyond it in the patch.
+    unsafe {
+        let (f, g) = rows.row(y);
+        let mut at = 0;
+        while at < whole::<V, WHOLE>(rows.width) {
+            let (highest, span) = around(V::load(g.wrapping_add(at)), last);
+            for (column, count) in counts.iter_mut().enumerate() {
+                let below = V::minus(highest, V::load(f.wrapping_add(at + column)));
+                count.add(V::is_above(below, span));
+            }
+            at += V::LANES;
+            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
+                flush_all(counts);
+            }
+        }
+        if END {
+            let (highest, span) = around(V::load_end::<WHOLE>(g, rows.width, end), last);
+            for (column, count) in counts.iter_mut().enumerate() {
+                let f = V::load_end::<WHOLE>(f.wrapping_add(column), rows.width, end);
+                count.add(V::keep(V::is_above(V::minus(highest, f), span), end));
+            }
+        }
+        if WHOLE == ANY {
+            flush_all(counts);
+        }
+    }
+}
+
+/// The pixels that count beside `g`, in a form like that of [`widen`]: f counts if and only if the first number less f is at most the second one.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        let highest = V::minus(V::raised(g, last), V::splat(HALF));
+        (highest, V::minus(highest, V::beyond(g, last)))
+    }
+}
+
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn flush_all<V: Vector>(counts: &mut [Count<V>; 4]) {
+    for count in counts {
+        // SAFETY: as the caller guarantees.
+        unsafe { count.flush() };
+    }
+}
+
+/// Which of the counts are at most `allowed`.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
+    // SAFETY: as the caller guarantees.
+    unsafe { flush_all(counts) };
+    let mut within = 0;
+    for (column, count) in counts.iter().enumerate() {
+        within |= u8::from(count.flushed <= allowed) << column;
+    }
+    within
+}
+
 /// A count of pixels.
+#[derive(Clone, Copy)]
 struct Count<V> {
     /// A count in each lane, of up to 255 vectors.
     bytes: V,
@@ -492,23 +620,49 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
     // SAFETY: as the caller guarantees; no vector ends beyond the width, and `end` was made for it.
     unsafe {
         let (end, mut sum) = (V::end::<WHOLE>(rows.width), V::nothing());
-        for y in 0..rows.height {
-            let (f, g) = rows.row(y);
-            let mut at = 0;
-            while at < whole::<V, WHOLE>(rows.width) {
-                sum = V::add_distance(sum, V::load(f.wrapping_add(at)), V::load(g.wrapping_add(at)));
-                at += V::LANES;
+        let mut y = 0;
+        while y + ROWS_A_LOOK <= rows.height {
+            for row in y..y + ROWS_A_LOOK {
+                sum = add_row_distance::<V, WHOLE, END>(rows, row, end, sum);
             }
-            if END {
-                let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
-                let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
-                sum = V::add_distance(sum, f, g);
+            if V::across(sum) > enough {
+                return V::across(sum);
             }
-            if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && V::across(sum) > enough {
-                break;
-            }
+            y += ROWS_A_LOOK;
+        }
+        while y < rows.height {
+            sum = add_row_distance::<V, WHOLE, END>(rows, y, end, sum);
+            y += 1;
         }
         V::across(sum)
+    }
+}
+
+/// Adds the distance of row `y` to `sum`.
+///
+/// # Safety
+/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
+#[inline(always)]
+unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    y: usize,
+    end: V,
+    mut sum: V::Total,
+) -> V::Total {
+    // SAFETY: as the caller guarantees; no vector ends beyond the width.
+    unsafe {
+        let (f, g) = rows.row(y);
+        let mut at = 0;
+        while at < whole::<V, WHOLE>(rows.width) {
+            sum = V::add_distance(sum, V::load(f.wrapping_add(at)), V::load(g.wrapping_add(at)));
+            at += V::LANES;
+        }
+        if END {
+            let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
+            let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
+            sum = V::add_distance(sum, f, g);
+        }
+        sum
     }
 }
 

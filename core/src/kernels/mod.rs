@@ -78,7 +78,6 @@ mod arm {
         pub(in super::super) mod weights;
     }
     mod bounds;
-    mod effort;
     pub(super) mod points;
 }
 mod backend;
@@ -87,6 +86,14 @@ mod cells;
 mod cut_table;
 #[cfg(feature = "refiner")]
 mod dense;
+#[cfg(any(
+    smr_dsp,
+    smr_helium,
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
+mod effort;
 #[cfg(any(
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),

@@ -170,7 +170,7 @@ impl<'a> Scorer<'a> {
     }
 
     /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
-    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium));
+    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium)) || Self::RANGES_OF_ROWS;
 
     /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score,
     /// or if the patch does not have three more columns than the template and as many rows.

@@ -12,10 +12,11 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 
 impl Vector for __m128i {
@@ -69,6 +70,8 @@ pub(crate) struct Bound<'a> {
     /// The largest difference that counts.
     last: u8,
     chord: u32,
+    /// How often candidates are worth their time.
+    candidates: Effort,
 }
 
 pub(crate) const fn is_available() -> bool {
@@ -124,6 +127,17 @@ impl Scores for Bound<'_> {
     }
 
     #[inline(always)]
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+        if !self.candidates.is_worth_it() {
+            return ALL_FOUR;
+        }
+        // SAFETY: a `Bound` exists only if SSE2 does, and the pictures are borrowed.
+        let candidates = unsafe { candidates(&Rows::of(patch, template), self.last, floor) };
+        self.candidates.note(candidates != ALL_FOUR);
+        candidates
+    }
+
+    #[inline(always)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);
         if rows.width < __m128i::LANES {
@@ -160,6 +174,16 @@ unsafe fn inside_at_least(rows: &Rows, floor: u32) -> Option<u32> {
     unsafe { by_width!(rows.width, __m128i, generic::inside_at_least::<__m128i, WHOLE, END>(rows, floor)) }
 }
 
+/// See [`Scores::candidates`].
+///
+/// # Safety
+/// The processor has SSE2, the pictures are borrowed, and the patch has three more columns than the template.
+#[target_feature(enable = "sse2")]
+unsafe fn candidates(rows: &Rows, last: u8, floor: u32) -> u8 {
+    // SAFETY: as the caller guarantees.
+    unsafe { by_width!(rows.width, __m128i, generic::candidates::<__m128i, WHOLE, END>(rows, last, floor)) }
+}
+
 /// See [`plain::spread`].
 #[target_feature(enable = "sse2")]
 fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
@@ -173,7 +197,7 @@ impl<'a> Bound<'a> {
     /// `None` if no pixel counts, or if there is no SSE2: a `Bound` proves that there is.
     pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
         let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
-        is_available().then_some(Self { table, last, chord: table.chord() })
+        is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::NEW })
     }
 
     /// An upper bound of the score, if it is at least `floor`. `BETWEEN`: the patch lies between two pictures.

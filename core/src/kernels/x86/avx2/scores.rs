@@ -10,10 +10,11 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 use core::slice;
 
@@ -134,6 +135,8 @@ pub(crate) struct Lookup {
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
+    /// How often candidates are worth their time.
+    candidates: Effort,
 }
 
 pub(crate) fn is_available() -> bool {
@@ -166,7 +169,7 @@ impl Lookup {
         planes.0.get_mut(..segments).map(xor_within_halves);
         planes.1.get_mut(..segments).map(xor_within_halves);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        Some(Self { low: planes.0, high: planes.1, segments, last })
+        Some(Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::NEW })
     }
 }
 
