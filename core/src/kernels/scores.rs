@@ -52,6 +52,7 @@ pub(crate) trait Scores {
 }
 
 /// Memory for rows of ranges.
+#[cfg_attr(any(smr_dsp, smr_helium, smr_swar), allow(dead_code))] // for backends that use vectors
 pub(crate) struct RowsOfRanges<'a> {
     pub(crate) low: &'a mut [u8],
     pub(crate) high: &'a mut [u8],

@@ -112,11 +112,10 @@ pub(crate) fn spans(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
 #[track_caller]
 pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to: &RowsOfRanges<'_>) {
-    let columns = usize::from(pixels.width()).saturating_sub(3);
     let tops = (0..pixels.height().saturating_sub(3)).step_by(step);
     for ((top, low), high) in tops.zip(to.low.chunks(to.stride)).zip(to.high.chunks(to.stride)) {
         let rows = [0, 1, 2, 3].map(|row| pixels.row(top + row));
-        spans(&rows, table, &low[..columns], &high[..columns]);
+        spans(&rows, table, low, high);
     }
 }
 

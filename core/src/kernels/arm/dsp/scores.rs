@@ -42,7 +42,7 @@ pub(crate) struct Dsp<'a> {
 impl<'a> Dsp<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::NEW, loss: Effort::NEW }
+        Self { lookup: Lookup::new(table), points: Effort::new(), loss: Effort::new() }
     }
 }
 
