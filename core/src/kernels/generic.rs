@@ -3,6 +3,14 @@
 //! The file of an instruction set says what its vector is ([`Vector`], and [`Neighbours`] for ranges) and how it looks up entries of
 //! a table ([`LookUp`]). `scores!` compiles the loops for it.
 //!
+//! Three loops exclude offsets before the score is computed, by the number of pixels that count:
+//!
+//! | loop | what it excludes | instructions for a vector |
+//! |---|---|---|
+//! | [`inside_at_least`] | a group, by ranges that the threshold has widened | 4 |
+//! | [`candidates`] | each of four offsets | 4, of them 1 to prepare the template |
+//! | [`count_at_least`] | patches between any two pictures | 9 |
+//!
 //! Everything here, and every method of the traits, is `#[inline(always)]`: an intrinsic becomes an instruction only inside a function
 //! with `#[target_feature]`. For the same reason there are no closures: a closure is a function of its own.
 
@@ -428,7 +436,7 @@ pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: b
             y += 1;
         }
         count.flush();
-        (count.flushed <= allowed).then(|| (pixels - count.flushed) * u32::from(ONE))
+        if count.flushed > allowed { None } else { Some((pixels - count.flushed) * u32::from(ONE)) }
     }
 }
 

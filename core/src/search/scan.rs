@@ -169,7 +169,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Ranges => self.compute_ranges(scene),
                 Stage::Exclude => self.exclude(scene),
                 Stage::Refine => self.refine(scene),
-                Stage::Offsets => self.score_offsets(scene),
+                Stage::Offsets => self.next_offset(scene),
                 Stage::Done => {}
             }
             if self.is_done() && self.leaders.looks_for_runner_up() {
@@ -416,20 +416,17 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Scores the offsets from the present one on, row by row.
-    fn score_offsets(&mut self, scene: &Scene<'_>) {
+    /// Scores the next offset, row by row.
+    fn next_offset(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
-        while !self.is_spent() {
-            let (x, y) = scene.window.position(self.place.column, self.place.row);
-            self.score(scene, x, y);
-            self.place.column += 1;
-            if self.place.column == columns {
-                self.place = Place::tile(0, self.place.row + 1);
-                if self.place.row == rows {
-                    self.stage = Stage::Done;
-                    return;
-                }
-            }
+        let (x, y) = scene.window.position(self.place.column, self.place.row);
+        self.score(scene, x, y);
+        self.place.column += 1;
+        if self.place.column == columns {
+            self.place = Place::tile(0, self.place.row + 1);
+        }
+        if self.place.row == rows {
+            self.stage = Stage::Done;
         }
     }
 
