@@ -757,8 +757,8 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     let (columns, height) = (usize::from(pixels.width()).saturating_sub(3), usize::from(pixels.height()));
     let Some(last_strip) = columns.checked_sub(V::LANES) else { return false };
     let rows = height.saturating_sub(3).div_ceil(step.max(1));
-    let room = to.low.len().min(to.high.len());
-    if columns > to.stride || rows == 0 || rows.saturating_mul(to.stride) > room {
+    let needed = rows.saturating_sub(1).saturating_mul(to.stride).saturating_add(columns);
+    if columns > to.stride || rows == 0 || needed > to.low.len().min(to.high.len()) {
         return false;
     }
     let (pixels, stride) = pixels.parts();
@@ -768,7 +768,7 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         let mut row = pixels.as_ptr().wrapping_add(at);
         let mut place = 0;
         // SAFETY: the processor is as the caller guarantees. Every row has `columns` pixels and three more, at + LANES is at most `columns`.
-        // The last store ends within row `rows` - 1 of `to`, and there is room for so many.
+        // The last store ends with the ranges of row `rows` - 1 of `to`: there is room for `needed` bytes.
         unsafe {
             let last = V::splat(last);
             let (mut before, mut pairs) = (fours::<V>(row), [(V::splat(0), V::splat(0)); 2]);

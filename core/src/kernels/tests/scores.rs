@@ -193,7 +193,8 @@ fn ranges_of_rows(backend: Backend) {
         for side in [Side::After, Side::Before] {
             let [pictures, low, high] = &mut guarded;
             let picture = Image::new(pictures.copy(&pixels, side), width, height).unwrap();
-            let [low, high] = [low, high].map(|memory| memory.slice(stride * tops.len(), side));
+            let [low, high] =
+                [low, high].map(|memory| memory.slice(stride * (tops.len() - 1) + usize::from(width) - 3, side));
             let to = RowsOfRanges { low, high, stride };
             if !scorer.ranges_of_rows(picture, step, to) {
                 continue;
@@ -211,7 +212,7 @@ fn ranges_of_rows(backend: Backend) {
     }
     let picture = noise(64 * 8, 1);
     let picture = Image::new(&picture, 64, 8).unwrap();
-    let (mut low, mut high) = ([0; 64 * 5], [0; 64 * 5 - 1]);
+    let (mut low, mut high) = ([0; 64 * 5], [0; 64 * 4 + 60]);
     let to = RowsOfRanges { low: &mut low, high: &mut high, stride: 64 };
     assert!(!scorer.ranges_of_rows(picture, 1, to), "{backend:?}: there is too little room");
     let to = RowsOfRanges { low: &mut low, high: &mut high, stride: 60 };
