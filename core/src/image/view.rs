@@ -129,6 +129,7 @@ impl<'a> Image<'a> {
     }
 
     /// Rows `first`, `first + step`, and so on; `None` if there are none.
+    #[cfg_attr(not(smr_small), inline)]
     pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
         let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
         let height = u16::try_from(rows).ok().filter(|&rows| rows > 0)?;
@@ -138,6 +139,13 @@ impl<'a> Image<'a> {
             stride: self.stride.saturating_mul(step),
             ..*self
         })
+    }
+
+    /// The first `rows` rows; `None` if there are fewer, or if it is none.
+    #[inline]
+    pub(crate) fn first(&self, rows: usize) -> Option<Self> {
+        let height = u16::try_from(rows).ok().filter(|rows| (1..=self.height).contains(rows))?;
+        Some(Self { height, ..*self })
     }
 
     /// An image of the same shape with other bytes; `None` if there are fewer of them.

@@ -3,11 +3,21 @@
 //! The file of an instruction set says what its vector is ([`Vector`], and [`Neighbours`] for ranges) and how it looks up entries of
 //! a table ([`LookUp`]). `scores!` compiles the loops for it.
 //!
+//! Three loops exclude offsets before the score is computed, by the number of pixels that count:
+//!
+//! | loop | what it excludes | instructions for a vector |
+//! |---|---|---|
+//! | [`inside_at_least`] | a group, by ranges that the threshold has widened | 4 |
+//! | [`candidates`] | each of four offsets | 4, of them 1 to prepare the template |
+//! | [`count_at_least`] | patches between any two pictures | 9 |
+//!
 //! Everything here, and every method of the traits, is `#[inline(always)]`: an intrinsic becomes an instruction only inside a function
 //! with `#[target_feature]`. For the same reason there are no closures: a closure is a function of its own.
 
 use super::cut_table::ONE;
 use super::rows::Rows;
+use super::scores::RowsOfRanges;
+use crate::image::Image;
 use core::slice;
 
 /// Rows between two checks whether the result is already certain.
@@ -34,6 +44,8 @@ pub(crate) trait Vector: Copy {
     unsafe fn minus(a: Self, b: Self) -> Self;
     /// 255 where a <= b, else 0.
     unsafe fn at_most(a: Self, b: Self) -> Self;
+    /// 255 where a > b as signed numbers, else 0.
+    unsafe fn is_above(a: Self, b: Self) -> Self;
 
     unsafe fn nothing() -> Self::Total;
     /// Adds all bytes to the sum.
@@ -66,6 +78,8 @@ pub(crate) trait Neighbours: Vector {
     unsafe fn store(bytes: Self, to: *mut u8);
     unsafe fn min(a: Self, b: Self) -> Self;
     unsafe fn max(a: Self, b: Self) -> Self;
+    /// min(a + b, 255).
+    unsafe fn raised(a: Self, b: Self) -> Self;
     /// Moves the bytes down by `BY` lanes and fills up with zeroes.
     unsafe fn further<const BY: i32>(bytes: Self) -> Self;
 }
@@ -147,6 +161,40 @@ macro_rules! scores {
             }
 
             #[inline(always)]
+            fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+                // SAFETY: as above.
+                unsafe { ranges(rows, self.last.unwrap_or(0), low, high) }
+            }
+
+            #[inline(always)]
+            fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, to: &mut RowsOfRanges<'_>) -> bool {
+                // SAFETY: as above.
+                unsafe { ranges_of_rows(pixels, step, self.last.unwrap_or(0), to) }
+            }
+
+            #[inline(always)]
+            fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+                let Some(rows) = Rows::of_blocks(blocks, template) else { return Some(plain::most(template, template)) };
+                if self.last.is_none() {
+                    return Some(0).filter(|_| floor == 0);
+                }
+                // SAFETY: as above.
+                unsafe { by_width!(rows.width, $vector, inside_at_least::<WHOLE, END>(&rows, floor)) }
+            }
+
+            #[inline(always)]
+            fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+                if !self.candidates.is_worth_it() {
+                    return ALL_FOUR;
+                }
+                let (rows, last) = (Rows::of(patch, template), self.last.unwrap_or(0));
+                // SAFETY: as above; the patch has three more columns than the template.
+                let candidates = unsafe { by_width!(rows.width, $vector, candidates::<WHOLE, END>(&rows, last, floor)) };
+                self.candidates.note(candidates != ALL_FOUR);
+                candidates
+            }
+
+            #[inline(always)]
             fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
                 let rows = Rows::of(patch, template);
                 // SAFETY: as above.
@@ -176,6 +224,27 @@ macro_rules! scores {
         unsafe fn count_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> Option<u32> {
             // SAFETY: as the caller guarantees.
             unsafe { generic::count_at_least::<$vector, WHOLE, END>(rows, last, floor) }
+        }
+
+        #[target_feature(enable = $features)]
+        unsafe fn inside_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, floor: u32) -> Option<u32> {
+            // SAFETY: as the caller guarantees.
+            unsafe { generic::inside_at_least::<$vector, WHOLE, END>(rows, floor) }
+        }
+
+        #[target_feature(enable = $features)]
+        unsafe fn candidates<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> u8 {
+            // SAFETY: as the caller guarantees.
+            unsafe { generic::candidates::<$vector, WHOLE, END>(rows, last, floor) }
+        }
+
+        /// See [`Scores::ranges`].
+        #[allow(unused_unsafe)] // `spread` is safe there where all processors have its instructions
+        #[target_feature(enable = $features)]
+        unsafe fn ranges(rows: &[&[u8]; 4], last: u8, low: &mut [u8], high: &mut [u8]) {
+            // SAFETY: as the caller guarantees.
+            unsafe { spread(rows, low, high) };
+            generic::widen_all(low, high, last);
         }
 
         #[target_feature(enable = $features)]
@@ -336,7 +405,187 @@ pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bo
     }
 }
 
+/// The same bound by ranges in the form of [`widen`]. It counts the pixels outside their ranges.
+///
+/// # Safety
+/// As for [`sum_at_least`].
+#[inline(always)]
+pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    floor: u32,
+) -> Option<u32> {
+    // SAFETY: as the caller guarantees; `end` was made for the width.
+    unsafe {
+        let end = V::end::<WHOLE>(rows.width);
+        let pixels = rows.pixels_after(0);
+        let allowed = pixels.checked_sub(Rows::pixels_of(floor))?;
+        let mut count = Count { bytes: V::splat(0), flushed: 0 };
+        let mut y = 0;
+        while y + ROWS_A_LOOK <= rows.height {
+            for row in y..y + ROWS_A_LOOK {
+                count_outside::<V, WHOLE, END>(rows, row, end, &mut count);
+            }
+            count.flush();
+            if count.flushed > allowed {
+                return None;
+            }
+            y += ROWS_A_LOOK;
+        }
+        while y < rows.height {
+            count_outside::<V, WHOLE, END>(rows, y, end, &mut count);
+            y += 1;
+        }
+        count.flush();
+        if count.flushed > allowed { None } else { Some((pixels - count.flushed) * u32::from(ONE)) }
+    }
+}
+
+/// Counts the pixels of row `y` that are outside their ranges.
+///
+/// # Safety
+/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
+#[inline(always)]
+unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    y: usize,
+    end: V,
+    count: &mut Count<V>,
+) {
+    // SAFETY: as the caller guarantees; no vector ends beyond the width.
+    unsafe {
+        let ((low, g), span) = (rows.row(y), rows.high_row(y));
+        let mut at = 0;
+        while at < whole::<V, WHOLE>(rows.width) {
+            let above = V::minus(V::load(g.wrapping_add(at)), V::load(low.wrapping_add(at)));
+            count.add(V::is_above(above, V::load(span.wrapping_add(at))));
+            at += V::LANES;
+            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
+                count.flush();
+            }
+        }
+        if END {
+            let low = V::load_end::<WHOLE>(low, rows.width, end);
+            let span = V::load_end::<WHOLE>(span, rows.width, end);
+            let above = V::minus(V::load_end::<WHOLE>(g, rows.width, end), low);
+            count.add(V::keep(V::is_above(above, span), end));
+        }
+        if WHOLE == ANY {
+            count.flush();
+        }
+    }
+}
+
+/// Which of four offsets may score at least `floor`: see [`Scores::candidates`](super::scores::Scores::candidates). It counts the pixels of each that do
+/// not count in its score. A vector of the template is loaded and turned into ranges once for all four.
+///
+/// # Safety
+/// As for [`sum_at_least`]; the patch has three more columns.
+#[inline(always)]
+pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    last: u8,
+    floor: u32,
+) -> u8 {
+    // SAFETY: as the caller guarantees; `end` was made for the width.
+    unsafe {
+        let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
+        let Some(allowed) = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor)) else { return 0 };
+        let mut counts = [Count { bytes: V::splat(0), flushed: 0 }; 4];
+        let mut y = 0;
+        while y < rows.height {
+            let until = rows.height.min(y + ROWS_A_LOOK);
+            while y < until {
+                count_of_four::<V, WHOLE, END>(rows, y, end, last, &mut counts);
+                y += 1;
+            }
+            if within(&mut counts, allowed) == 0 {
+                return 0;
+            }
+        }
+        within(&mut counts, allowed)
+    }
+}
+
+/// Counts the pixels of row `y` that do not count in the scores of four offsets.
+///
+/// # Safety
+/// As for [`candidates`]; the row exists, and `end` was made for its width.
+#[inline(always)]
+unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    y: usize,
+    end: V,
+    last: V,
+    counts: &mut [Count<V>; 4],
+) {
+    // SAFETY: as the caller guarantees; no vector ends beyond the width of the template, or more than three columns beyond it in the patch.
+    unsafe {
+        let (f, g) = rows.row(y);
+        let mut at = 0;
+        while at < whole::<V, WHOLE>(rows.width) {
+            let (highest, span) = around(V::load(g.wrapping_add(at)), last);
+            for (column, count) in counts.iter_mut().enumerate() {
+                let below = V::minus(highest, V::load(f.wrapping_add(at + column)));
+                count.add(V::is_above(below, span));
+            }
+            at += V::LANES;
+            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
+                flush_all(counts);
+            }
+        }
+        if END {
+            let (highest, span) = around(V::load_end::<WHOLE>(g, rows.width, end), last);
+            for (column, count) in counts.iter_mut().enumerate() {
+                let f = V::load_end::<WHOLE>(f.wrapping_add(column), rows.width, end);
+                count.add(V::keep(V::is_above(V::minus(highest, f), span), end));
+            }
+        }
+        if WHOLE == ANY {
+            flush_all(counts);
+        }
+    }
+}
+
+/// The pixels that count beside `g`, in a form like that of [`widen`]: f counts if and only if the first number less f is at most the second one.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        let highest = V::minus(V::raised(g, last), V::splat(HALF));
+        (highest, V::minus(highest, V::beyond(g, last)))
+    }
+}
+
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn flush_all<V: Vector>(counts: &mut [Count<V>; 4]) {
+    for count in counts {
+        // SAFETY: as the caller guarantees.
+        unsafe { count.flush() };
+    }
+}
+
+/// Which of the counts are at most `allowed`.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
+    // SAFETY: as the caller guarantees.
+    unsafe { flush_all(counts) };
+    let mut within = 0;
+    for (column, count) in counts.iter().enumerate() {
+        within |= u8::from(count.flushed <= allowed) << column;
+    }
+    within
+}
+
 /// A count of pixels.
+#[derive(Clone, Copy)]
 struct Count<V> {
     /// A count in each lane, of up to 255 vectors.
     bytes: V,
@@ -379,23 +628,49 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
     // SAFETY: as the caller guarantees; no vector ends beyond the width, and `end` was made for it.
     unsafe {
         let (end, mut sum) = (V::end::<WHOLE>(rows.width), V::nothing());
-        for y in 0..rows.height {
-            let (f, g) = rows.row(y);
-            let mut at = 0;
-            while at < whole::<V, WHOLE>(rows.width) {
-                sum = V::add_distance(sum, V::load(f.wrapping_add(at)), V::load(g.wrapping_add(at)));
-                at += V::LANES;
+        let mut y = 0;
+        while y + ROWS_A_LOOK <= rows.height {
+            for row in y..y + ROWS_A_LOOK {
+                sum = add_row_distance::<V, WHOLE, END>(rows, row, end, sum);
             }
-            if END {
-                let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
-                let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
-                sum = V::add_distance(sum, f, g);
+            if V::across(sum) > enough {
+                return V::across(sum);
             }
-            if y % ROWS_A_LOOK == ROWS_A_LOOK - 1 && V::across(sum) > enough {
-                break;
-            }
+            y += ROWS_A_LOOK;
+        }
+        while y < rows.height {
+            sum = add_row_distance::<V, WHOLE, END>(rows, y, end, sum);
+            y += 1;
         }
         V::across(sum)
+    }
+}
+
+/// Adds the distance of row `y` to `sum`.
+///
+/// # Safety
+/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
+#[inline(always)]
+unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
+    rows: &Rows,
+    y: usize,
+    end: V,
+    mut sum: V::Total,
+) -> V::Total {
+    // SAFETY: as the caller guarantees; no vector ends beyond the width.
+    unsafe {
+        let (f, g) = rows.row(y);
+        let mut at = 0;
+        while at < whole::<V, WHOLE>(rows.width) {
+            sum = V::add_distance(sum, V::load(f.wrapping_add(at)), V::load(g.wrapping_add(at)));
+            at += V::LANES;
+        }
+        if END {
+            let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
+            let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
+            sum = V::add_distance(sum, f, g);
+        }
+        sum
     }
 }
 
@@ -433,6 +708,105 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
         V::store(highest, high.wrapping_add(last));
     }
     true
+}
+
+/// Half the values of a byte: subtracted from numbers of 0 to 255, it leaves signed numbers of the same order.
+const HALF: u8 = 128;
+
+/// The form of ranges that [`inside_at_least`] reads. A pixel g counts if low - last <= g <= high + last. That is the case if and only if
+/// g - (low - last), modulo 256, is at most the distance between these two bounds. Vectors compare signed numbers, so both sides of the
+/// comparison are stored less [`HALF`], the first one in the bound that is subtracted.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+unsafe fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        let low = V::beyond(low, last);
+        let low_less_half = V::minus(low, V::splat(HALF));
+        (low_less_half, V::minus(V::raised(high, last), low_less_half))
+    }
+}
+
+/// The same for all ranges of a row.
+#[inline(always)]
+pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
+    for (low, high) in low.iter_mut().zip(high) {
+        let (least, most) = (low.saturating_sub(last), high.saturating_add(last));
+        *low = least.wrapping_sub(HALF);
+        *high = most.wrapping_sub(*low);
+    }
+}
+
+/// Rows of ranges in the form of [`widen`]: see [`Scores::ranges_of_rows`](super::scores::Scores::ranges_of_rows). Returns false, and does nothing, if
+/// a row has fewer ranges than lanes, or if there is too little room.
+///
+/// It goes down in strips as wide as a vector. A row of pixels is read once in each, and its minima of four neighbours are computed once. The minima
+/// of each two rows serve two ranges.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
+    pixels: Image<'_>,
+    step: usize,
+    last: u8,
+    to: &mut RowsOfRanges<'_>,
+) -> bool {
+    let (columns, height) = (usize::from(pixels.width()).saturating_sub(3), usize::from(pixels.height()));
+    let Some(last_strip) = columns.checked_sub(V::LANES) else { return false };
+    let rows = height.saturating_sub(3).div_ceil(step.max(1));
+    let needed = rows.saturating_sub(1).saturating_mul(to.stride).saturating_add(columns);
+    if columns > to.stride || rows == 0 || needed > to.low.len().min(to.high.len()) {
+        return false;
+    }
+    let (pixels, stride) = pixels.parts();
+    let mut at = 0;
+    loop {
+        let (low, high) = (to.low.as_mut_ptr().wrapping_add(at), to.high.as_mut_ptr().wrapping_add(at));
+        let mut row = pixels.as_ptr().wrapping_add(at);
+        let mut place = 0;
+        // SAFETY: the processor is as the caller guarantees. Every row has `columns` pixels and three more, at + LANES is at most `columns`.
+        // The last store ends with the ranges of row `rows` - 1 of `to`: there is room for `needed` bytes.
+        unsafe {
+            let last = V::splat(last);
+            let (mut before, mut pairs) = (fours::<V>(row), [(V::splat(0), V::splat(0)); 2]);
+            for y in 1..height {
+                row = row.wrapping_add(stride);
+                let present = fours::<V>(row);
+                let pair = (V::min(before.0, present.0), V::max(before.1, present.1));
+                if y >= 3 && (step == 1 || (y - 3).is_multiple_of(step)) {
+                    let lowest = V::min(pairs[1].0, pair.0);
+                    let highest = V::max(pairs[1].1, pair.1);
+                    let (lowest, span) = widen(lowest, highest, last);
+                    V::store(lowest, low.wrapping_add(place));
+                    V::store(span, high.wrapping_add(place));
+                    place += to.stride;
+                }
+                (before, pairs) = (present, [pair, pairs[0]]);
+            }
+        }
+        if at == last_strip {
+            return true;
+        }
+        // The last strip overlaps the one before it, which gives the same values.
+        at = last_strip.min(at + V::LANES);
+    }
+}
+
+/// The lowest and the highest of each four neighbouring pixels.
+///
+/// # Safety
+/// The processor has the instruction set of `V`, and a vector and three more pixels can be read at `row`.
+#[inline(always)]
+unsafe fn fours<V: Neighbours>(row: *const u8) -> (V, V) {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        let (a, b) = (V::load(row), V::load(row.wrapping_add(1)));
+        let (c, d) = (V::load(row.wrapping_add(2)), V::load(row.wrapping_add(3)));
+        (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
+    }
 }
 
 /// The lowest and the highest pixel of four rows in each column from `at` on.

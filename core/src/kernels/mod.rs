@@ -18,7 +18,7 @@
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
 //! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
-//! | which of four offsets may reach a score | `scorer.rs` | | | | | `candidates.rs` | |
+//! | which of four offsets may reach a score | `scorer.rs` | | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `candidates.rs` | |
 //! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | `avx2/products.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
@@ -31,7 +31,7 @@
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of an instruction set says only
 //! what a vector is and how it looks up a table. The loops in `arm/` are assembly. Both instruction sets there share the bounds of
-//! `arm/bounds.rs` and `arm/points.rs`; `arm/effort.rs` decides how often a bound is worth its time.
+//! `arm/bounds.rs` and `arm/points.rs`. `effort.rs` decides how often a bound is worth its time.
 //! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` compares the other loops with the plain
 //! ones (feature `verify`).
 //!
@@ -78,7 +78,6 @@ mod arm {
         pub(in super::super) mod weights;
     }
     mod bounds;
-    mod effort;
     pub(super) mod points;
 }
 mod backend;
@@ -87,6 +86,14 @@ mod cells;
 mod cut_table;
 #[cfg(feature = "refiner")]
 mod dense;
+#[cfg(any(
+    smr_dsp,
+    smr_helium,
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
+mod effort;
 #[cfg(any(
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),
@@ -157,7 +164,7 @@ pub(crate) use plain::bilinear::{BIAS, MixedRow};
 pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
-pub(crate) use scores::Blocks;
+pub(crate) use scores::{Blocks, RowsOfRanges};
 pub(crate) use unrolling::rolled;
 #[cfg(feature = "verify")]
 pub use verify::filter::verify_filter;

@@ -1,6 +1,7 @@
 //! The rows of two pictures, as addresses that are cheap to step through.
 
 use super::cut_table::ONE;
+use super::scores::Blocks;
 use crate::image::Image;
 
 /// The common top left part of a template and a patch, or of a template and the two pictures that bound a patch.
@@ -43,6 +44,27 @@ impl Rows {
             width: usize::from(low.width().min(high.width()).min(template.width())),
             height: usize::from(low.height().min(high.height()).min(template.height())),
         }
+    }
+
+    /// A template, and the ranges that it is compared with; `None` if there are fewer of them.
+    #[inline(always)] // through memory it would wait for halves of words
+    #[allow(dead_code)] // for backends that use vectors
+    pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {
+        let (g, template_stride) = template.parts();
+        let (width, height) = (usize::from(template.width()), usize::from(template.height()));
+        let size = (height - 1).checked_mul(blocks.stride)?.checked_add(width)?;
+        let range = blocks.start..blocks.start.checked_add(size)?;
+        let (low, high) = (blocks.low.get(range.clone())?, blocks.high.get(range)?);
+        Some(Self {
+            patch: low.as_ptr(),
+            high: high.as_ptr(),
+            template: g.as_ptr(),
+            patch_stride: blocks.stride,
+            high_stride: blocks.stride,
+            template_stride,
+            width,
+            height,
+        })
     }
 
     /// The first `width` pixels of each row.

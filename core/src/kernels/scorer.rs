@@ -9,7 +9,7 @@ use super::arm::helium::scores as helium;
 use super::backend::Backend;
 use super::cut_table::{CutTable, MAX_PIXELS};
 use super::plain::scores::{self as plain, Plain};
-use super::scores::{ALL_FOUR, Blocks, Scores};
+use super::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
 #[cfg(feature = "verify")]
@@ -130,7 +130,8 @@ impl<'a> Scorer<'a> {
 
     /// The same score if it is at least `floor`. `None` as soon as it is certain that it is less.
     #[must_use]
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(not(smr_small), inline(always))]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
@@ -170,7 +171,7 @@ impl<'a> Scorer<'a> {
     }
 
     /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
-    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium));
+    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium)) || Self::RANGES_OF_ROWS;
 
     /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score,
     /// or if the patch does not have three more columns than the template and as many rows.
@@ -203,9 +204,28 @@ impl<'a> Scorer<'a> {
         dispatch!(self, kernels => kernels.ranges(rows, low, high));
         #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
         match self.ready {
+            Ready::Scalar(_) => verify::spread(rows, low, high),
             Ready::Swar(_) => verify::widened_ranges(rows, self.plain.table, low, high),
-            _ => verify::spread(rows, low, high),
+            _ => verify::spans(rows, self.plain.table, low, high),
         }
+    }
+
+    /// Whether a backend of this target computes ranges of several rows faster than row by row.
+    pub(crate) const RANGES_OF_ROWS: bool = cfg!(any(
+        target_arch = "x86_64",
+        all(target_arch = "aarch64", target_feature = "neon"),
+        all(target_arch = "wasm32", target_feature = "simd128")
+    ));
+
+    /// The same ranges for all blocks of `pixels`, every `step`th row; see [`Scores::ranges_of_rows`].
+    #[inline(always)]
+    pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
+        let done = dispatch!(self, kernels => kernels.ranges_of_rows(pixels, step, &mut to));
+        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        if done {
+            verify::rows_of_spans(pixels, step, self.plain.table, &to);
+        }
+        done
     }
 
     /// An upper bound of the score of every patch between `blocks`, if it is at least `floor`.
@@ -214,12 +234,13 @@ impl<'a> Scorer<'a> {
         let bound = dispatch!(self, kernels => kernels.bound(blocks, template, floor));
         #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
         match self.ready {
-            Ready::Swar(_) => verify::bound_of_widened(bound, blocks, template, self.plain.table, floor),
-            _ => {
+            Ready::Scalar(_) => {
                 if let Some((low, high)) = blocks.pictures(template) {
                     verify::score_between(bound, (low, high, template), self.plain.table, floor);
                 }
             }
+            Ready::Swar(_) => verify::bound_of_widened(bound, blocks, template, self.plain.table, floor),
+            _ => verify::bound_of_spans(bound, blocks, template, self.plain.table, floor),
         }
         bound
     }

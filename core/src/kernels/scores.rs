@@ -36,12 +36,28 @@ pub(crate) trait Scores {
         self.spread(rows, low, high);
     }
 
+    /// The same for all blocks of `pixels`, every `step`th row. False, and nothing is done, if this backend does not compute them faster than
+    /// row by row.
+    #[inline(always)]
+    fn ranges_of_rows(&self, _pixels: Image<'_>, _step: usize, _to: &mut RowsOfRanges<'_>) -> bool {
+        false
+    }
+
     /// An upper bound of the score of every patch between `blocks`, which [`Scores::ranges`] has made; `None` if it is less than `floor`.
     #[inline(always)]
     fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let Some((low, high)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
         self.score_between_at_least(low, high, template, floor)
     }
+}
+
+/// Memory for rows of ranges.
+#[cfg_attr(any(smr_dsp, smr_helium, smr_swar), allow(dead_code))] // for backends that use vectors
+pub(crate) struct RowsOfRanges<'a> {
+    pub(crate) low: &'a mut [u8],
+    pub(crate) high: &'a mut [u8],
+    /// From row to row.
+    pub(crate) stride: usize,
 }
 
 /// Rows of ranges.

@@ -11,7 +11,7 @@
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
-use crate::kernels::{Blocks, rolled};
+use crate::kernels::{Blocks, RowsOfRanges, rolled};
 use crate::similarity::{Scorer, Table};
 
 /// Offsets of a group on each axis.
@@ -139,6 +139,33 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         frame.patch(Rect::new(x, y, side(width), side(height)))
     }
 
+    /// Computes up to `most` rows of ranges from row `row` on, if the backend can do several at a time; returns the number of rows. `pixels` are those of
+    /// the tile.
+    pub(super) fn compute_rows(
+        &mut self,
+        pixels: Image<'_>,
+        tile: &Tile,
+        pass: usize,
+        row: usize,
+        most: usize,
+        scorer: &Scorer<'_>,
+    ) -> usize {
+        let (stride, passes) = (self.shape.stride_of(tile.columns), self.passes());
+        let rows = self.rows(tile, pass).saturating_sub(row).min(most);
+        let pixels_down = rows.saturating_sub(1) * passes + SIDE;
+        let pixels = pixels.every(pass + row * passes, 1).and_then(|rest| rest.first(pixels_down));
+        let (low, high) = self.bytes.0.split_at_mut_checked(half(PIXELS)).unwrap_or_default();
+        let (low, high) = (low.get_mut(row * stride..), high.get_mut(row * stride..));
+        let (Some(pixels), Some(low), Some(high)) = (pixels, low, high) else { return 0 };
+        let to = RowsOfRanges { low, high, stride };
+        if scorer.ranges_of_rows(pixels, passes, to) { rows } else { 0 }
+    }
+
+    /// The ranges in a row of `tile`.
+    pub(super) fn ranges_in_row(&self, tile: &Tile) -> u32 {
+        u32::try_from(self.shape.columns_of(tile.columns)).unwrap_or(u32::MAX / 2)
+    }
+
     /// Computes a row of ranges; returns their number. `pixels` are those of the tile.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
@@ -182,7 +209,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let (low, high) = self.bytes.0.split_at_checked(half(PIXELS)).unwrap_or_default();
         let blocks = Blocks { low, high, start, stride };
         let lower = |bound: &mut u32| {
-            let template = template.every(first, passes)?;
+            let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
+            let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
             // These rows counted as fully similar so far: replace that by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);

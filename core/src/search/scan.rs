@@ -217,7 +217,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The next neighbour, row by row. After the last one the next step of the descent begins, or the descent ends.
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy in flash
     fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, distance: least, step } = self.descent;
         if step == 0 {
@@ -242,7 +242,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The SAD of every other row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy in flash
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
         self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(2)));
@@ -294,6 +294,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.ranges.begin_tile(&self.tile, area(scene));
         }
         let pixels = self.ranges.pixels(&scene.frame, &scene.window, &self.tile);
+        let next = next + self.compute_several(scene, pixels, pass, next);
         for next in next..self.ranges.rows(&self.tile, pass) {
             if self.is_spent() {
                 self.place.next = next;
@@ -308,6 +309,17 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
         self.place.next = 0;
         self.stage = Stage::Exclude;
+    }
+
+    /// Computes as many rows of ranges as were granted at once, if the backend can; returns their number.
+    fn compute_several(&mut self, scene: &Scene<'_>, pixels: Option<Image<'_>>, pass: usize, next: usize) -> usize {
+        let Some(pixels) = pixels.filter(|_| Scorer::RANGES_OF_ROWS) else { return 0 };
+        let a_row = 2 * self.ranges.ranges_in_row(&self.tile);
+        let most = self.granted.saturating_sub(self.work).div_ceil(a_row.max(1));
+        let most = usize::try_from(most).unwrap_or(usize::MAX);
+        let rows = self.ranges.compute_rows(pixels, &self.tile, pass, next, most, scene.scorer);
+        self.spend(a_row * words(rows));
+        rows
     }
 
     #[inline(never)] // one copy in flash
@@ -417,7 +429,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    #[inline(never)] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))] // one copy in flash
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
         self.spend(area(scene));
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };

@@ -7,10 +7,11 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
 use core::arch::aarch64::*;
 
 impl Vector for uint8x16_t {
@@ -24,6 +25,7 @@ impl Vector for uint8x16_t {
         fn beyond(a: Self, b: Self) -> Self { vqsubq_u8(a, b) }
         fn minus(a: Self, b: Self) -> Self { vsubq_u8(a, b) }
         fn at_most(a: Self, b: Self) -> Self { vcleq_u8(a, b) }
+        fn is_above(a: Self, b: Self) -> Self { vcgtq_s8(vreinterpretq_s8_u8(a), vreinterpretq_s8_u8(b)) }
         fn nothing() -> uint32x4_t { vdupq_n_u32(0) }
         fn add(total: uint32x4_t, bytes: Self) -> uint32x4_t { vpadalq_u16(total, vpaddlq_u8(bytes)) }
         fn add_distance(total: uint32x4_t, f: Self, g: Self) -> uint32x4_t { Self::add(total, vabdq_u8(f, g)) }
@@ -44,6 +46,7 @@ impl Neighbours for uint8x16_t {
         fn store(bytes: Self, to: *mut u8) { vst1q_u8(to, bytes) }
         fn min(a: Self, b: Self) -> Self { vminq_u8(a, b) }
         fn max(a: Self, b: Self) -> Self { vmaxq_u8(a, b) }
+        fn raised(a: Self, b: Self) -> Self { vqaddq_u8(a, b) }
         fn further<const BY: i32>(bytes: Self) -> Self { vextq_u8::<BY>(bytes, vdupq_n_u8(0)) }
     }
 }
@@ -58,6 +61,8 @@ pub(crate) struct Lookup {
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
+    /// How often candidates are worth their time.
+    candidates: Effort,
 }
 
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
@@ -68,13 +73,24 @@ impl Lookup {
         let threshold = table.threshold();
         let segments = usize::from(threshold).div_ceil(SEGMENT).max(1);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        let mut lookup = Self { low: [[0; SEGMENT]; 4], high: [[0; SEGMENT]; 4], segments, last };
+        let (low, high) = ([[0; SEGMENT]; 4], [[0; SEGMENT]; 4]);
+        let mut lookup = Self { low, high, segments, last, candidates: Effort::new() };
         let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
         for ((low, high), entry) in places.zip(table.entries()) {
             [*low, *high] = entry.to_le_bytes();
         }
         lookup
     }
+}
+
+/// See [`Scores::ranges_of_rows`].
+///
+/// # Safety
+/// The processor has NEON.
+#[target_feature(enable = "neon")]
+unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
+    // SAFETY: as the caller guarantees.
+    unsafe { generic::ranges_of_rows::<uint8x16_t>(pixels, step, last, to) }
 }
 
 /// See [`plain::spread`].

@@ -5,10 +5,10 @@
 //! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets
 //! sum bytes fast, but look up a table pixel by pixel.
 
-use super::effort::Effort;
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{ALL_FOUR, Blocks};

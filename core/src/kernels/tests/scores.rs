@@ -3,11 +3,11 @@
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
 use super::table::{cut, similarity};
-use crate::image::Image;
+use crate::image::{Image, Rect};
 use crate::kernels::backend::Backend;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::scorer::Scorer;
-use crate::kernels::scores::Blocks;
+use crate::kernels::scores::{Blocks, RowsOfRanges};
 use std::boxed::Box;
 use std::vec::Vec;
 
@@ -180,6 +180,77 @@ fn all_lengths_of_ranges(backend: Backend) {
     }
 }
 
+/// Ranges of several rows are those of each row, next to a forbidden page, for all widths and steps.
+fn ranges_of_rows(backend: Backend) {
+    let table = cut(16);
+    let scorer = Scorer::new(backend, &table);
+    let mut guarded: [Guarded; 3] = core::array::from_fn(|_| Guarded::with_room(3000));
+    for width in (4..=150u16).step_by(STEP) {
+        let (height, step) = (4 + width % 7, 1 << (width % 3));
+        let stride = (usize::from(width) - 3).next_multiple_of(4);
+        let tops = (0..height - 3).step_by(step);
+        let pixels = noise(usize::from(width) * usize::from(height), width.into());
+        for side in [Side::After, Side::Before] {
+            let [pictures, low, high] = &mut guarded;
+            let picture = Image::new(pictures.copy(&pixels, side), width, height).unwrap();
+            let [low, high] =
+                [low, high].map(|memory| memory.slice(stride * (tops.len() - 1) + usize::from(width) - 3, side));
+            let to = RowsOfRanges { low, high, stride };
+            if !scorer.ranges_of_rows(picture, step, to) {
+                continue;
+            }
+            for ((top, low), high) in tops.clone().zip(low.chunks(stride)).zip(high.chunks(stride)) {
+                let mut expected = Aligned([0; 4096]);
+                let (lowest, highest) = expected.0.split_at_mut(2048);
+                let rows = [0, 1, 2, 3].map(|row| picture.row(top + row));
+                scorer.ranges(&rows, &mut lowest[..stride], &mut highest[..stride]);
+                let columns = usize::from(width) - 3;
+                assert_eq!(low[..columns], lowest[..columns], "{backend:?}: {width} columns, step {step}, row {top}");
+                assert_eq!(high[..columns], highest[..columns], "{backend:?}: {width} columns, step {step}, row {top}");
+            }
+        }
+    }
+    let picture = noise(64 * 8, 1);
+    let picture = Image::new(&picture, 64, 8).unwrap();
+    let (mut low, mut high) = ([0; 64 * 5], [0; 64 * 4 + 60]);
+    let to = RowsOfRanges { low: &mut low, high: &mut high, stride: 64 };
+    assert!(!scorer.ranges_of_rows(picture, 1, to), "{backend:?}: there is too little room");
+    let to = RowsOfRanges { low: &mut low, high: &mut high, stride: 60 };
+    assert!(!scorer.ranges_of_rows(picture, 1, to), "{backend:?}: the rows are too short");
+}
+
+/// No offset that reaches the floor is excluded, for all widths, next to a forbidden page.
+fn all_candidates(backend: Backend) {
+    let mut guarded: [Guarded; 2] = core::array::from_fn(|_| Guarded::with_room(12 << 10));
+    for width in 1..=EDGE {
+        let (height, threshold) = (1 + width * 5 % 23, width % 40);
+        let table = cut(threshold);
+        let pixels = noise(usize::from(width + 3) * usize::from(height), width.into());
+        let of_patch = Image::new(&pixels, width + 3, height).unwrap();
+        for side in [Side::After, Side::Before] {
+            let [for_patch, for_template] = &mut guarded;
+            let patch = Image::new(for_patch.copy(&pixels, side), width + 3, height).unwrap();
+            for best in 0..4 {
+                let at = |column: u16| of_patch.crop(Rect::new(column.into(), 0, width, height)).unwrap();
+                let template: Vec<u8> = at(best).rows().flatten().copied().collect();
+                let template = for_template.copy(&close_to(&template, best.into()), side);
+                let template = Image::new(template, width, height).unwrap();
+                let scores = [0, 1, 2, 3].map(|column| plain::score(at(column), template, &table));
+                let most = plain::most(template, template);
+                for floor in scores.into_iter().chain([0, 1, scores[usize::from(best)] + 1, most]) {
+                    let candidates = Scorer::new(backend, &table).candidates(patch, template, floor);
+                    for (offset, score) in scores.into_iter().enumerate() {
+                        let is_candidate = candidates >> offset & 1 != 0;
+                        let of =
+                            || std::format!("{backend:?}: {width}x{height}, score {score} of {most}, floor {floor}");
+                        assert!(is_candidate || score < floor, "{}", of());
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Patches between two pictures: the bound is at least that of the plain loop, and valid if the two are equal.
 fn all_ranges(backend: Backend) {
     let (one, two) = (noise(3600, 1), noise(3600, 2));
@@ -300,8 +371,10 @@ fn far_groups(backend: Backend) {
 }
 
 for_each_backend!(
+    all_candidates,
     all_groups,
     far_groups,
+    ranges_of_rows,
     all_sizes,
     all_thresholds_and_alignments,
     all_differences,

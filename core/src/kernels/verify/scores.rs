@@ -3,7 +3,7 @@
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
-use super::super::scores::Blocks;
+use super::super::scores::{Blocks, RowsOfRanges};
 use crate::image::Image;
 #[cfg(feature = "verify")]
 use crate::image::Rect;
@@ -90,6 +90,49 @@ pub(crate) fn widened_ranges(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], hi
     }
 }
 
+/// Checks the ranges of `generic.rs`.
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[track_caller]
+pub(crate) fn spans(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]) {
+    let last = u8::try_from(table.threshold().saturating_sub(1)).unwrap_or(u8::MAX);
+    for (column, (&least, &span)) in low.iter().zip(high).enumerate() {
+        let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
+        if block.iter().any(|row| row.is_empty()) {
+            return;
+        }
+        let (mut low, mut high) = ([0], [0]);
+        plain::spread(&block, &mut low, &mut high);
+        let (low, high) = (low[0].saturating_sub(last), high[0].saturating_add(last));
+        let given = (least.wrapping_add(128), span.wrapping_add(128));
+        assert_eq!((low, high - low), given, "range of column {column}, expected and given");
+    }
+}
+
+/// Checks such ranges of several rows.
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[track_caller]
+pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to: &RowsOfRanges<'_>) {
+    let tops = (0..pixels.height().saturating_sub(3)).step_by(step);
+    for ((top, low), high) in tops.zip(to.low.chunks(to.stride)).zip(to.high.chunks(to.stride)) {
+        let rows = [0, 1, 2, 3].map(|row| pixels.row(top + row));
+        spans(&rows, table, low, high);
+    }
+}
+
+/// Checks a bound by such ranges: at least the number of pixels within them.
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[track_caller]
+pub(crate) fn bound_of_spans(
+    answer: Option<u32>,
+    blocks: &Blocks<'_>,
+    template: Image<'_>,
+    table: &CutTable,
+    floor: u32,
+) {
+    let counts = |low: u8, span: u8, g: u8| g.wrapping_sub(low.wrapping_add(128)) <= span.wrapping_add(128);
+    bound_of_pixels(answer, blocks, template, table, floor, counts);
+}
+
 /// Checks a bound by such ranges: at least the number of pixels within them.
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
 #[track_caller]
@@ -100,10 +143,27 @@ pub(crate) fn bound_of_widened(
     table: &CutTable,
     floor: u32,
 ) {
+    let counts = |low: u8, high: u8, g: u8| low <= g / 2 && high <= (u8::MAX - g) / 2;
+    bound_of_pixels(answer, blocks, template, table, floor, counts);
+}
+
+/// Checks a bound: at least the number of pixels of the template that count in the ranges.
+#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[track_caller]
+fn bound_of_pixels(
+    answer: Option<u32>,
+    blocks: &Blocks<'_>,
+    template: Image<'_>,
+    table: &CutTable,
+    floor: u32,
+    counts: impl Fn(u8, u8, u8) -> bool,
+) {
     let Some((low, high)) = blocks.pictures(template) else { return };
-    let counts = |&((&low, &high), &g): &((&u8, &u8), &u8)| low <= g / 2 && high <= (u8::MAX - g) / 2;
     let rows = low.rows().zip(high.rows()).zip(template.rows());
-    let inside = rows.map(|((low, high), g)| low.iter().zip(high).zip(g).filter(counts).count()).sum();
+    let of_row = |((low, high), g): ((&[u8], &[u8]), &[u8])| {
+        low.iter().zip(high).zip(g).filter(|&((&low, &high), &g)| counts(low, high, g)).count()
+    };
+    let inside = rows.map(of_row).sum();
     let least = if table.threshold() == 0 { 0 } else { plain::full(inside) };
     let right = answer.map_or(least < floor, |answer| answer >= floor.max(least));
     assert!(right, "{answer:?} reached instead of {least}, floor {floor}: {template:?}");

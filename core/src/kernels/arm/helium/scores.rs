@@ -9,10 +9,10 @@
 //! There are no intrinsics, so these are `asm!`.
 
 use super::super::bounds::{Limit, Lookup, blocks};
-use super::super::effort::Effort;
 use super::{candidates, groups};
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Scores};
@@ -29,7 +29,7 @@ pub(crate) struct Helium<'a> {
 impl<'a> Helium<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::NEW }
+        Self { lookup: Lookup::new(table), points: Effort::new() }
     }
 }
 

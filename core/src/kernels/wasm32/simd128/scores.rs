@@ -7,10 +7,11 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
 use core::arch::wasm32::*;
 
 impl Vector for v128 {
@@ -24,6 +25,7 @@ impl Vector for v128 {
         fn beyond(a: Self, b: Self) -> Self { u8x16_sub_sat(a, b) }
         fn minus(a: Self, b: Self) -> Self { u8x16_sub(a, b) }
         fn at_most(a: Self, b: Self) -> Self { u8x16_le(a, b) }
+        fn is_above(a: Self, b: Self) -> Self { i8x16_gt(a, b) }
         fn nothing() -> Self { u32x4_splat(0) }
         fn add(total: Self, bytes: Self) -> Self {
             u32x4_add(total, u32x4_extadd_pairwise_u16x8(u16x8_extadd_pairwise_u8x16(bytes)))
@@ -45,6 +47,7 @@ impl Neighbours for v128 {
         fn store(bytes: Self, to: *mut u8) { v128_store(to.cast(), bytes) }
         fn min(a: Self, b: Self) -> Self { u8x16_min(a, b) }
         fn max(a: Self, b: Self) -> Self { u8x16_max(a, b) }
+        fn raised(a: Self, b: Self) -> Self { u8x16_add_sat(a, b) }
         fn further<const BY: i32>(bytes: Self) -> Self { further::<BY>(bytes) }
     }
 }
@@ -80,6 +83,8 @@ pub(crate) struct Lookup {
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
+    /// How often candidates are worth their time.
+    candidates: Effort,
 }
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
@@ -90,13 +95,24 @@ impl Lookup {
         let threshold = table.threshold();
         let segments = usize::from(threshold).div_ceil(SEGMENT).clamp(1, MANY);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        let mut lookup = Self { low: [[0; SEGMENT]; 16], high: [[0; SEGMENT]; 16], segments, last };
+        let (low, high) = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
+        let mut lookup = Self { low, high, segments, last, candidates: Effort::new() };
         let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
         for ((low, high), entry) in places.zip(table.entries()) {
             [*low, *high] = entry.to_le_bytes();
         }
         lookup
     }
+}
+
+/// See [`Scores::ranges_of_rows`].
+///
+/// # Safety
+/// The engine has SIMD128.
+#[target_feature(enable = "simd128")]
+unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
+    // SAFETY: as the caller guarantees.
+    unsafe { generic::ranges_of_rows::<v128>(pixels, step, last, to) }
 }
 
 /// See [`plain::spread`].

@@ -10,10 +10,11 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 use core::slice;
 
@@ -28,6 +29,7 @@ impl Vector for __m256i {
         fn beyond(a: Self, b: Self) -> Self { _mm256_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm256_sub_epi8(a, b) }
         fn at_most(a: Self, b: Self) -> Self { _mm256_cmpeq_epi8(_mm256_min_epu8(a, b), a) }
+        fn is_above(a: Self, b: Self) -> Self { _mm256_cmpgt_epi8(a, b) }
         fn nothing() -> Self { _mm256_setzero_si256() }
         fn add(total: Self, bytes: Self) -> Self { Self::add_distance(total, bytes, _mm256_setzero_si256()) }
         fn add_distance(total: Self, f: Self, g: Self) -> Self { _mm256_add_epi64(total, _mm256_sad_epu8(f, g)) }
@@ -51,6 +53,7 @@ impl Neighbours for __m256i {
         fn store(bytes: Self, to: *mut u8) { _mm256_storeu_si256(to.cast(), bytes) }
         fn min(a: Self, b: Self) -> Self { _mm256_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
+        fn raised(a: Self, b: Self) -> Self { _mm256_adds_epu8(a, b) }
         // 0x81: the upper half moves down, and zeroes follow.
         fn further<const BY: i32>(bytes: Self) -> Self {
             _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<0x81>(bytes, bytes), bytes)
@@ -132,6 +135,8 @@ pub(crate) struct Lookup {
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
+    /// How often candidates are worth their time.
+    candidates: Effort,
 }
 
 pub(crate) fn is_available() -> bool {
@@ -164,7 +169,7 @@ impl Lookup {
         planes.0.get_mut(..segments).map(xor_within_halves);
         planes.1.get_mut(..segments).map(xor_within_halves);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        Some(Self { low: planes.0, high: planes.1, segments, last })
+        Some(Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::new() })
     }
 }
 
@@ -177,6 +182,19 @@ fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
             last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
             rest = before;
         }
+    }
+}
+
+/// See [`Scores::ranges_of_rows`].
+///
+/// # Safety
+/// The processor has AVX2.
+#[target_feature(enable = "avx2")]
+unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        generic::ranges_of_rows::<__m256i>(pixels, step, last, to)
+            || generic::ranges_of_rows::<__m128i>(pixels, step, last, to)
     }
 }
 

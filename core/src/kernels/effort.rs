@@ -12,7 +12,10 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    pub(super) const NEW: Self = Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) };
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
+    }
 
     /// Whether to compute the bound this time.
     #[inline(always)]
