@@ -294,20 +294,24 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.tile = self.ranges.tile(&scene.window, column, row);
             self.ranges.begin_tile(&self.tile, area(scene));
         }
-        let pixels = self.ranges.pixels(&scene.frame, &scene.window, &self.tile);
-        for next in next..self.ranges.rows(&self.tile, pass) {
-            if self.is_spent() {
-                self.place.next = next;
-                return;
+        if let Some(part) = self.ranges.part(&self.tile) {
+            let pixels = self.ranges.pixels(&scene.frame, &scene.window, &part);
+            let rows = self.ranges.rows(&self.tile, &part, pass);
+            for next in next.max(rows.start)..rows.end {
+                if self.is_spent() {
+                    self.place.next = next;
+                    return;
+                }
+                let Scene { frame, window, scorer, .. } = scene;
+                let ranges = self.ranges.compute_row(frame, pixels, window, (&self.tile, &part), pass, next, scorer);
+                self.spend(2 * ranges);
             }
-            let Scene { frame, window, scorer, .. } = scene;
-            let ranges = self.ranges.compute_row(frame, pixels, window, &self.tile, pass, next, scorer);
-            self.spend(2 * ranges);
         }
         if pass == 0 {
             self.spend(words(self.tile.groups())); // by `begin_tile`
         }
         self.place.next = 0;
+        self.ranges.begin_groups();
         self.stage = Stage::Exclude;
     }
 
@@ -421,6 +425,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     #[inline(never)] // one copy in flash
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
         self.spend(area(scene));
+        if self.leaders.best().is_some_and(|best| (best.x, best.y) == (x, y)) {
+            return; // noted already
+        }
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
         let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
         if let Some(score) = score {
