@@ -164,7 +164,7 @@ pub(crate) use plain::bilinear::{BIAS, MixedRow};
 pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
-pub(crate) use scores::Blocks;
+pub(crate) use scores::{ALL_FOUR, Blocks};
 pub(crate) use unrolling::rolled;
 #[cfg(feature = "verify")]
 pub use verify::filter::verify_filter;

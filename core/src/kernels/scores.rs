@@ -3,7 +3,7 @@
 use super::plain::scores as plain;
 use crate::image::Image;
 
-/// All of four offsets: see [`Scores::candidates`].
+/// All of four offsets, one bit for each: see [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;
 
 /// The kernels of SMR. The function of the same name in `plain/scores.rs` specifies each.
@@ -19,11 +19,11 @@ pub(crate) trait Scores {
     /// May return more than the plain loop, never less.
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// Which of four offsets may score at least `floor`: bit i is clear only if the one i columns to the right cannot. The patch has three more
-    /// columns than the template. Backends without a fast way let all four through.
+    /// Which of the `wanted` of four offsets may score at least `floor`: bit i is cleared only if the one i columns to the right cannot. The patch
+    /// has three more columns than the template. Backends without a fast way let all through.
     #[inline(always)]
-    fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32) -> u8 {
-        ALL_FOUR
+    fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
+        wanted
     }
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;

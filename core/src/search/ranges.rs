@@ -101,7 +101,12 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
-        Self { bytes: Words([0; PIXELS]), bounds: [[0; 3]; SPAN], shape, remaining: Remaining::NONE }
+        Self {
+            bytes: Words([0; PIXELS]),
+            bounds: [[0; 3]; SPAN],
+            shape,
+            remaining: Remaining { columns: [0; 2], rows: [0; 2] },
+        }
     }
 
     /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.

@@ -13,7 +13,8 @@ use super::peak::{Found, Peak, Wanted};
 use super::ranges::{Ranges, SIDE, Tile};
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{self, Scorer};
+use crate::kernels::ALL_FOUR;
+use crate::similarity::{self, Scorer, Table};
 
 /// The inputs of a search; the same in every step.
 pub(crate) struct Scene<'a> {
@@ -381,9 +382,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let (column, row) = (group.0 + offset % SIDE, group.1 + offset / SIDE);
         let (x, y) = scene.window.position(self.tile.column + column, self.tile.row + row);
         if offset.is_multiple_of(SIDE) {
-            // To score one offset is faster than to bound four.
-            let are_many = Scorer::BOUNDS_FOUR && row >= new.1 && new.0 + 1 < column + SIDE;
-            self.candidates = if are_many { candidates(scene, x, y, self.leaders.needed()) } else { u8::MAX };
+            let wanted = if row < new.1 { 0 } else { ALL_FOUR << new.0.saturating_sub(column) & ALL_FOUR };
+            self.candidates = self.candidates(scene, (x, y), wanted);
         }
         if column < new.0 || row < new.1 {
             return;
@@ -393,6 +393,20 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         } else {
             self.score(scene, x, y);
         }
+    }
+
+    /// Which of the `wanted` offsets from (`x`, `y`) to the right may matter: see [`Scorer::candidates`]. The leading one is known.
+    fn candidates(&self, scene: &Scene<'_>, (x, y): (i32, i32), mut wanted: u8) -> u8 {
+        if let Some(best) = self.leaders.best()
+            && best.y == y
+        {
+            wanted &= !1u8.checked_shl(best.x.wrapping_sub(x).cast_unsigned()).unwrap_or(0);
+        }
+        // To score one offset is faster than to bound four.
+        if Scorer::BOUNDS_FOUR && wanted & wanted.wrapping_sub(1) != 0 {
+            wanted = candidates(scene, (x, y), self.leaders.needed(), wanted).unwrap_or(wanted);
+        }
+        wanted
     }
 
     fn next_tile(&mut self, scene: &Scene<'_>) {
@@ -436,11 +450,22 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// Which of the four offsets from (`x`, `y`) to the right may score `needed`: see [`Scorer::candidates`]. All four if the box is not wholly
-/// inside the frame at each of them.
-fn candidates(scene: &Scene<'_>, x: i32, y: i32, needed: u32) -> u8 {
-    let four = Rect::new(x, y, scene.template.width().saturating_add(3), scene.template.height());
-    scene.frame.patch(four).map_or(u8::MAX, |patch| scene.scorer.candidates(patch, scene.template, needed))
+/// Which of the `wanted` offsets from (`x`, `y`) to the right may score `needed`. Bounded are the pixels that lie inside the frame at each of
+/// the four. Those outside at each are compared with the padding; the others count as fully similar. `None` if there is nothing to bound.
+fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
+    let Scene { frame, template, scorer, .. } = scene;
+    let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
+    if let Some(patch) = frame.patch(four) {
+        return Some(scorer.candidates(patch, *template, needed, wanted));
+    }
+    let seen = four.intersection(frame.bounds());
+    let (left, top) = (seen.x.wrapping_sub(x), seen.y.wrapping_sub(y));
+    let at_all = Rect::new(left, top, seen.width.checked_sub(3)?, seen.height);
+    let at_any = Rect::new(left.saturating_sub(3), top, seen.width.saturating_add(3), seen.height);
+    let at_any = at_any.intersection(Rect::new(0, 0, template.width(), template.height()));
+    let others = at_any.area().saturating_sub(at_all.area()) * u32::from(Table::ONE);
+    let others = others.saturating_add(scorer.score_on_padding(*template, at_any));
+    Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed.saturating_sub(others), wanted))
 }
 
 /// Offsets of a group.
