@@ -18,7 +18,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
 }
 
 /// Replaces `old` by `new`, of the same length. Gives the largest difference, at least `largest`.
-#[inline(always)] // into its one caller
+#[inline(never)] // keeps its registers out of its caller
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     #[cfg(feature = "verify")]
     let wanted = old.iter().zip(new).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));

@@ -105,7 +105,7 @@ mod plain {
     pub(super) mod dense;
     #[cfg(any(not(smr_helium), feature = "verify"))]
     pub(super) mod gradients;
-    #[cfg(any(not(smr_helium), feature = "verify"))]
+    #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
     pub(super) mod levels;
     pub(super) mod products;
     pub(super) mod scores;

@@ -243,7 +243,7 @@ impl<'a> Scorer<'a> {
                 if let Some(template) = template.crop(part)
                     && let Some(black) = Image::repeated(&BLACK, part.width, part.height)
                 {
-                    sum += dispatch!(self, kernels => kernels.score(black, template));
+                    sum += dispatch!(self, kernels => kernels.score_at_least(black, template, 0)).unwrap_or(0);
                 }
                 part.x += i32::from(part.width);
             }

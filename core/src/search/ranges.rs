@@ -56,9 +56,12 @@ struct Remaining {
 
 impl Remaining {
     const NONE: Self = Self { columns: [u16::MAX, 0], rows: [u16::MAX, 0] };
+    /// Cut off at the end of the tile.
+    const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
 
     /// Adds the group that begins at an offset of the tile.
     #[allow(clippy::cast_possible_truncation)] // a window has at most 131071 offsets on an axis
+    #[cfg_attr(smr_small, inline(never))] // keeps its registers out of its caller
     fn add(&mut self, (column, row): (usize, usize)) {
         for ([first, last], at) in [(&mut self.columns, column), (&mut self.rows, row)] {
             *first = (*first).min((at / SIDE) as u16);
@@ -152,9 +155,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
         let bounds = self.bounds.as_flattened_mut();
         rolled(bounds.iter_mut().take(tile.groups())).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
-        self.remaining = Remaining::NONE;
-        self.remaining.add((0, 0));
-        self.remaining.add((tile.columns.saturating_sub(SIDE), tile.rows.saturating_sub(SIDE)));
+        self.remaining = Remaining::ALL;
     }
 
     /// Begins to bound the groups of a pass, whose ranges are known: so far none remains.

@@ -455,16 +455,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
-    if let Some(patch) = frame.patch(four) {
-        return Some(scorer.candidates(patch, *template, needed, wanted));
-    }
     let seen = four.intersection(frame.bounds());
     let (left, top) = (seen.x.wrapping_sub(x), seen.y.wrapping_sub(y));
     let at_all = Rect::new(left, top, seen.width.checked_sub(3)?, seen.height);
-    let at_any = Rect::new(left.saturating_sub(3), top, seen.width.saturating_add(3), seen.height);
-    let at_any = at_any.intersection(Rect::new(0, 0, template.width(), template.height()));
-    let others = at_any.area().saturating_sub(at_all.area()) * u32::from(Table::ONE);
-    let others = others.saturating_add(scorer.score_on_padding(*template, at_any));
+    let mut others = 0;
+    if seen != four {
+        let at_any = Rect::new(left.saturating_sub(3), top, seen.width.saturating_add(3), seen.height);
+        let at_any = at_any.intersection(Rect::new(0, 0, template.width(), template.height()));
+        others = at_any.area().saturating_sub(at_all.area()) * u32::from(Table::ONE);
+        others = others.saturating_add(scorer.score_on_padding(*template, at_any));
+    }
     Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed.saturating_sub(others), wanted))
 }
 

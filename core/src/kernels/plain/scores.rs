@@ -4,7 +4,9 @@
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::Scores;
 use super::super::unrolling::rolled_if_spare;
-use crate::image::{Image, Rect};
+use crate::image::Image;
+#[cfg(any(test, feature = "verify"))]
+use crate::image::Rect;
 
 /// The plain loops as a backend.
 #[derive(Clone, Copy)]

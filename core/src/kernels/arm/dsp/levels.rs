@@ -2,14 +2,18 @@
 //! `plain/levels.rs`.
 
 use super::scores::LANES;
-use crate::kernels::plain::levels as plain;
+use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
 /// As `plain::deviation`.
 #[inline(always)] // into its one caller
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let words = pixels.chunks_exact(LANES);
-    let [mut deviation, mut clipped] = plain::deviation(words.remainder(), level);
+    let (mut deviation, mut clipped) = (0, 0);
+    for &pixel in rolled(words.remainder().iter()) {
+        deviation += u32::from(pixel.abs_diff(level));
+        clipped += u32::from(matches!(pixel, 0 | u8::MAX));
+    }
     for word in words.filter_map(|word| word.first_chunk()) {
         // SAFETY: works on registers only. A pixel is at 0 or 255 where pixel + 1 is 0 or 1, that is less than 2.
         unsafe {
@@ -58,8 +62,13 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
         }
         *old = new;
     }
-    let largest = most.to_ne_bytes().into_iter().fold(largest, u8::max);
-    plain::replace(old.into_remainder(), rest, largest)
+    let [a, b, c, d] = most.to_ne_bytes();
+    let mut largest = a.max(b).max(c.max(d));
+    for (old, &new) in rolled(old.into_remainder().iter_mut().zip(rest)) {
+        largest = largest.max(old.abs_diff(new));
+        *old = new;
+    }
+    largest
 }
 
 fn in_lanes(byte: u8) -> u32 {
