@@ -81,7 +81,6 @@ mod arm {
         pub(in super::super) mod weights;
     }
     mod bounds;
-    mod effort;
     pub(super) mod points;
 }
 mod backend;
@@ -90,6 +89,8 @@ mod cells;
 mod cut_table;
 #[cfg(feature = "refiner")]
 mod dense;
+#[cfg(any(smr_dsp, smr_helium, target_arch = "riscv32"))]
+mod effort;
 #[cfg(any(
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),

@@ -169,7 +169,7 @@ impl<'a> Scorer<'a> {
     }
 
     /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
-    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium));
+    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32"));
 
     /// Which of the `wanted` of four offsets may score at least `floor`; see [`Scores::candidates`]. All of them if the template is too large for a score,
     /// or if the patch does not have three more columns than the template and as many rows.

@@ -1,6 +1,8 @@
 //! The kernels of SMR in a backend: scores, distances, and bounds that exclude offsets.
 
 use super::plain::scores as plain;
+#[cfg(any(smr_dsp, smr_helium))]
+use super::rows::Rows;
 use crate::image::Image;
 
 /// All of four offsets, one bit for each: see [`Scores::candidates`].
@@ -56,7 +58,24 @@ pub(crate) struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
+    /// The rows of a template and of the ranges it is compared with; `None` if there are too few ranges.
+    #[cfg(any(smr_dsp, smr_helium))]
+    #[inline(always)]
+    pub(crate) fn rows(&self, template: Image<'_>) -> Option<Rows> {
+        let template = Rows::of(template, template);
+        let above = (template.height - 1).saturating_mul(self.stride);
+        let end = above.saturating_add(self.start.saturating_add(template.width));
+        (end <= self.low.len().min(self.high.len())).then(|| Rows {
+            patch: self.low.as_ptr().wrapping_add(self.start),
+            high: self.high.as_ptr().wrapping_add(self.start),
+            patch_stride: self.stride,
+            high_stride: self.stride,
+            ..template
+        })
+    }
+
     /// The lower and the upper bounds of a patch, of the size of `template`.
+    #[cfg_attr(any(smr_dsp, smr_helium), allow(dead_code))]
     pub(crate) fn pictures(&self, template: Image<'_>) -> Option<(Image<'a>, Image<'a>)> {
         let (width, height) = (template.width(), template.height());
         let low = Image::with_stride(self.low.get(self.start..)?, width, height, self.stride).ok()?;

@@ -215,9 +215,9 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`. Returns the number of pixels
+    /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`, which is at least 1. Returns the number of pixels
     /// compared, at most.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[inline(always)] // into its one caller
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -241,7 +241,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let pixels = u32::from(template.width()) * u32::from(template.height());
             // These rows counted as fully similar so far: replace that by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);
-            let score = scorer.bound(&blocks, template, needed.max(1).saturating_sub(others));
+            let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
             if *bound > 0 {
                 remaining.add((column, row));
@@ -257,7 +257,6 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     }
 
     /// The first group from `group` on whose bound is at least `needed` and not 0.
-    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
         Some(group + bounds.iter().position(|&bound| bound >= needed.max(1))?)

@@ -1,6 +1,6 @@
 //! The search: scores or excludes every offset of the window, in steps of bounded work.
 //!
-//! 1. The last position, then a descent of the SAD from there: a good score early excludes more.
+//! 1. A descent of the SAD from the last position, then the score where it ends: a good score early excludes more.
 //! 2. For the runner-up nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
 //! 4. The offsets of the remaining groups are scored; where a backend can, four at a time are bounded first. Scoring stops as soon as an
@@ -49,10 +49,8 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
     Done,
-    /// The score of the last position.
+    /// The SAD of the last position.
     LastPosition,
-    /// Its SAD.
-    FirstSad,
     Descent,
     Scouts,
     /// Rows of ranges.
@@ -97,8 +95,8 @@ struct Descent {
     step: u8,
 }
 
-/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 4 offsets (8 SADs of every other row). All
-/// steps together cost at most 1/32 of the window.
+/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 2 offsets (8 SADs of every fourth row). All
+/// steps together cost at most 1/64 of the window.
 fn first_step(window: &Window) -> u8 {
     first_step_of(window.size())
 }
@@ -109,6 +107,9 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
         steps => 1 << (steps - 1).min(MOST_STEPS - 1),
     }
 }
+
+/// A SAD reads every fourth row.
+pub(super) const SAD_STEP: u16 = 4;
 
 /// The first step is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that the ranges are faster.
 pub(super) const MOST_STEPS: usize = 4;
@@ -164,7 +165,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         while !self.is_done() && !self.is_spent() {
             match self.stage {
                 Stage::LastPosition => self.last_position(scene),
-                Stage::FirstSad => self.first_sad(scene),
                 Stage::Descent => self.descend(scene),
                 Stage::Scouts => self.scout(scene),
                 Stage::Ranges => self.compute_ranges(scene),
@@ -199,21 +199,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
+    /// Begins the descent at the last position. Where there is none, its end is the last position.
     fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
-        self.score(scene, x, y);
-        self.begin_scouts();
-        if first_step(&scene.window) > 0 {
-            self.stage = Stage::FirstSad;
-        }
-    }
-
-    fn first_sad(&mut self, scene: &Scene<'_>) {
-        let (x, y) = scene.window.centre();
-        self.begin_scouts();
-        if let Some(distance) = self.sad(scene, x, y, u32::MAX) {
-            self.descent = Descent { x, y, best: (x, y), distance, step: first_step(&scene.window) };
-            self.stage = Stage::Descent;
+        self.descent = Descent { x, y, best: (x, y), distance: u32::MAX, step: 0 };
+        self.stage = Stage::Descent;
+        let step = first_step(&scene.window);
+        if step > 0
+            && let Some(distance) = self.sad(scene, x, y, u32::MAX)
+        {
+            (self.descent.distance, self.descent.step) = (distance, step);
         }
     }
 
@@ -223,6 +218,11 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let mut at = self.descent;
         if at.step == 0 {
             self.score(scene, at.x, at.y);
+            if self.leaders.needed() == 0 {
+                // If all offsets score 0, the last position is the peak. Groups that can score no more are excluded below.
+                let (x, y) = scene.window.centre();
+                self.score(scene, x, y);
+            }
             return self.begin_scouts();
         }
         let next = self.place.next;
@@ -242,12 +242,12 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.descent = at;
     }
 
-    /// The SAD of every other row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
+    /// The SAD of every fourth row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
     #[inline(never)] // one copy in flash
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
-        self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(2)));
-        scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough)
+        self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(SAD_STEP)));
+        scene.scorer.distance(patch.every(0, SAD_STEP.into())?, scene.template.every(0, SAD_STEP.into())?, enough)
     }
 
     fn begin_scouts(&mut self) {
@@ -318,23 +318,26 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     #[inline(never)] // one copy in flash
     fn exclude(&mut self, scene: &Scene<'_>) {
-        let needed = self.leaders.needed();
-        while let Some(group) = self.next_group(needed) {
+        let needed = self.leaders.needed().max(1);
+        let (pass, groups) = (self.place.pass.into(), self.tile.groups());
+        for group in self.place.next..groups {
+            if !self.ranges.reaches(group, needed) {
+                continue;
+            }
             if self.is_spent() {
                 return;
             }
-            let pass = self.place.pass.into();
             let compared = self.ranges.bound_group(scene.template, &self.tile, pass, group, needed, scene.scorer);
             self.spend(compared + words(group - self.place.next));
             self.place.next = group + 1;
         }
+        self.spend(words(groups.saturating_sub(self.place.next)));
         self.place.next = 0;
         self.place.pass += 1;
         self.stage = if usize::from(self.place.pass) < self.ranges.passes() { Stage::Ranges } else { Stage::Refine };
     }
 
     /// The next group of the tile that is not excluded.
-    #[cfg_attr(smr_small, inline(never))] // one copy
     fn next_group(&mut self, needed: u32) -> Option<usize> {
         let group = self.ranges.next_group(&self.tile, self.place.next, needed);
         if group.is_none() {
@@ -438,10 +441,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     #[inline(never)] // one copy in flash
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
-        self.spend(area(scene));
         if self.leaders.best().is_some_and(|best| (best.x, best.y) == (x, y)) {
             return; // noted already
         }
+        self.spend(area(scene));
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
         let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
         if let Some(score) = score {
@@ -465,7 +468,8 @@ fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) ->
         others = at_any.area().saturating_sub(at_all.area()) * u32::from(Table::ONE);
         others = others.saturating_add(scorer.score_on_padding(*template, at_any));
     }
-    Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed.saturating_sub(others), wanted))
+    let needed = needed.checked_sub(others).filter(|&needed| needed > 0)?;
+    Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed, wanted))
 }
 
 /// Offsets of a group.

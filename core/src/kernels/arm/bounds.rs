@@ -5,10 +5,10 @@
 //! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets
 //! sum bytes fast, but look up a table pixel by pixel.
 
-use super::effort::Effort;
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::Blocks;
@@ -55,12 +55,11 @@ impl<'a> Lookup<'a> {
         floor: u32,
         misses: unsafe fn(&Rows, u32) -> u32,
     ) -> Option<u32> {
-        let Some((low, span)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
-        let rows = Rows::between(low, span, template);
+        let Some(rows) = blocks.rows(template) else { return Some(plain::most(template, template)) };
         let full = rows.full_after(0);
         let allowed = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor))?;
         let some_count = (1..256).contains(&self.plain.table.threshold());
-        if !some_count || rows.width < NARROWEST || rows.patch_stride != rows.high_stride {
+        if !some_count || rows.width < NARROWEST {
             return Some(full);
         }
         // SAFETY: there are enough columns, and both halves of the ranges have the same stride.

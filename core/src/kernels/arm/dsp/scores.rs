@@ -10,11 +10,11 @@
 //! [`Backend`](crate::similarity::Backend).
 
 use super::super::bounds::{Limit, Lookup, blocks};
-use super::super::effort::Effort;
 use super::candidates;
 use super::groups;
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Scores};

@@ -9,10 +9,10 @@
 //! There are no intrinsics, so these are `asm!`.
 
 use super::super::bounds::{Limit, Lookup, blocks};
-use super::super::effort::Effort;
 use super::{candidates, groups};
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Scores};
