@@ -11,7 +11,7 @@ use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::aarch64::*;
 
 impl Vector for uint8x16_t {

@@ -3,8 +3,10 @@
 
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::Scores;
-use super::super::unrolling::{rolled, rolled_if_spare};
-use crate::image::{Image, Rect};
+use super::super::unrolling::rolled_if_spare;
+use crate::image::Image;
+#[cfg(any(test, feature = "verify"))]
+use crate::image::Rect;
 
 /// The plain loops as a backend.
 #[derive(Clone, Copy)]
@@ -150,6 +152,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 /// The score of the part of `template` that lies on the padding, which is all zeroes.
 ///
 /// `seen` is the part that lies on the frame, in coordinates of the template. It is empty if the whole template lies on the padding.
+#[cfg(any(test, feature = "verify"))]
 #[must_use]
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
@@ -167,9 +170,9 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
     sum
 }
 
-#[inline(never)] // one copy in flash
+#[cfg(any(test, feature = "verify"))]
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
-    rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
+    row.iter().map(|&g| u32::from(table.of_pixels(0, g))).sum()
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::wasm32::*;
 
 impl Vector for v128 {
