@@ -149,6 +149,7 @@ impl<'a> Image<'a> {
     }
 
     /// `height` times the same row, the first `width` pixels; `None` if there are fewer. [`Image::rows`] does not work on it.
+    #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
         (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })
     }

@@ -12,10 +12,8 @@ pub(crate) struct Effort {
 }
 
 impl Effort {
-    #[inline(always)]
-    pub(crate) const fn new() -> Self {
-        Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) }
-    }
+    #[allow(clippy::declare_interior_mutable_const)] // each use is a new one
+    pub(crate) const NEW: Self = Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) };
 
     /// Whether to compute the bound this time.
     #[inline(always)]

@@ -247,6 +247,7 @@ impl<'a> Scorer<'a> {
 
     /// The score of the part of `template` that lies on the padding, which is all zeroes. `seen` is the part that lies on the frame, in coordinates of
     /// the template; it is empty if the whole template lies on the padding. The template is not too large for a score.
+    #[cfg(not(smr_swar))]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
         let (width, height, right, bottom) = (template.width(), template.height(), seen.right(), seen.bottom());
@@ -274,10 +275,18 @@ impl<'a> Scorer<'a> {
         assert_eq!(sum, plain::score_on_padding(template, seen, self.plain.table), "{template:?} without {seen:?}");
         sum
     }
+    /// The same. Words are not faster here.
+    #[cfg(smr_swar)]
+    #[must_use]
+    pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
+        plain::score_on_padding(template, seen, self.plain.table)
+    }
 }
 
 /// Pixels of the padding.
+#[cfg(not(smr_swar))]
 static BLACK: [u8; BLACK_PIXELS as usize] = [0; BLACK_PIXELS as usize];
+#[cfg(not(smr_swar))]
 const BLACK_PIXELS: u8 = 64;
 
 /// `None` if a sum could overflow.

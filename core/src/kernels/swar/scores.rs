@@ -50,7 +50,7 @@ impl<'a> Swar<'a> {
             plain: Plain { table },
             threshold: u32::from(table.threshold() / 2) * 0x0101_0101,
             #[cfg(target_arch = "riscv32")]
-            fours: Effort::new(),
+            fours: Effort::NEW,
         }
     }
 }

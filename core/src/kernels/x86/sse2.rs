@@ -199,7 +199,7 @@ impl<'a> Bound<'a> {
     /// `None` if no pixel counts, or if there is no SSE2: a `Bound` proves that there is.
     pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
         let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
-        is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::new() })
+        is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::NEW })
     }
 
     /// An upper bound of the score, if it is at least `floor`. `BETWEEN`: the patch lies between two pictures.

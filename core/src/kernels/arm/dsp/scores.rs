@@ -25,7 +25,7 @@ use core::arch::asm;
 pub(super) const LANES: usize = 4;
 
 /// Columns that `distance` takes at a time: its loop is unrolled for this many.
-const STRIP: usize = 32 * LANES;
+const STRIP: usize = 16 * LANES;
 
 /// Bytes of code of `loss` for a word.
 const LOSS_WORD: usize = 40;
@@ -41,7 +41,7 @@ pub(crate) struct Dsp<'a> {
 impl<'a> Dsp<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::new() }
+        Self { lookup: Lookup::new(table), points: Effort::NEW }
     }
 }
 
@@ -288,7 +288,6 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
             "3:",
             "mov pc, {words}",
             ".p2align 2", // adr can point to 4 only if it is aligned
-            distance_of_words!(124 120 116 112 108 104 100 96 92 88 84 80 76 72 68 64),
             distance_of_words!(60 56 52 48 44 40 36 32 28 24 20 16 12 8 4 0),
             "4:",
             "add r0, r0, {f_stride}",

@@ -29,7 +29,7 @@ pub(crate) struct Helium<'a> {
 impl<'a> Helium<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::new() }
+        Self { lookup: Lookup::new(table), points: Effort::NEW }
     }
 }
 

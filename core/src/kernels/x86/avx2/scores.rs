@@ -169,7 +169,7 @@ impl Lookup {
         planes.0.get_mut(..segments).map(xor_within_halves);
         planes.1.get_mut(..segments).map(xor_within_halves);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        Some(Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::new() })
+        Some(Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::NEW })
     }
 }
 
