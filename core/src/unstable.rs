@@ -2,6 +2,7 @@
 //! any version. Firmware does not need it.
 
 use crate::image::{FineRect, Frame, Image};
+use crate::kernels::ALL_FOUR;
 use crate::kernels::Blocks;
 use crate::similarity::Scorer;
 use crate::track::robust::{Config, Robust, Workspace};
@@ -104,7 +105,7 @@ pub fn spread(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut
 /// ```
 #[must_use]
 pub fn candidates(scorer: &Scorer<'_>, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
-    scorer.candidates(patch, template, floor)
+    scorer.candidates(patch, template, floor, ALL_FOUR)
 }
 
 /// The ranges of [`spread`] in the form that the backend of `scorer` needs for [`group_bound`]. `low` and `high` begin at multiples of four

@@ -148,6 +148,12 @@ impl<'a> Image<'a> {
         Some(Self { height, ..*self })
     }
 
+    /// `height` times the same row, the first `width` pixels; `None` if there are fewer. [`Image::rows`] does not work on it.
+    #[cfg(not(smr_swar))]
+    pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
+        (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })
+    }
+
     /// An image of the same shape with other bytes; `None` if there are fewer of them.
     pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
         let Self { width, height, stride, .. } = *self;

@@ -78,6 +78,7 @@ impl CutTable {
 
     /// p of two pixels.
     #[inline(always)]
+    #[cfg_attr(target_arch = "arm", allow(dead_code))] // not by DSP and Helium
     pub(super) fn of_pixels(&self, f: u8, g: u8) -> u16 {
         #[cfg(smr_swar)]
         // SAFETY: a signed difference is -255 to 255, and entry 255 of 511 is that of no difference.

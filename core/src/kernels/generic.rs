@@ -183,14 +183,14 @@ macro_rules! scores {
             }
 
             #[inline(always)]
-            fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+            fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
                 if !self.candidates.is_worth_it() {
-                    return ALL_FOUR;
+                    return wanted;
                 }
                 let (rows, last) = (Rows::of(patch, template), self.last.unwrap_or(0));
                 // SAFETY: as above; the patch has three more columns than the template.
-                let candidates = unsafe { by_width!(rows.width, $vector, candidates::<WHOLE, END>(&rows, last, floor)) };
-                self.candidates.note(candidates != ALL_FOUR);
+                let candidates = unsafe { by_width!(rows.width, $vector, candidates::<WHOLE, END>(&rows, last, floor)) } & wanted;
+                self.candidates.note(candidates != wanted);
                 candidates
             }
 

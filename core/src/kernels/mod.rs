@@ -24,6 +24,7 @@
 //! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `dense.rs` | `dense.rs` | `avx2/dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
 //! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | (plain) |
+//! | contrast of a patch, update of a template | `levels.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
 //! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | Helium: `weights.rs` | (plain) |
 //!
 //! "(compiler)": the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and products; the other
@@ -62,6 +63,7 @@ mod arm {
         pub(in super::super) mod dense;
         pub(in super::super) mod gradients;
         mod groups;
+        pub(in super::super) mod levels;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
     }
@@ -73,6 +75,7 @@ mod arm {
         pub(in super::super) mod dense;
         pub(in super::super) mod gradients;
         mod groups;
+        pub(in super::super) mod levels;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
         pub(in super::super) mod weights;
@@ -89,6 +92,7 @@ mod dense;
 #[cfg(any(
     smr_dsp,
     smr_helium,
+    target_arch = "riscv32",
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),
     all(target_arch = "wasm32", target_feature = "simd128")
@@ -102,12 +106,15 @@ mod effort;
 mod generic;
 mod gradients;
 mod layout;
+mod levels;
 mod plain {
     pub(super) mod bilinear;
     #[cfg(feature = "refiner")]
     pub(super) mod dense;
     #[cfg(any(not(smr_helium), feature = "verify"))]
     pub(super) mod gradients;
+    #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
+    pub(super) mod levels;
     pub(super) mod products;
     pub(super) mod scores;
     pub(super) mod weights;
@@ -159,12 +166,13 @@ pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub(crate) use dense::Dense;
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, PACKED, Packed};
+pub(crate) use levels::{deviation, replace};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
-pub(crate) use scores::{Blocks, RowsOfRanges};
+pub(crate) use scores::{ALL_FOUR, Blocks, RowsOfRanges};
 pub(crate) use unrolling::rolled;
 #[cfg(feature = "verify")]
 pub use verify::filter::verify_filter;

@@ -9,7 +9,7 @@ use super::arm::helium::scores as helium;
 use super::backend::Backend;
 use super::cut_table::{CutTable, MAX_PIXELS};
 use super::plain::scores::{self as plain, Plain};
-use super::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
+use super::scores::{Blocks, RowsOfRanges, Scores};
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
 #[cfg(feature = "verify")]
@@ -171,19 +171,20 @@ impl<'a> Scorer<'a> {
     }
 
     /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
-    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(smr_dsp, smr_helium)) || Self::RANGES_OF_ROWS;
+    pub(crate) const BOUNDS_FOUR: bool =
+        cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32")) || Self::RANGES_OF_ROWS;
 
-    /// Which of four offsets may score at least `floor`; see [`Scores::candidates`]. All four if the template is too large for a score,
+    /// Which of the `wanted` of four offsets may score at least `floor`; see [`Scores::candidates`]. All of them if the template is too large for a score,
     /// or if the patch does not have three more columns than the template and as many rows.
     #[inline(always)]
-    pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+    pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();
         if !fits || checked(patch, template).is_none() {
-            return ALL_FOUR;
+            return wanted;
         }
-        let candidates = dispatch!(self, kernels => kernels.candidates(patch, template, floor));
+        let candidates = dispatch!(self, kernels => kernels.candidates(patch, template, floor, wanted));
         #[cfg(feature = "verify")]
-        verify::candidates(candidates, (patch, template), self.plain.table, floor);
+        verify::candidates(candidates | !wanted, (patch, template), self.plain.table, floor);
         candidates
     }
 
@@ -245,12 +246,49 @@ impl<'a> Scorer<'a> {
         bound
     }
 
-    /// The score of the pixels on the padding; see [`plain::score_on_padding`].
+    /// The score of the part of `template` that lies on the padding, which is all zeroes. `seen` is the part that lies on the frame, in coordinates of
+    /// the template; it is empty if the whole template lies on the padding. The template is not too large for a score.
+    #[cfg(not(smr_swar))]
+    #[must_use]
+    pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
+        let (width, height, right, bottom) = (template.width(), template.height(), seen.right(), seen.bottom());
+        let [over, left] = [seen.y, seen.x].map(|size| u16::try_from(size).unwrap_or(0));
+        let rest = |all: u16, from: i32| u16::try_from(i32::from(all) - from).unwrap_or(0);
+        let mut sum = 0;
+        for mut part in [
+            Rect::new(0, 0, width, over),
+            Rect::new(0, bottom, width, rest(height, bottom)),
+            Rect::new(0, seen.y, left, seen.height),
+            Rect::new(right, seen.y, rest(width, right), seen.height),
+        ] {
+            let end = part.right();
+            while part.x < end {
+                part.width = rest(u16::try_from(end).unwrap_or(u16::MAX), part.x).min(u16::from(BLACK_PIXELS));
+                if let Some(template) = template.crop(part)
+                    && let Some(black) = Image::repeated(&BLACK, part.width, part.height)
+                {
+                    sum += dispatch!(self, kernels => kernels.score_at_least(black, template, 0)).unwrap_or(0);
+                }
+                part.x += i32::from(part.width);
+            }
+        }
+        #[cfg(feature = "verify")]
+        assert_eq!(sum, plain::score_on_padding(template, seen, self.plain.table), "{template:?} without {seen:?}");
+        sum
+    }
+    /// The same. Words are not faster here.
+    #[cfg(smr_swar)]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
         plain::score_on_padding(template, seen, self.plain.table)
     }
 }
+
+/// Pixels of the padding.
+#[cfg(not(smr_swar))]
+static BLACK: [u8; BLACK_PIXELS as usize] = [0; BLACK_PIXELS as usize];
+#[cfg(not(smr_swar))]
+const BLACK_PIXELS: u8 = 64;
 
 /// `None` if a sum could overflow.
 #[inline(always)]

@@ -1,9 +1,11 @@
 //! The kernels of SMR in a backend: scores, distances, and bounds that exclude offsets.
 
 use super::plain::scores as plain;
+#[cfg(any(smr_dsp, smr_helium))]
+use super::rows::Rows;
 use crate::image::Image;
 
-/// All of four offsets: see [`Scores::candidates`].
+/// All of four offsets, one bit for each: see [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;
 
 /// The kernels of SMR. The function of the same name in `plain/scores.rs` specifies each.
@@ -19,11 +21,11 @@ pub(crate) trait Scores {
     /// May return more than the plain loop, never less.
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// Which of four offsets may score at least `floor`: bit i is clear only if the one i columns to the right cannot. The patch has three more
-    /// columns than the template. Backends without a fast way let all four through.
+    /// Which of the `wanted` of four offsets may score at least `floor`: bit i is cleared only if the one i columns to the right cannot. The patch
+    /// has three more columns than the template. Backends without a fast way let all through.
     #[inline(always)]
-    fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32) -> u8 {
-        ALL_FOUR
+    fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
+        wanted
     }
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;
@@ -72,7 +74,24 @@ pub(crate) struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
+    /// The rows of a template and of the ranges it is compared with; `None` if there are too few ranges.
+    #[cfg(any(smr_dsp, smr_helium))]
+    #[inline(always)]
+    pub(crate) fn rows(&self, template: Image<'_>) -> Option<Rows> {
+        let template = Rows::of(template, template);
+        let above = (template.height - 1).saturating_mul(self.stride);
+        let end = above.saturating_add(self.start.saturating_add(template.width));
+        (end <= self.low.len().min(self.high.len())).then(|| Rows {
+            patch: self.low.as_ptr().wrapping_add(self.start),
+            high: self.high.as_ptr().wrapping_add(self.start),
+            patch_stride: self.stride,
+            high_stride: self.stride,
+            ..template
+        })
+    }
+
     /// The lower and the upper bounds of a patch, of the size of `template`.
+    #[cfg_attr(any(smr_dsp, smr_helium), allow(dead_code))]
     pub(crate) fn pictures(&self, template: Image<'_>) -> Option<(Image<'a>, Image<'a>)> {
         let (width, height) = (template.width(), template.height());
         let low = Image::with_stride(self.low.get(self.start..)?, width, height, self.stride).ok()?;

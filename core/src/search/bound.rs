@@ -1,7 +1,7 @@
 //! The most comparisons of a search: those of a search that excludes no offset. They are counted as in `scan.rs`.
 
 use super::ranges::{Ranges, SIDE};
-use super::scan::{MOST_STEPS, first_step_of};
+use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
 
 /// The size of a search.
 pub(crate) struct Extent {
@@ -26,7 +26,7 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// The score and the SAD of the last position, then the descent. A SAD reads every other row.
+    /// The SAD of the last position and the descent, the score where it ends, and that of the last position.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -35,8 +35,8 @@ impl Extent {
         if step == 0 {
             return self.pixels();
         }
-        let half = u64::from(self.template.0) * u64::from(self.template.1.div_ceil(2));
-        2 * self.pixels() + half * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
+        let sad = u64::from(self.template.0) * u64::from(self.template.1.div_ceil(SAD_STEP));
+        2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
     }
 
     /// The whole window once, for the peak.

@@ -7,12 +7,13 @@
 //!
 //! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in 1, 2
 //! or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed score is
-//! skipped from then on.
+//! skipped from then on, and a pass computes only the ranges under the rectangle of the groups that remain.
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
 use crate::kernels::{Blocks, RowsOfRanges, rolled};
 use crate::similarity::{Scorer, Table};
+use core::ops::Range;
 
 /// Offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
@@ -26,6 +27,7 @@ pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     /// The upper bound of each group of the tile; 0 if the group is excluded.
     bounds: [[u32; 3]; SPAN],
     shape: Shape,
+    remaining: Remaining,
 }
 
 /// Bytes that begin at a multiple of four.
@@ -43,6 +45,29 @@ struct Shape {
     rows: usize,
     /// log2 of the number of passes: 0, 1 or 2.
     halvings: u32,
+}
+
+/// The smallest rectangle of whole groups around those that remain: the first and the last on each axis.
+#[derive(Clone, Copy)]
+struct Remaining {
+    columns: [u16; 2],
+    rows: [u16; 2],
+}
+
+impl Remaining {
+    const NONE: Self = Self { columns: [u16::MAX, 0], rows: [u16::MAX, 0] };
+    /// Cut off at the end of the tile.
+    const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
+
+    /// Adds the group that begins at an offset of the tile.
+    #[allow(clippy::cast_possible_truncation)] // a window has at most 131071 offsets on an axis
+    #[cfg_attr(smr_small, inline(never))] // keeps its registers out of its caller
+    fn add(&mut self, (column, row): (usize, usize)) {
+        for ([first, last], at) in [(&mut self.columns, column), (&mut self.rows, row)] {
+            *first = (*first).min((at / SIDE) as u16);
+            *last = (*last).max(at.div_ceil(SIDE) as u16);
+        }
+    }
 }
 
 /// A rectangle of offsets. `column` and `row` count from the first offset of the window.
@@ -79,7 +104,12 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
-        Self { bytes: Words([0; PIXELS]), bounds: [[0; 3]; SPAN], shape }
+        Self {
+            bytes: Words([0; PIXELS]),
+            bounds: [[0; 3]; SPAN],
+            shape,
+            remaining: Remaining { columns: [0; 2], rows: [0; 2] },
+        }
     }
 
     /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
@@ -117,80 +147,105 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         most.sum()
     }
 
-    /// Sets the bound of every group of `tile` to `pixels` fully similar pixels.
+    /// Sets the bound of every group of `tile` to `pixels` fully similar pixels. All groups remain.
     pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
         let bounds = self.bounds.as_flattened_mut();
         rolled(bounds.iter_mut().take(tile.groups())).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
+        self.remaining = Remaining::ALL;
     }
 
-    /// The number of rows of ranges that a pass of `tile` needs.
-    pub(super) fn rows(&self, tile: &Tile, pass: usize) -> usize {
-        (self.shape.rows_of(tile.rows) + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings
+    /// Begins to bound the groups of a pass, whose ranges are known: so far none remains.
+    pub(super) const fn begin_groups(&mut self) {
+        self.remaining = Remaining::NONE;
     }
 
-    /// The pixels under the offsets of a tile; `None` if some are outside the frame or not in memory.
-    pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, tile: &Tile) -> Option<Image<'a>> {
+    /// The part of `tile` in which groups remain; `None` if there are none.
+    pub(super) fn part(&self, tile: &Tile) -> Option<Tile> {
+        let part = |[first, last]: [u16; 2], all: usize| {
+            let (from, end) = (SIDE * usize::from(first), SIDE * usize::from(last) + SIDE);
+            Some((from, end.min(all).checked_sub(from)?))
+        };
+        let (column, columns) = part(self.remaining.columns, tile.columns)?;
+        let (row, rows) = part(self.remaining.rows, tile.rows)?;
+        Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
+    }
+
+    /// The rows of ranges that a pass needs for a `part` of `tile`.
+    pub(super) fn rows(&self, tile: &Tile, part: &Tile, pass: usize) -> Range<usize> {
+        let first = part.row - tile.row;
+        let [first, end] = [first, first + self.shape.rows_of(part.rows)]
+            .map(|rows| (rows + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings);
+        first..end
+    }
+
+    /// The pixels under the offsets of a tile or a part; `None` if some are outside the frame or not in memory.
+    pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, part: &Tile) -> Option<Image<'a>> {
         if cfg!(all(target_os = "none", not(smr_helium))) {
             return None; // each row finds its own: takes little time and less flash
         }
-        let (x, y) = window.position(tile.column, tile.row);
+        let (x, y) = window.position(part.column, part.row);
         let side = |blocks: usize| u16::try_from(blocks + SIDE - 1).unwrap_or(u16::MAX);
-        let (width, height) = (self.shape.columns_of(tile.columns), self.shape.rows_of(tile.rows));
+        let (width, height) = (self.shape.columns_of(part.columns), self.shape.rows_of(part.rows));
         frame.patch(Rect::new(x, y, side(width), side(height)))
     }
 
-    /// Computes up to `most` rows of ranges from row `row` on, if the backend can do several at a time; returns the number of rows. `pixels` are those of
-    /// the tile.
+    /// Computes up to `most` rows of ranges for a `part` of `tile` from row `row` on, if the backend can do several at a time; returns the number of
+    /// rows. `pixels` are those of the part.
     pub(super) fn compute_rows(
         &mut self,
         pixels: Image<'_>,
-        tile: &Tile,
+        (tile, part): (&Tile, &Tile),
         pass: usize,
         row: usize,
         most: usize,
         scorer: &Scorer<'_>,
     ) -> usize {
         let (stride, passes) = (self.shape.stride_of(tile.columns), self.passes());
-        let rows = self.rows(tile, pass).saturating_sub(row).min(most);
+        let rows = self.rows(tile, part, pass).end.saturating_sub(row).min(most);
         let pixels_down = rows.saturating_sub(1) * passes + SIDE;
-        let pixels = pixels.every(pass + row * passes, 1).and_then(|rest| rest.first(pixels_down));
+        let down = tile.row + pass + row * passes - part.row;
+        let pixels = pixels.every(down, 1).and_then(|rest| rest.first(pixels_down));
+        let start = row * stride + part.column - tile.column;
         let (low, high) = self.bytes.0.split_at_mut_checked(half(PIXELS)).unwrap_or_default();
-        let (low, high) = (low.get_mut(row * stride..), high.get_mut(row * stride..));
+        let (low, high) = (low.get_mut(start..), high.get_mut(start..));
         let (Some(pixels), Some(low), Some(high)) = (pixels, low, high) else { return 0 };
         let to = RowsOfRanges { low, high, stride };
         if scorer.ranges_of_rows(pixels, passes, to) { rows } else { 0 }
     }
 
-    /// The ranges in a row of `tile`.
-    pub(super) fn ranges_in_row(&self, tile: &Tile) -> u32 {
-        u32::try_from(self.shape.columns_of(tile.columns)).unwrap_or(u32::MAX / 2)
+    /// The ranges in a row of a tile or a part.
+    pub(super) fn ranges_in_row(&self, part: &Tile) -> u32 {
+        u32::try_from(self.shape.columns_of(part.columns)).unwrap_or(u32::MAX / 2)
     }
 
-    /// Computes a row of ranges; returns their number. `pixels` are those of the tile.
+    /// Computes a row of ranges for a `part` of `tile`; returns their number. `pixels` are those of the part.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
         &mut self,
         frame: &Frame<'_>,
         pixels: Option<Image<'_>>,
         window: &Window,
-        tile: &Tile,
+        (tile, part): (&Tile, &Tile),
         pass: usize,
         row: usize,
         scorer: &Scorer<'_>,
     ) -> u32 {
-        let (width, stride) = (self.shape.columns_of(tile.columns), self.shape.stride_of(tile.columns));
-        let down = pass + row * self.passes();
-        let (x, y) = window.position(tile.column, tile.row + down);
+        let width = self.shape.columns_of(part.columns);
+        let start = row * self.shape.stride_of(tile.columns) + part.column - tile.column;
+        let down = tile.row + pass + row * self.passes();
+        let place = window.position(part.column, down);
+        let pixels = pixels.and_then(|pixels| pixels.every(down - part.row, 1));
         let (low, high) = self.bytes.0.split_at_mut_checked(half(PIXELS)).unwrap_or_default();
-        let low = low.get_mut(row * stride..).and_then(|rest| rest.get_mut(..stride)).unwrap_or_default();
-        let high = high.get_mut(row * stride..).and_then(|rest| rest.get_mut(..stride)).unwrap_or_default();
-        ranges_at(frame, pixels.and_then(|pixels| pixels.every(down, 1)), (x, y), width, scorer, low, high);
+        let [low, high] = [low, high].map(|ranges| {
+            ranges.get_mut(start..).and_then(|rest| rest.get_mut(..width.next_multiple_of(WORD))).unwrap_or_default()
+        });
+        ranges_at(frame, pixels, place, width, scorer, low, high);
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`. Returns the number of pixels
+    /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`, which is at least 1. Returns the number of pixels
     /// compared, at most.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[inline(always)] // into its one caller
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -208,14 +263,18 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let start = ((row + first) >> self.shape.halvings) * stride + column;
         let (low, high) = self.bytes.0.split_at_checked(half(PIXELS)).unwrap_or_default();
         let blocks = Blocks { low, high, start, stride };
+        let remaining = &mut self.remaining;
         let lower = |bound: &mut u32| {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
             // These rows counted as fully similar so far: replace that by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);
-            let score = scorer.bound(&blocks, template, needed.max(1).saturating_sub(others));
+            let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
+            if *bound > 0 {
+                remaining.add((column, row));
+            }
             Some(pixels)
         };
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
@@ -227,7 +286,6 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     }
 
     /// The first group from `group` on whose bound is at least `needed` and not 0.
-    #[cfg_attr(smr_small, inline(never))] // one copy
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
         Some(group + rolled(bounds.iter()).position(|&bound| bound >= needed.max(1))?)

@@ -1,6 +1,6 @@
 //! The search: scores or excludes every offset of the window, in steps of bounded work.
 //!
-//! 1. The last position, then a descent of the SAD from there: a good score early excludes more.
+//! 1. A descent of the SAD from the last position, then the score where it ends: a good score early excludes more.
 //! 2. For the runner-up nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
 //! 4. The offsets of the remaining groups are scored; where a backend can, four at a time are bounded first. Scoring stops as soon as an
@@ -13,7 +13,8 @@ use super::peak::{Found, Peak, Wanted};
 use super::ranges::{Ranges, SIDE, Tile};
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::{self, Scorer};
+use crate::kernels::ALL_FOUR;
+use crate::similarity::{self, Scorer, Table};
 
 /// The inputs of a search; the same in every step.
 pub(crate) struct Scene<'a> {
@@ -48,10 +49,8 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
     Done,
-    /// The score of the last position.
+    /// The SAD of the last position.
     LastPosition,
-    /// Its SAD.
-    FirstSad,
     Descent,
     Scouts,
     /// Rows of ranges.
@@ -96,8 +95,8 @@ struct Descent {
     step: u8,
 }
 
-/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 4 offsets (8 SADs of every other row). All
-/// steps together cost at most 1/32 of the window.
+/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 2 offsets (8 SADs of every fourth row). All
+/// steps together cost at most 1/64 of the window.
 fn first_step(window: &Window) -> u8 {
     first_step_of(window.size())
 }
@@ -108,6 +107,9 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
         steps => 1 << (steps - 1).min(MOST_STEPS - 1),
     }
 }
+
+/// A SAD reads every fourth row.
+pub(super) const SAD_STEP: u16 = 4;
 
 /// The first step is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that the ranges are faster.
 pub(super) const MOST_STEPS: usize = 4;
@@ -163,7 +165,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         while !self.is_done() && !self.is_spent() {
             match self.stage {
                 Stage::LastPosition => self.last_position(scene),
-                Stage::FirstSad => self.first_sad(scene),
                 Stage::Descent => self.descend(scene),
                 Stage::Scouts => self.scout(scene),
                 Stage::Ranges => self.compute_ranges(scene),
@@ -198,21 +199,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
+    /// Begins the descent at the last position. Where there is none, its end is the last position.
     fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
-        self.score(scene, x, y);
-        self.begin_scouts();
-        if first_step(&scene.window) > 0 {
-            self.stage = Stage::FirstSad;
-        }
-    }
-
-    fn first_sad(&mut self, scene: &Scene<'_>) {
-        let (x, y) = scene.window.centre();
-        self.begin_scouts();
-        if let Some(distance) = self.sad(scene, x, y, u32::MAX) {
-            self.descent = Descent { x, y, best: (x, y), distance, step: first_step(&scene.window) };
-            self.stage = Stage::Descent;
+        self.descent = Descent { x, y, best: (x, y), distance: u32::MAX, step: 0 };
+        self.stage = Stage::Descent;
+        let step = first_step(&scene.window);
+        if step > 0
+            && let Some(distance) = self.sad(scene, x, y, u32::MAX)
+        {
+            (self.descent.distance, self.descent.step) = (distance, step);
         }
     }
 
@@ -222,6 +218,11 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let Descent { x, y, best, distance: least, step } = self.descent;
         if step == 0 {
             self.score(scene, x, y);
+            if self.leaders.needed() == 0 {
+                // If all offsets score 0, the last position is the peak. Groups that can score no more are excluded below.
+                let (x, y) = scene.window.centre();
+                self.score(scene, x, y);
+            }
             return self.begin_scouts();
         }
         let next = self.place.next;
@@ -241,12 +242,12 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The SAD of every other row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
+    /// The SAD of every fourth row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
     #[cfg_attr(smr_small, inline(never))] // one copy in flash
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
-        self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(2)));
-        scene.scorer.distance(patch.every(0, 2)?, scene.template.every(0, 2)?, enough)
+        self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(SAD_STEP)));
+        scene.scorer.distance(patch.every(0, SAD_STEP.into())?, scene.template.every(0, SAD_STEP.into())?, enough)
     }
 
     fn begin_scouts(&mut self) {
@@ -293,54 +294,69 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.tile = self.ranges.tile(&scene.window, column, row);
             self.ranges.begin_tile(&self.tile, area(scene));
         }
-        let pixels = self.ranges.pixels(&scene.frame, &scene.window, &self.tile);
-        let next = next + self.compute_several(scene, pixels, pass, next);
-        for next in next..self.ranges.rows(&self.tile, pass) {
-            if self.is_spent() {
-                self.place.next = next;
-                return;
+        if let Some(part) = self.ranges.part(&self.tile) {
+            let pixels = self.ranges.pixels(&scene.frame, &scene.window, &part);
+            let rows = self.ranges.rows(&self.tile, &part, pass);
+            let next = next.max(rows.start);
+            let next = next + self.compute_several(scene, pixels, &part, pass, next);
+            for next in next..rows.end {
+                if self.is_spent() {
+                    self.place.next = next;
+                    return;
+                }
+                let Scene { frame, window, scorer, .. } = scene;
+                let ranges = self.ranges.compute_row(frame, pixels, window, (&self.tile, &part), pass, next, scorer);
+                self.spend(2 * ranges);
             }
-            let Scene { frame, window, scorer, .. } = scene;
-            let ranges = self.ranges.compute_row(frame, pixels, window, &self.tile, pass, next, scorer);
-            self.spend(2 * ranges);
         }
         if pass == 0 {
             self.spend(words(self.tile.groups())); // by `begin_tile`
         }
         self.place.next = 0;
+        self.ranges.begin_groups();
         self.stage = Stage::Exclude;
     }
 
     /// Computes as many rows of ranges as were granted at once, if the backend can; returns their number.
-    fn compute_several(&mut self, scene: &Scene<'_>, pixels: Option<Image<'_>>, pass: usize, next: usize) -> usize {
+    fn compute_several(
+        &mut self,
+        scene: &Scene<'_>,
+        pixels: Option<Image<'_>>,
+        part: &Tile,
+        pass: usize,
+        next: usize,
+    ) -> usize {
         let Some(pixels) = pixels.filter(|_| Scorer::RANGES_OF_ROWS) else { return 0 };
-        let a_row = 2 * self.ranges.ranges_in_row(&self.tile);
+        let a_row = 2 * self.ranges.ranges_in_row(part);
         let most = self.granted.saturating_sub(self.work).div_ceil(a_row.max(1));
         let most = usize::try_from(most).unwrap_or(usize::MAX);
-        let rows = self.ranges.compute_rows(pixels, &self.tile, pass, next, most, scene.scorer);
+        let rows = self.ranges.compute_rows(pixels, (&self.tile, part), pass, next, most, scene.scorer);
         self.spend(a_row * words(rows));
         rows
     }
 
     #[inline(never)] // one copy in flash
     fn exclude(&mut self, scene: &Scene<'_>) {
-        let needed = self.leaders.needed();
-        while let Some(group) = self.next_group(needed) {
+        let needed = self.leaders.needed().max(1);
+        let (pass, groups) = (self.place.pass.into(), self.tile.groups());
+        for group in self.place.next..groups {
+            if !self.ranges.reaches(group, needed) {
+                continue;
+            }
             if self.is_spent() {
                 return;
             }
-            let pass = self.place.pass.into();
             let compared = self.ranges.bound_group(scene.template, &self.tile, pass, group, needed, scene.scorer);
             self.spend(compared + words(group - self.place.next));
             self.place.next = group + 1;
         }
+        self.spend(words(groups.saturating_sub(self.place.next)));
         self.place.next = 0;
         self.place.pass += 1;
         self.stage = if usize::from(self.place.pass) < self.ranges.passes() { Stage::Ranges } else { Stage::Refine };
     }
 
     /// The next group of the tile that is not excluded.
-    #[cfg_attr(smr_small, inline(never))] // one copy
     fn next_group(&mut self, needed: u32) -> Option<usize> {
         let group = self.ranges.next_group(&self.tile, self.place.next, needed);
         if group.is_none() {
@@ -388,9 +404,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let (column, row) = (group.0 + offset % SIDE, group.1 + offset / SIDE);
         let (x, y) = scene.window.position(self.tile.column + column, self.tile.row + row);
         if offset.is_multiple_of(SIDE) {
-            // To score one offset is faster than to bound four.
-            let are_many = Scorer::BOUNDS_FOUR && row >= new.1 && new.0 + 1 < column + SIDE;
-            self.candidates = if are_many { candidates(scene, x, y, self.leaders.needed()) } else { u8::MAX };
+            let wanted = if row < new.1 { 0 } else { ALL_FOUR << new.0.saturating_sub(column) & ALL_FOUR };
+            self.candidates = self.candidates(scene, (x, y), wanted);
         }
         if column < new.0 || row < new.1 {
             return;
@@ -400,6 +415,20 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         } else {
             self.score(scene, x, y);
         }
+    }
+
+    /// Which of the `wanted` offsets from (`x`, `y`) to the right may matter: see [`Scorer::candidates`]. The leading one is known.
+    fn candidates(&self, scene: &Scene<'_>, (x, y): (i32, i32), mut wanted: u8) -> u8 {
+        if let Some(best) = self.leaders.best()
+            && best.y == y
+        {
+            wanted &= !1u8.checked_shl(best.x.wrapping_sub(x).cast_unsigned()).unwrap_or(0);
+        }
+        // To score one offset is faster than to bound four.
+        if Scorer::BOUNDS_FOUR && wanted & wanted.wrapping_sub(1) != 0 {
+            wanted = candidates(scene, (x, y), self.leaders.needed(), wanted).unwrap_or(wanted);
+        }
+        wanted
     }
 
     fn next_tile(&mut self, scene: &Scene<'_>) {
@@ -431,6 +460,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     #[cfg_attr(smr_small, inline(never))] // one copy in flash
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
+        if self.leaders.best().is_some_and(|best| (best.x, best.y) == (x, y)) {
+            return; // noted already
+        }
         self.spend(area(scene));
         let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
         let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
@@ -440,11 +472,23 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// Which of the four offsets from (`x`, `y`) to the right may score `needed`: see [`Scorer::candidates`]. All four if the box is not wholly
-/// inside the frame at each of them.
-fn candidates(scene: &Scene<'_>, x: i32, y: i32, needed: u32) -> u8 {
-    let four = Rect::new(x, y, scene.template.width().saturating_add(3), scene.template.height());
-    scene.frame.patch(four).map_or(u8::MAX, |patch| scene.scorer.candidates(patch, scene.template, needed))
+/// Which of the `wanted` offsets from (`x`, `y`) to the right may score `needed`. Bounded are the pixels that lie inside the frame at each of
+/// the four. Those outside at each are compared with the padding; the others count as fully similar. `None` if there is nothing to bound.
+fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
+    let Scene { frame, template, scorer, .. } = scene;
+    let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
+    let seen = four.intersection(frame.bounds());
+    let (left, top) = (seen.x.wrapping_sub(x), seen.y.wrapping_sub(y));
+    let at_all = Rect::new(left, top, seen.width.checked_sub(3)?, seen.height);
+    let mut others = 0;
+    if seen != four {
+        let at_any = Rect::new(left.saturating_sub(3), top, seen.width.saturating_add(3), seen.height);
+        let at_any = at_any.intersection(Rect::new(0, 0, template.width(), template.height()));
+        others = at_any.area().saturating_sub(at_all.area()) * u32::from(Table::ONE);
+        others = others.saturating_add(scorer.score_on_padding(*template, at_any));
+    }
+    let needed = needed.checked_sub(others).filter(|&needed| needed > 0)?;
+    Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed, wanted))
 }
 
 /// Offsets of a group.

@@ -1,7 +1,7 @@
 //! Contrast: can a patch show the target at all? The picture of a covered lens cannot, even if its ratio is high.
 
 use crate::image::Image;
-use crate::kernels::rolled;
+use crate::kernels::deviation;
 
 /// The mean gray level of a patch (rounded) and the sum of absolute deviations from it (exact).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,24 +21,14 @@ impl Contrast {
     /// The contrast of at most 65537 pixels: 256 times their sum is less than 2^32.
     #[inline(never)] // one copy in flash
     pub(crate) fn of(pixels: Image<'_>) -> Self {
-        let sum_of = |pixels: &[u8], count: fn(u8, u32) -> u32, mean| {
-            rolled(pixels.iter()).map(|&pixel| count(pixel, mean)).sum::<u32>()
+        let from = |level| {
+            let rows = (0..pixels.height()).map(|y| deviation(pixels.row(y), level));
+            rows.fold([0; 2], |[sum, clipped], [of_row, clipped_of_row]| [sum + of_row, clipped + clipped_of_row])
         };
-        let rows = || (0..pixels.height()).map(|y| pixels.row(y));
         let count = u32::from(pixels.width()) * u32::from(pixels.height());
-        let sum = rows().map(|row| sum_of(row, |pixel, _| pixel.into(), 0)).sum::<u32>();
+        let [sum, _] = from(0);
         let mean = (sum + count / 2) / count.max(1);
-        let (mut deviation, mut cut_off) = (0, 0);
-        for part in rows().flat_map(|row| row.chunks(PART)) {
-            // Both in one pass: the upper 16 bits count clipped pixels, the lower 16 bits sum deviations.
-            let sums = sum_of(
-                part,
-                |pixel, mean| u32::from(pixel).abs_diff(mean) + (u32::from(matches!(pixel, 0 | u8::MAX)) << 16),
-                mean,
-            );
-            deviation += sums & 0xffff;
-            cut_off += sums >> 16;
-        }
+        let [deviation, cut_off] = from(u8::try_from(mean).unwrap_or(u8::MAX));
         Self { pixels: count, mean, deviation, cut_off }
     }
 
@@ -59,8 +49,6 @@ impl Contrast {
     }
 }
 
-/// Pixels of a row that are summed at once: 257 * 255 is the most that 16 bits can hold.
-const PART: usize = 257;
 /// The mean absolute deviation of a picture is at most this: half its pixels are 0, the others 255.
 const MOST_DEVIATION: u32 = 128;
 /// The target may have at most this many times the contrast of the patch.

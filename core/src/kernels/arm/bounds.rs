@@ -11,7 +11,7 @@ use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{ALL_FOUR, Blocks};
+use crate::kernels::scores::Blocks;
 
 /// A table as these kernels look it up, pixel by pixel.
 pub(crate) struct Lookup<'a> {
@@ -55,12 +55,11 @@ impl<'a> Lookup<'a> {
         floor: u32,
         misses: unsafe fn(&Rows, u32) -> u32,
     ) -> Option<u32> {
-        let Some((low, span)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
-        let rows = Rows::between(low, span, template);
+        let Some(rows) = blocks.rows(template) else { return Some(plain::most(template, template)) };
         let full = rows.full_after(0);
         let allowed = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor))?;
         let some_count = (1..256).contains(&self.plain.table.threshold());
-        if !some_count || rows.width < NARROWEST || rows.patch_stride != rows.high_stride {
+        if !some_count || rows.width < NARROWEST {
             return Some(full);
         }
         // SAFETY: there are enough columns, and both halves of the ranges have the same stride.
@@ -68,25 +67,25 @@ impl<'a> Lookup<'a> {
         (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
     }
 
-    /// Which of four offsets may score at least `floor`; all four if the bound is not worth its time. `spare` is called only for at least
-    /// `NARROWEST` columns.
+    /// Which of the `wanted` of four offsets may score at least `floor`; all of them if the bound is not worth its time. `spare` is called only
+    /// for at least `NARROWEST` columns.
     #[inline(always)]
     pub(crate) fn candidates<const NARROWEST: usize>(
         &self,
         rows: &Rows,
-        floor: u32,
+        (floor, wanted): (u32, u8),
         effort: &Effort,
-        spare: unsafe fn(&Rows, &Points, u32) -> [i32; OFFSETS],
+        spare: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS],
     ) -> u8 {
         let points = self.plain.table.points();
-        let needed = points.needed(floor);
+        let needed = points.needed(floor, rows.pixels_after(0), self.plain.table.chord());
         if needed == 0 || rows.width < NARROWEST || !effort.is_worth_it() {
-            return ALL_FOUR;
+            return wanted;
         }
         // SAFETY: there are enough columns. The patch of `Scores::candidates` has three more than the template.
-        let spare = unsafe { spare(rows, points, needed) };
+        let spare = unsafe { spare(rows, points, needed, wanted) };
         let candidates = spare.iter().rev().fold(0, |mask, spare| mask << 1 | u8::from(*spare >= 0));
-        effort.note(candidates != ALL_FOUR);
+        effort.note(candidates != wanted);
         candidates
     }
 

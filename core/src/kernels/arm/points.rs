@@ -3,6 +3,7 @@
 //! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference almost as similarities do. So a
 //! score is at most the number of points divided by a fixed rate, and an offset with too few points is excluded without looking up a table.
 
+use crate::kernels::cut_table::ONE;
 use crate::kernels::unrolling::rolled;
 
 /// How points bound the score by a table that is cut off at a threshold.
@@ -30,10 +31,21 @@ impl Points {
         Self { largest, rate: rates.min().unwrap_or(0) }
     }
 
-    /// The fewest points of an offset that scores at least `floor`; 0 if points bound nothing.
-    pub(super) fn needed(&self, floor: u32) -> u32 {
+    /// The fewest points of an offset with `pixels` pixels that scores at least `floor`; 0 if points bound nothing. Two bounds, the second one tight
+    /// where most pixels are similar:
+    ///
+    /// - A score has at least `rate` points.
+    /// - A pixel loses at least `chord` for each point that it lacks: see [`CutTable::chord`](crate::kernels::CutTable::chord). One that does not
+    ///   count lacks 255 and loses 65535, that is 257 for each.
+    pub(super) fn needed(&self, floor: u32, pixels: u32, chord: u32) -> u32 {
+        if self.rate == 0 {
+            return 0;
+        }
         // The rate is at most 255 * 2^24 / 65535, that of equal pixels. So the quotient fits.
-        u32::try_from((u64::from(floor) * u64::from(self.rate)).div_ceil(1 << 24)).unwrap_or(u32::MAX)
+        let of_score = u32::try_from((u64::from(floor) * u64::from(self.rate)).div_ceil(1 << 24)).unwrap_or(u32::MAX);
+        let lost = (pixels * u32::from(ONE)).saturating_sub(floor);
+        let lacking = lost / chord.clamp(1, u32::from(ONE / u16::from(Self::MOST)));
+        (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 }
 

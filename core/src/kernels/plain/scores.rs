@@ -3,8 +3,12 @@
 
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::Scores;
-use super::super::unrolling::{rolled, rolled_if_spare};
-use crate::image::{Image, Rect};
+#[cfg(any(smr_swar, test, feature = "verify"))]
+use super::super::unrolling::rolled;
+use super::super::unrolling::rolled_if_spare;
+use crate::image::Image;
+#[cfg(any(smr_swar, test, feature = "verify"))]
+use crate::image::Rect;
 
 /// The plain loops as a backend.
 #[derive(Clone, Copy)]
@@ -150,6 +154,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 /// The score of the part of `template` that lies on the padding, which is all zeroes.
 ///
 /// `seen` is the part that lies on the frame, in coordinates of the template. It is empty if the whole template lies on the padding.
+#[cfg(any(smr_swar, test, feature = "verify"))]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))] // keeps its registers out of those of its caller
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
@@ -169,6 +174,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
     sum
 }
 
+#[cfg(any(smr_swar, test, feature = "verify"))]
 #[inline(never)] // one copy in flash
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
     rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()

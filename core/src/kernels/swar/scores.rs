@@ -14,6 +14,8 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
+#[cfg(target_arch = "riscv32")]
+use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Scores};
@@ -37,12 +39,19 @@ pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
     /// Half the threshold, in each byte. A pixel whose upper seven bits are so far outside a range does not count.
     threshold: u32,
+    #[cfg(target_arch = "riscv32")]
+    fours: Effort,
 }
 
 impl<'a> Swar<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { plain: Plain { table }, threshold: u32::from(table.threshold() / 2) * 0x0101_0101 }
+        Self {
+            plain: Plain { table },
+            threshold: u32::from(table.threshold() / 2) * 0x0101_0101,
+            #[cfg(target_arch = "riscv32")]
+            fours: Effort::NEW,
+        }
     }
 }
 
@@ -60,6 +69,34 @@ impl Scores for Swar<'_> {
             }
         }
         Some(reachable).filter(|&score| score >= floor)
+    }
+
+    #[cfg(target_arch = "riscv32")]
+    #[inline(never)]
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+        if !self.fours.is_worth_it() {
+            return wanted;
+        }
+        let rows = Rows::of(patch, template);
+        let of_row = plain::full(rows.width);
+        let mut reachable = [rows.full_after(0); OFFSETS];
+        let mut candidates = wanted;
+        for y in 0..rows.height {
+            let (f, g) = rows.row(y);
+            // SAFETY: the template has `width` pixels there, the patch of `Scores::candidates` has three more.
+            let scores = unsafe { four_row_scores(f, g, rows.width, self.plain.table) };
+            for (number, (reachable, score)) in rolled(reachable.iter_mut().zip(scores).enumerate()) {
+                *reachable -= of_row - score;
+                if *reachable < floor {
+                    candidates &= !(1 << number);
+                }
+            }
+            if candidates == 0 {
+                break;
+            }
+        }
+        self.fours.note(candidates != wanted);
+        candidates
     }
 
     #[inline(always)]
@@ -109,6 +146,52 @@ impl Scores for Swar<'_> {
 unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> u32 {
     // SAFETY: as the caller guarantees.
     unsafe { row_sum(f, g, width, |f, g| table.of_pixels(f, g).into()) }
+}
+
+/// The offsets that are scored at once: the next ones to the right.
+#[cfg(target_arch = "riscv32")]
+const OFFSETS: usize = 4;
+
+/// The scores of `width` pixels at four offsets. A pixel of the frame meets four of the template, and its address in the table is computed
+/// once.
+///
+/// # Safety
+/// So many can be read at `g`, and three more at `f`.
+#[cfg(target_arch = "riscv32")]
+#[inline(never)] // so that nothing else needs a register
+unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
+    let mut sums = [0; OFFSETS];
+    // SAFETY: as the caller guarantees. A signed difference is -255 to 255, and entry 255 of 511 is that of no difference.
+    unsafe {
+        let equal = table.entries().as_ptr().add(255);
+        let mut column = |pixels: [u8; OFFSETS], g: u8| {
+            let of_black = equal.sub(g.into());
+            for (sum, pixel) in sums.iter_mut().zip(pixels) {
+                *sum += u32::from(*of_black.add(pixel.into()));
+            }
+        };
+        let [mut a, mut b, mut c] = [*f, *f.add(1), *f.add(2)];
+        f = f.add(3);
+        for _ in rolled(0..width / OFFSETS) {
+            let d = *f;
+            column([a, b, c, d], *g);
+            a = *f.add(1);
+            column([b, c, d, a], *g.add(1));
+            b = *f.add(2);
+            column([c, d, a, b], *g.add(2));
+            c = *f.add(3);
+            column([d, a, b, c], *g.add(3));
+            // The last three are the next first ones.
+            (f, g) = (f.add(OFFSETS), g.add(OFFSETS));
+        }
+        for _ in rolled(0..width % OFFSETS) {
+            let d = *f;
+            column([a, b, c, d], *g);
+            (a, b, c) = (b, c, d);
+            (f, g) = (f.add(1), g.add(1));
+        }
+    }
+    sums
 }
 
 /// The distance of `width` pixels.

@@ -7,7 +7,7 @@ use crate::image::{Image, Rect};
 use crate::kernels::backend::Backend;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::scorer::Scorer;
-use crate::kernels::scores::{Blocks, RowsOfRanges};
+use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges};
 use std::boxed::Box;
 use std::vec::Vec;
 
@@ -238,7 +238,7 @@ fn all_candidates(backend: Backend) {
                 let scores = [0, 1, 2, 3].map(|column| plain::score(at(column), template, &table));
                 let most = plain::most(template, template);
                 for floor in scores.into_iter().chain([0, 1, scores[usize::from(best)] + 1, most]) {
-                    let candidates = Scorer::new(backend, &table).candidates(patch, template, floor);
+                    let candidates = Scorer::new(backend, &table).candidates(patch, template, floor, ALL_FOUR);
                     for (offset, score) in scores.into_iter().enumerate() {
                         let is_candidate = candidates >> offset & 1 != 0;
                         let of =

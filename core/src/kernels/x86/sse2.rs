@@ -18,7 +18,7 @@ use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 
 impl Vector for __m128i {
@@ -129,13 +129,13 @@ impl Scores for Bound<'_> {
     }
 
     #[inline(always)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         if !self.candidates.is_worth_it() {
-            return ALL_FOUR;
+            return wanted;
         }
         // SAFETY: a `Bound` exists only if SSE2 does, and the pictures are borrowed.
-        let candidates = unsafe { candidates(&Rows::of(patch, template), self.last, floor) };
-        self.candidates.note(candidates != ALL_FOUR);
+        let candidates = unsafe { candidates(&Rows::of(patch, template), self.last, floor) } & wanted;
+        self.candidates.note(candidates != wanted);
         candidates
     }
 
@@ -199,7 +199,7 @@ impl<'a> Bound<'a> {
     /// `None` if no pixel counts, or if there is no SSE2: a `Bound` proves that there is.
     pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
         let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
-        is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::new() })
+        is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::NEW })
     }
 
     /// An upper bound of the score, if it is at least `floor`. `BETWEEN`: the patch lies between two pictures.

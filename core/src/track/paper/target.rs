@@ -7,7 +7,7 @@ use super::template::Template;
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};
-use crate::similarity::{self, Backend, CutTable, Scorer};
+use crate::similarity::{self, Backend, Contrast, CutTable, Scorer};
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
@@ -94,13 +94,19 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
         // A box partly outside the frame has no patch and is not checked.
-        let shows = |target| frame.patch(target).is_none_or(|patch| self.template.is_shown_by(patch));
+        let mut seen = Contrast::NONE;
+        let shows = |target| {
+            frame.patch(target).is_none_or(|patch| {
+                seen = Contrast::of(patch);
+                self.template.is_shown_by(seen)
+            })
+        };
         let track = track.after(&found, &self.config, shows);
         if track.state != State::Lost
             && self.config.update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)
         {
-            self.template.update(patch, &self.config);
+            self.template.update(patch, seen, &self.config);
         }
         self.track = Some(track);
         let peak = ratio(found.peak.score, pixels);

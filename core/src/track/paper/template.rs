@@ -2,7 +2,7 @@
 
 use super::config::Config;
 use crate::image::Image;
-use crate::kernels::rolled;
+use crate::kernels::{replace, rolled};
 use crate::similarity::{Contrast, Table};
 use heapless::Vec;
 
@@ -13,27 +13,30 @@ pub(crate) struct Template<const PIXELS: usize> {
     height: u16,
     /// ceil(alpha), 0 to 256. For an integer d, d < alpha is the same as d < ceil(alpha).
     threshold: u16,
+    /// The contrast of the pixels, or [`Contrast::NONE`] until it is needed.
+    contrast: Contrast,
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
     #[inline(always)] // built in place
     pub(crate) const fn new() -> Self {
         const { assert!(PIXELS <= Table::MAX_PIXELS, "the score of a larger template could overflow") };
-        Self { pixels: Vec::new(), width: 0, height: 0, threshold: 0 }
+        Self { pixels: Vec::new(), width: 0, height: 0, threshold: 0, contrast: Contrast::NONE }
     }
 
     /// Copies `patch`, of at most `PIXELS` pixels, and sets the first threshold.
     pub(crate) fn start(&mut self, patch: Image<'_>, config: &Config) {
+        (self.contrast, self.threshold) = (Contrast::NONE, u16::from(config.first_threshold));
         self.pixels.clear();
         for y in 0..patch.height() {
             self.append(patch.row(y));
         }
         (self.width, self.height) = (patch.width(), patch.height());
-        self.threshold = u16::from(config.first_threshold);
     }
 
     /// Sets the pixels (at most `PIXELS`), their shape and their threshold.
     pub(crate) fn restore(&mut self, pixels: &[u8], (width, height): (u16, u16), threshold: u16) {
+        self.contrast = Contrast::NONE;
         self.pixels.clear();
         self.append(pixels);
         (self.width, self.height, self.threshold) = (width, height, threshold);
@@ -52,32 +55,31 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// Replaces the template G by `patch` G', of the same size, and sets alpha = k * max |G' - G|.
+    /// Replaces the template G by `patch` G', of the same size, and sets alpha = k * max |G' - G|. `contrast` is that of `patch`, if it is known.
     ///
     /// If no pixel changed, alpha stays: with an alpha of 0 no pixel would ever count again.
-    pub(crate) fn update(&mut self, patch: Image<'_>, config: &Config) {
+    pub(crate) fn update(&mut self, patch: Image<'_>, contrast: Contrast, config: &Config) {
         let mut largest = 0;
         let columns = usize::from(self.width);
         for y in 0..patch.height() {
-            let old = self.pixels.get_mut(usize::from(y) * columns..).unwrap_or_default();
-            let new = patch.row(y);
-            // Two loops, so that the compiler vectorizes both.
-            largest = rolled(old.iter().zip(new)).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
-            rolled(old.iter_mut().zip(new)).for_each(|(old, &new)| *old = new);
+            let old = self.pixels.get_mut(usize::from(y) * columns..).and_then(|rest| rest.get_mut(..columns));
+            largest = replace(old.unwrap_or_default(), patch.row(y), largest);
         }
+        self.contrast = contrast;
         if largest > 0 {
             self.threshold = threshold(largest, config).max(config.least_threshold.into());
         }
     }
 
-    /// Whether `patch`, of the same size, can show the target: enough contrast, and not too many pixels at 0 or 255.
-    pub(crate) fn is_shown_by(&self, patch: Image<'_>) -> bool {
-        let is = Contrast::of(patch);
+    /// Whether a patch of the same size with the contrast `is` can show the target: enough contrast, and not too many pixels at 0 or 255.
+    pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
         if is.is_enough_for_any() {
             return true;
         }
-        let was = self.image().map_or(Contrast::NONE, Contrast::of);
-        is.has_contrast_of(was) && !is.is_cut_off_beside(was)
+        if self.contrast == Contrast::NONE {
+            self.contrast = self.image().map_or(Contrast::NONE, Contrast::of);
+        }
+        is.has_contrast_of(self.contrast) && !is.is_cut_off_beside(self.contrast)
     }
 
     /// `None` before the first `start`.

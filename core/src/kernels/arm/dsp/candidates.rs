@@ -50,12 +50,12 @@ macro_rules! add {
     };
 }
 
-/// For each of four offsets a number that is negative only if its points are fewer than `needed`.
+/// For each of the `wanted` of four offsets a number that is negative only if its points are fewer than `needed`; for the others it is negative.
 ///
 /// # Safety
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
-pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; OFFSETS] {
+pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
     let left = pair.width % LANES;
     let words = pair.width - left;
@@ -72,7 +72,7 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; O
     };
     // The points so far and the most that are still to come, less those needed. The offset is excluded once that is negative.
     let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
-    let mut spare = [start; OFFSETS];
+    let mut spare = [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start });
     let [a, b, c, d] = &mut spare;
     // SAFETY: only words within a row are read, in the patch up to three columns further. The stack is as before at the end; nothing
     // else is written.

@@ -32,13 +32,12 @@ const LOSS_WORD: usize = 40;
 pub(crate) struct Dsp<'a> {
     lookup: Lookup<'a>,
     points: Effort,
-    loss: Effort,
 }
 
 impl<'a> Dsp<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::new(), loss: Effort::new() }
+        Self { lookup: Lookup::new(table), points: Effort::NEW }
     }
 }
 
@@ -59,9 +58,6 @@ impl Scores for Dsp<'_> {
         if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
             return self.lookup.plain.score_at_least(patch, template, floor);
         }
-        if floor > 0 && self.excludes(&pair, floor) {
-            return None;
-        }
         // SAFETY: the pictures have at least four columns.
         let reachable = unsafe { reachable(&pair, self.lookup.entries(), floor) };
         Some(reachable).filter(|&score| score >= floor)
@@ -73,8 +69,8 @@ impl Scores for Dsp<'_> {
     }
 
     #[inline(never)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
-        self.lookup.candidates::<LANES>(&Rows::of(patch, template), floor, &self.points, candidates::spare)
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+        self.lookup.candidates::<LANES>(&Rows::of(patch, template), (floor, wanted), &self.points, candidates::spare)
     }
 
     #[inline(never)]
@@ -124,22 +120,10 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     if blocks < LANES {
         return;
     }
-    let from = Spread { rows: rows.each_ref().map(|row| row.as_ptr()), margin: u32::from_ne_bytes([margin; LANES]) };
-    // SAFETY: the rows have the pixels of these blocks, and `low` and `span` have room for them. There are at least four.
-    unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr(), blocks) }
-}
-
-impl Dsp<'_> {
-    /// True only if the score is less than `floor`. The bound takes half the time of a score.
-    #[inline(always)]
-    fn excludes(&self, pair: &Rows, floor: u32) -> bool {
-        if !self.loss.is_worth_it() {
-            return false;
-        }
-        let excluded = self.lookup.most::<LANES>(pair, floor, loss).is_none();
-        self.loss.note(excluded);
-        excluded
-    }
+    let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
+    let from = Spread { rows: [a, b, c, d], margin: u32::from_ne_bytes([margin; LANES]), last: blocks - LANES };
+    // SAFETY: the rows have the pixels of these blocks, and `low` and `span` have room for them.
+    unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr()) }
 }
 
 /// What the loop over rows of `reachable` reads from memory. The assembly knows the offsets.
@@ -375,26 +359,29 @@ struct Spread {
     rows: [*const u8; 4],
     /// By how much each range is widened on both sides, in each lane.
     margin: u32,
+    /// The first of the last four blocks.
+    last: usize,
 }
 
 /// The smallest pixel less the margin, at least 0; and how far the largest pixel and the margin, at most 255, lie above that.
 ///
 /// # Safety
-/// `blocks + 3` bytes can be read at each of the rows, and `blocks` bytes written at `low` and `span`. `blocks` is at least four.
+/// `last + 7` bytes can be read at each of the rows, and `last + 4` bytes written at `low` and `span`.
 #[inline(always)]
-unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
+unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
     // SAFETY: a round takes four blocks: words at `at` and at `at + 4`. The last round takes the last four blocks, perhaps some of them again,
-    // and reads its second word at `last + 3`, the last word of a row.
+    // and reads its second word at `last + 3`, the last word of a row, without the byte before that.
     unsafe {
         asm!(
-            "2:",
+            "1:",
             of_four_rows!("{a}", "{b}"),
-            "cmp {at}, {last}",
-            "bhs 5f",
-            "3:",
+            "2:",
             "add {at}, {at}, #4",
+            "sub {at}, {at}, {again}, lsr #3",
             of_four_rows!("{c}", "{d}"),
-            "4:",
+            "add {at}, {at}, {again}, lsr #3",
+            "lsr {c}, {c}, {again}",
+            "lsr {d}, {d}, {again}",
             of_four_columns!(least, "{a}", "{c}"),
             "ldr {f}, [{rows}, #16]",
             "uqsub8 {e}, {e}, {f}",
@@ -407,20 +394,13 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
             "usub8 {e}, {e}, {f}",
             "str {e}, [{span}, {at}]",
             "mov {b}, {d}",
-            "subs {e}, {at}, {last}",
-            "blo 3b",
-            "cmp {e}, #4", // only after the last round
-            "beq 6f",
-            "mov {at}, {last}",
-            "b 2b",
-            "5:",
-            "add {at}, {at}, #3",
-            of_four_rows!("{c}", "{d}"),
-            "add {at}, {at}, #1",
-            "lsr {c}, {c}, #8",
-            "lsr {d}, {d}, #8",
-            "b 4b",
-            "6:",
+            "ldr {f}, [{rows}, #20]",
+            "cmp {at}, {f}",
+            "blo 2b",
+            "cmp {again}, #0",
+            "mov {again}, #8", // the bits of a byte
+            "mov {at}, {f}",
+            "beq 1b",
             a = out(reg) _,
             b = out(reg) _,
             c = out(reg) _,
@@ -433,7 +413,7 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8, blocks: usize) {
             low = in(reg) low.wrapping_sub(LANES),
             span = in(reg) span.wrapping_sub(LANES),
             at = inout(reg) 0 => _,
-            last = in(reg) blocks - LANES,
+            again = inout(reg) if from.last == 0 { 8 } else { 0 } => _,
             options(nostack),
         );
     }

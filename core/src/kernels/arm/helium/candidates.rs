@@ -18,18 +18,18 @@ macro_rules! add {
     };
 }
 
-/// For each of four offsets a number that is negative only if its points are fewer than `needed`.
+/// For each of the `wanted` of four offsets a number that is negative only if its points are fewer than `needed`; for the others it is negative.
 ///
 /// # Safety
 /// The patch has three more columns than the template.
 #[inline(never)]
-pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32) -> [i32; OFFSETS] {
+pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     let advance = pair.width.next_multiple_of(LANES);
     #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
     let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
     // The points so far and the most that are still to come, less those needed. The offset is excluded once that is negative.
     let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
-    let mut spare = [start; OFFSETS];
+    let mut spare = [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start });
     let [a, b, c, d] = &mut spare;
     // SAFETY: only the `width` pixels of a row are read, in the patch up to three columns further. Nothing is written.
     unsafe {

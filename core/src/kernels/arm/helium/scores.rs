@@ -29,7 +29,7 @@ pub(crate) struct Helium<'a> {
 impl<'a> Helium<'a> {
     #[inline(always)] // see `Scorer::new`
     pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::new() }
+        Self { lookup: Lookup::new(table), points: Effort::NEW }
     }
 }
 
@@ -156,8 +156,8 @@ impl Scores for Helium<'_> {
     }
 
     #[inline(never)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> u8 {
-        self.lookup.candidates::<1>(&Rows::of(patch, template), floor, &self.points, candidates::spare)
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+        self.lookup.candidates::<1>(&Rows::of(patch, template), (floor, wanted), &self.points, candidates::spare)
     }
 }
 

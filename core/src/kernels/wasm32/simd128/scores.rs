@@ -11,7 +11,7 @@ use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::wasm32::*;
 
 impl Vector for v128 {
@@ -96,7 +96,7 @@ impl Lookup {
         let segments = usize::from(threshold).div_ceil(SEGMENT).clamp(1, MANY);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
         let (low, high) = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
-        let mut lookup = Self { low, high, segments, last, candidates: Effort::new() };
+        let mut lookup = Self { low, high, segments, last, candidates: Effort::NEW };
         let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
         for ((low, high), entry) in places.zip(table.entries()) {
             [*low, *high] = entry.to_le_bytes();

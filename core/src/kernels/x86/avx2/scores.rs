@@ -14,7 +14,7 @@ use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 use core::slice;
 
@@ -169,7 +169,7 @@ impl Lookup {
         planes.0.get_mut(..segments).map(xor_within_halves);
         planes.1.get_mut(..segments).map(xor_within_halves);
         let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        Some(Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::new() })
+        Some(Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::NEW })
     }
 }
 

@@ -1,0 +1,76 @@
+//! Sums over the gray levels of a row, and the replacement of a row, by the DSP extension: four pixels at a time. The plain loops are in
+//! `plain/levels.rs`.
+
+use super::scores::LANES;
+use crate::kernels::unrolling::rolled;
+use core::arch::asm;
+
+/// As `plain::deviation`.
+#[inline(always)] // into its one caller
+pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
+    let words = pixels.chunks_exact(LANES);
+    let (mut deviation, mut clipped) = (0, 0);
+    for &pixel in rolled(words.remainder().iter()) {
+        deviation += u32::from(pixel.abs_diff(level));
+        clipped += u32::from(matches!(pixel, 0 | u8::MAX));
+    }
+    for word in words.filter_map(|word| word.first_chunk()) {
+        // SAFETY: works on registers only. A pixel is at 0 or 255 where pixel + 1 is 0 or 1, that is less than 2.
+        unsafe {
+            asm!(
+                "usada8 {deviation}, {word}, {level}, {deviation}",
+                "uadd8 {word}, {word}, {one}",
+                "usub8 {word}, {word}, {two}",
+                "sel {word}, {zero}, {one}",
+                "usada8 {clipped}, {word}, {zero}, {clipped}",
+                deviation = inout(reg) deviation,
+                clipped = inout(reg) clipped,
+                word = inout(reg) u32::from_ne_bytes(*word) => _,
+                level = in(reg) in_lanes(level),
+                zero = in(reg) 0,
+                one = in(reg) in_lanes(1),
+                two = in(reg) in_lanes(2),
+                options(pure, nomem, nostack),
+            );
+        }
+    }
+    [deviation, clipped]
+}
+
+/// As `plain::replace`.
+#[inline(always)] // into its one caller
+pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
+    let (mut old, new) = (old.chunks_exact_mut(LANES), new.chunks_exact(LANES));
+    let rest = new.remainder();
+    let mut most = u32::from(largest);
+    for (old, new) in old.by_ref().zip(new) {
+        let Some((old, &new)) = old.first_chunk_mut().zip(new.first_chunk()) else { continue };
+        // SAFETY: works on registers only. max(m, d) = m + max(d - m, 0) in each lane.
+        unsafe {
+            asm!(
+                "uqsub8 {more}, {old}, {new}",
+                "uqsub8 {old}, {new}, {old}",
+                "orr {old}, {old}, {more}",
+                "uqsub8 {old}, {old}, {most}",
+                "uadd8 {most}, {most}, {old}",
+                more = out(reg) _,
+                old = inout(reg) u32::from_ne_bytes(*old) => _,
+                new = in(reg) u32::from_ne_bytes(new),
+                most = inout(reg) most,
+                options(pure, nomem, nostack),
+            );
+        }
+        *old = new;
+    }
+    let [a, b, c, d] = most.to_ne_bytes();
+    let mut largest = a.max(b).max(c.max(d));
+    for (old, &new) in rolled(old.into_remainder().iter_mut().zip(rest)) {
+        largest = largest.max(old.abs_diff(new));
+        *old = new;
+    }
+    largest
+}
+
+fn in_lanes(byte: u8) -> u32 {
+    u32::from_ne_bytes([byte; LANES])
+}

@@ -1,0 +1,68 @@
+//! Sums over the gray levels of a row, and the replacement of a row, by Helium. The plain loops are in `plain/levels.rs`.
+
+use core::arch::asm;
+
+/// As `plain::deviation`.
+#[inline(always)] // into its one caller
+pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
+    let (mut deviation, mut clipped) = (0, 0);
+    // SAFETY: only `pixels` are read. Nothing is written. A pixel is at 0 or 255 where pixel + 1 is 0 or 1.
+    unsafe {
+        asm!(
+            "vdup.8 q1, {level}",
+            "vmov.i8 q2, #1",
+            "wlstp.8 lr, {count}, 3f",
+            "2:",
+            "vldrb.u8 q0, [{at}], #16",
+            "vabav.u8 {deviation}, q0, q1",
+            "vadd.i8 q0, q0, q2",
+            "vpt.u8 cs, q2, q0",
+            "vaddvat.u8 r2, q2",
+            "letp lr, 2b",
+            "3:",
+            at = inout(reg) pixels.as_ptr() => _,
+            count = in(reg) pixels.len(),
+            level = in(reg) u32::from(level),
+            deviation = inout(reg) deviation,
+            inout("r2") clipped, // even, as the sum of `vaddva` must be
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            options(readonly, nostack),
+        );
+    }
+    [deviation, clipped]
+}
+
+/// As `plain::replace`.
+#[inline(always)] // into its one caller
+pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
+    let mut largest = u32::from(largest);
+    // SAFETY: only the first `count` pixels of each are read, and those of `old` written.
+    unsafe {
+        asm!(
+            "vmov.i8 q2, #0",
+            "wlstp.8 lr, {count}, 3f",
+            "2:",
+            "vldrb.u8 q0, [{new}], #16",
+            "vldrb.u8 q1, [{old}]",
+            "vstrb.8 q0, [{old}], #16",
+            "vabd.u8 q0, q0, q1",
+            "vmax.u8 q2, q2, q0",
+            "letp lr, 2b",
+            "3:",
+            "vmaxv.u8 {largest}, q2",
+            old = inout(reg) old.as_mut_ptr() => _,
+            new = inout(reg) new.as_ptr() => _,
+            count = in(reg) old.len().min(new.len()),
+            largest = inout(reg) largest,
+            out("lr") _,
+            out("q0") _,
+            out("q1") _,
+            out("q2") _,
+            options(nostack),
+        );
+    }
+    largest.to_le_bytes()[0]
+}

@@ -1,0 +1,48 @@
+//! Sums over the gray levels of a row, and the replacement of a row: for the contrast of a patch and the update of a template.
+
+#[cfg(smr_dsp)]
+use super::arm::dsp::levels as fast;
+#[cfg(smr_helium)]
+use super::arm::helium::levels as fast;
+#[cfg(not(any(smr_dsp, smr_helium)))]
+use super::plain::levels as fast;
+#[cfg(feature = "verify")]
+use super::plain::levels as plain;
+/// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. It fits for at most 65537 pixels.
+#[inline(never)] // one copy in flash
+pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
+    let sums = fast::deviation(pixels, level);
+    #[cfg(feature = "verify")]
+    assert_eq!(sums, plain::deviation(pixels, level), "{} pixels", pixels.len());
+    sums
+}
+
+/// Replaces `old` by `new`, of the same length. Gives the largest difference, at least `largest`.
+#[inline(never)] // keeps its registers out of its caller
+pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
+    #[cfg(feature = "verify")]
+    let wanted = old.iter().zip(new).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
+    let largest = fast::replace(old, new, largest);
+    #[cfg(feature = "verify")]
+    assert!(largest == wanted && old == new, "{} pixels", old.len());
+    largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn rows_of_any_length(pixels in prop::collection::vec((any::<u8>(), any::<u8>()), 0..600), level: u8, least: u8) {
+            let (mut old, new): (std::vec::Vec<u8>, std::vec::Vec<u8>) = pixels.into_iter().unzip();
+            let sum = old.iter().map(|&pixel| u32::from(pixel.abs_diff(level))).sum::<u32>();
+            let clipped = old.iter().filter(|&&pixel| pixel == 0 || pixel == 255).count();
+            prop_assert_eq!(deviation(&old, level), [sum, u32::try_from(clipped).unwrap()]);
+            let largest = old.iter().zip(&new).map(|(old, &new)| old.abs_diff(new)).max().unwrap_or(0);
+            prop_assert_eq!(replace(&mut old, &new, least), largest.max(least));
+            prop_assert_eq!(old, new);
+        }
+    }
+}
