@@ -24,7 +24,7 @@
 //! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `dense.rs` | `dense.rs` | `avx2/dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
 //! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | (plain) |
-//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | Helium: `weights.rs` | (plain) |
+//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
 //! "(compiler)": the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and products; the other
 //! loops follow what the program is compiled for.
@@ -64,6 +64,7 @@ mod arm {
         mod groups;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
+        pub(in super::super) mod weights;
     }
     #[cfg(smr_helium)]
     pub(super) mod helium {
@@ -114,6 +115,8 @@ mod swar {
     pub(super) mod products;
     pub(super) mod scores;
 }
+#[cfg(smr_dsp)]
+mod three_sums;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]
 mod verify {

@@ -51,6 +51,8 @@ impl Products {
     /// Products in part `part` of [`Products::gather`].
     pub(crate) fn gather_work(self, part: usize, layout: Layout, weights: usize) -> usize {
         match self.0 {
+            #[cfg(smr_dsp)]
+            Backend::Dsp => layout.span * layout.span * weights / dsp::GATHER_PARTS,
             #[cfg(smr_helium)]
             Backend::Helium => layout.span * layout.span * weights / helium::GATHER_PARTS,
             _ => self.work(part, layout, weights),
@@ -60,18 +62,24 @@ impl Products {
     /// The number of parts of [`Products::gather`].
     pub(crate) fn gather_parts(self, layout: Layout, weights: usize) -> usize {
         match self.0 {
+            #[cfg(smr_dsp)]
+            Backend::Dsp => dsp::GATHER_PARTS,
             #[cfg(smr_helium)]
             Backend::Helium => helium::GATHER_PARTS,
             _ => self.parts(layout, weights),
         }
     }
 
-    /// The parts `parts` of [`plain::responses`]. The caller asks for them in order. `room` is scratch.
+    /// The parts `parts` of [`plain::responses`]. The caller asks for them in order. `room` and `spare`, best with a number for each weight, are
+    /// scratch memory; from one part to the next they stay as they are.
     #[inline(never)] // one copy in flash for each span
+    #[cfg_attr(not(smr_dsp), allow(unused))]
+    #[allow(clippy::too_many_arguments)]
     pub(crate) fn responses<const N: usize>(
         self,
         parts: Range<usize>,
-        #[cfg_attr(smr_helium, allow(unused))] room: &mut Packed,
+        room: &mut Packed,
+        spare: &mut [i32],
         cells: &[i8],
         layout: Layout,
         weights: &[i16],
@@ -84,7 +92,7 @@ impl Products {
             // SAFETY: `new` has checked that the machine has AVX2.
             Backend::Avx2 => unsafe { avx2::responses(parts, cells, layout, weights, out) },
             #[cfg(smr_dsp)]
-            Backend::Dsp => dsp::responses(parts, room, cells, layout, weights, out),
+            Backend::Dsp => dsp::responses(parts, room, spare, cells, layout, weights, out),
             #[cfg(smr_helium)]
             Backend::Helium => helium::responses(parts, cells, layout, weights, out),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -104,7 +112,7 @@ impl Products {
         }
     }
 
-    /// The parts `parts` of [`plain::gather`]. `room` is scratch.
+    /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` is scratch; from one part to the next it stays as it is.
     #[inline(never)] // one copy in flash
     pub(crate) fn gather<const N: usize>(
         self,

@@ -5,6 +5,9 @@ use super::super::unrolling::rolled_if_spare;
 /// The largest absolute value of [`number`]. A negative number is rounded down after its sign is taken away.
 #[inline(always)] // into its one caller
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
+    if factor == 0 {
+        return rolled_if_spare(sums.iter()).map(|sum| (sum << left).unsigned_abs()).max().unwrap_or(0);
+    }
     let size = |(&weight, &sum): (&i32, &i32)| match number(weight, factor, sum << left) {
         number @ 0.. => number.unsigned_abs(),
         _ => number(weight, -factor, (sum << left).wrapping_neg()).cast_unsigned(),
@@ -12,6 +15,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
+#[cfg(any(not(smr_dsp), feature = "verify"))]
 /// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
 #[inline(always)] // into its one caller
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {

@@ -185,7 +185,7 @@ fn offsets<const COUNT: usize>() -> [usize; COUNT] {
 #[inline(never)]
 fn biased(row: &[i8], room: &mut Packed) -> *const u8 {
     // SAFETY: a byte may have any value.
-    let room = unsafe { room.align_to_mut::<u8>().1 };
+    let room = unsafe { room.0.align_to_mut::<u8>().1 };
     // To a place that differs from the row's by whole words, so that both have their words at the same bytes.
     let start = row.as_ptr().addr().wrapping_sub(room.as_ptr().addr()) % WORD;
     let copy = room.get_mut(start..).and_then(|room| room.get_mut(..row.len())).unwrap_or_default();

@@ -51,7 +51,7 @@ impl Extractor {
         Self {
             sampling: Scratch::new(),
             lines: [[0; COLUMNS]; SIDE],
-            sums: [0; PACKED],
+            sums: Packed::new(),
             energies: [[0; ROW]; 3],
             next: 0,
         }
@@ -101,7 +101,7 @@ impl Extractor {
         let (across, down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
         let row = *next;
         *next += 1;
-        let (even, odd) = sums.as_chunks_mut().0.split_at_mut(CHANNELS);
+        let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         let [above, at, below] = &mut *energies;
         for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {

@@ -31,7 +31,6 @@ use super::response::Responses;
 use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
 use crate::track::update::UnderWay;
-use heapless::Vec;
 
 /// The inputs: the filter, and a window in which the target was found.
 pub(super) struct Training<'a> {
@@ -45,7 +44,8 @@ pub(super) struct Training<'a> {
 
 /// Scratch memory of learning. The scale search also uses `responses`.
 pub(super) struct Scratch {
-    gradient: Vec<i32, WEIGHTS>,
+    /// Scratch memory between two gradients.
+    pub(super) gradient: [i32; WEIGHTS],
     /// Errors before they are coded; then responses to the direction.
     pub(super) responses: [[i32; SPAN]; SPAN],
     errors: [[i16; SPAN]; SPAN],
@@ -54,7 +54,7 @@ pub(super) struct Scratch {
 impl Scratch {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
-        Self { gradient: Vec::new(), responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
+        Self { gradient: [0; WEIGHTS], responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
     }
 
     /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
@@ -63,8 +63,7 @@ impl Scratch {
         let Self { gradient, responses: errors, errors: coded } = self;
         let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
         ScaledSums::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
-        gradient.clear();
-        let _ = gradient.resize_default(training.filter.weights().len());
+        rolled(gradient.iter_mut()).for_each(|sum| *sum = 0);
         shift
     }
 
@@ -193,7 +192,8 @@ impl Learning {
             }
             Phase::Gradient { part, error_shift } => {
                 work.spend(units(products.gather_work(part, layout, count)));
-                let done = add_gradient(*products, packed, *window, &scratch.errors, part, &mut scratch.gradient);
+                let gradient = scratch.gradient.get_mut(..count).unwrap_or_default();
+                let done = add_gradient(*products, packed, *window, &scratch.errors, part, gradient);
                 self.phase = if done {
                     Phase::Direction { error_shift }
                 } else {
@@ -207,7 +207,7 @@ impl Learning {
             }
             Phase::Curvature { part, descent } => {
                 work.spend(units(products.work(part, layout, count)));
-                if direction.respond(*products, packed, *window, part, &mut scratch.responses) {
+                if direction.respond(*products, packed, &mut scratch.gradient, *window, part, &mut scratch.responses) {
                     work.spend(CODED * weights(grid));
                     return Some(scratch.step_length(direction.numbers(), descent, self.rate));
                 }
@@ -222,7 +222,7 @@ impl Learning {
 mod tests {
     use super::super::response::layout;
     use super::*;
-    use crate::kernels::{Backend, PACKED};
+    use crate::kernels::Backend;
     use std::vec::Vec as Many;
 
     /// Compares with sums in 64 bits, where all units are 1.
@@ -242,7 +242,7 @@ mod tests {
         {
             for shift in 0..=3 {
                 filter.restore(count, core::iter::repeat_with(|| 8 * noise(of_weight)));
-                scratch.gradient = core::iter::repeat_with(|| noise(of_sum)).take(count).collect();
+                scratch.gradient.fill_with(|| noise(of_sum));
                 let sums = filter.weights().iter().zip(&scratch.gradient);
                 let slope = |(&weight, &sum): (&i32, &i32)| {
                     REGULARISATION * i64::from(weight) + (i64::from(sum) << (16 + shift))
@@ -271,7 +271,7 @@ mod tests {
             .collect();
         let (mut filter, mut scratch, mut coded) = (Filter::new(), Scratch::new(), Coded::new());
         filter.start(grid.weights());
-        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), [0; PACKED], UnderWay::NOTHING);
+        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), Packed::new(), UnderWay::NOTHING);
         let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
         let mut responses = Responses { span: SPAN, ..Responses::new() };
         for _ in 0..25 {
@@ -284,7 +284,15 @@ mod tests {
             filter.descend(length.unwrap(), &coded);
             filter.code(&mut coded);
             let mut parts = 0..;
-            while !responses.advance(&coded, products, &mut packed, window, parts.next().unwrap(), &mut work) {}
+            while !responses.advance(
+                &coded,
+                products,
+                &mut packed,
+                &mut scratch.gradient,
+                window,
+                parts.next().unwrap(),
+                &mut work,
+            ) {}
         }
         let peak = responses.peak(false);
         assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");

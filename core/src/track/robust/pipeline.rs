@@ -219,9 +219,9 @@ impl Model<'_> {
                 }
             }
             Stage::Response(purpose, part) => {
-                let Buffers { extractor, cells, coded, responses, .. } = buffers;
-                let window = self.window(cells);
-                let done = responses.advance(coded, self.products(), extractor.packed(), window, *part, work);
+                let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
+                let (window, spare) = (self.window(cells), &mut learning.gradient);
+                let done = responses.advance(coded, self.products(), extractor.packed(), spare, window, *part, work);
                 *part += 1;
                 match *purpose {
                     _ if !done => {}
@@ -416,7 +416,7 @@ impl Model<'_> {
         let Track { grid, bounds, .. } = &self.track;
         (
             Tools { grid, bounds: *bounds, weights: coded, products: self.products() },
-            scale::Scratch { extractor, cells: scale_cells, responses: &mut learning.responses },
+            scale::Scratch { extractor, cells: scale_cells, learning },
         )
     }
 
@@ -437,13 +437,14 @@ impl Model<'_> {
     #[cfg(feature = "unstable")]
     pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
-        let Buffers { extractor, cells, coded, responses, .. } = buffers;
+        let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
         responses.rows = [[0; SPAN]; SPAN];
         let mut parts = 0..;
         while !responses.advance(
             coded,
             self.products(),
             extractor.packed(),
+            &mut learning.gradient,
             self.window(cells),
             parts.next().unwrap_or(0),
             work,

@@ -326,7 +326,7 @@ pub(crate) fn gather<const N: usize>(
     let cells_across = row / STEP;
     let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {
-        let plane = room.as_mut_ptr().cast::<i8>();
+        let plane = room.0.as_mut_ptr().cast::<i8>();
         // SAFETY: one byte of each cell under the filter is read: `fits` has checked that they are there, `room_for` that the room suffices.
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
