@@ -35,6 +35,14 @@ impl<'a> ScaledSums<'a> {
             assert_eq!(largest, plain::largest(weights, factor.into(), sums, left), "the largest number");
             return largest;
         }
+        #[cfg(smr_dsp)]
+        {
+            let largest = dsp::largest(weights, factor, sums, left);
+            #[cfg(feature = "verify")]
+            assert_eq!(largest, plain::largest(weights, factor, sums, left), "the largest number");
+            return largest;
+        }
+        #[cfg(not(smr_dsp))]
         plain::largest(weights, factor, sums, left)
     }
 

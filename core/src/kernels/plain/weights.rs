@@ -2,6 +2,7 @@
 
 use super::super::unrolling::rolled_if_spare;
 
+#[cfg(any(not(smr_dsp), feature = "verify"))]
 /// The largest absolute value of [`number`]. A negative number is rounded down after its sign is taken away.
 #[inline(always)] // into its one caller
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
@@ -26,6 +27,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
+#[cfg(any(not(smr_dsp), feature = "verify"))]
 /// `weight * factor / 2^32 + sum`; the quotient is rounded down.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits

@@ -53,60 +53,65 @@ pub(crate) fn responses<const N: usize>(
     };
     let pairs = Pairs::new(layout, down);
     if parts.start == 0 {
-        let of = |number: usize| weights.get(number * row..(number + 1) * row).unwrap_or_default();
-        for (number, to) in (0..pairs.rows_of_factors()).zip(spare.chunks_exact_mut(of_row)) {
+        for number in 0..pairs.rows_of_factors() {
             let (first, second) = pairs.factors(number);
-            weights_by_channels(to, of(first), second.map(of).unwrap_or_default());
+            let [first, second] =
+                [first, second.unwrap_or(first)].map(|number| weights.as_ptr().wrapping_add(number * row));
+            // SAFETY: the filter has these rows, and `spare` has room for a row of factors.
+            unsafe { weights_by_channels(spare.as_mut_ptr().wrapping_add(number * of_row), row / STEP, first, second) };
         }
     }
     let (unpacked, both) = room.words().split_at_mut(width * PAIRS);
     let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
-    pairs.responses(parts, &mut Unpacked { cells, layout, width, unpacked, factors: spare }, both, out);
+    let mut rows = Unpacked {
+        cells: cells.as_ptr(),
+        stride: layout.stride,
+        unpacked: unpacked.as_mut_ptr(),
+        width,
+        factors: spare.as_ptr(),
+        of_row,
+    };
+    pairs.responses(parts, &mut rows, both, out);
 }
 
-/// A row of cells.
-struct Unpacked<'a> {
-    cells: &'a [i8],
-    layout: Layout,
+/// A row of cells on rows of factors. `fits` has checked that all rows of cells are there.
+struct Unpacked {
+    cells: *const i8,
+    stride: usize,
+    unpacked: *mut i32,
     /// Cells in a row.
     width: usize,
-    unpacked: &'a mut [i32],
-    /// Rows of factors.
-    factors: &'a [i32],
+    factors: *const i32,
+    /// Factors in a row.
+    of_row: usize,
 }
 
-impl Rows for Unpacked<'_> {
+impl Rows for Unpacked {
     #[inline(always)]
     fn take(&mut self, first: usize, second: Option<usize>) {
-        let of = |row: usize| {
-            let from = row * self.layout.stride;
-            self.cells.get(from..from + self.width * STEP).unwrap_or_default()
-        };
-        cells_by_channels(self.unpacked, of(first), second.map(of));
+        let of = |row: usize| self.cells.wrapping_add(row * self.stride);
+        // SAFETY: the cells have these rows, and there is room for five words for each cell.
+        unsafe { cells_by_channels(self.unpacked, self.width, of(first), second.map(of)) };
     }
 
     #[inline(always)]
     fn add(&mut self, number: usize, sums: &mut [i32]) {
-        let Self { layout: Layout { row, .. }, width, .. } = *self;
-        let Some(factors) = self.factors.get(number * row / 2..(number + 1) * row / 2) else { return };
-        let numbers = self.unpacked.as_ptr();
+        let Self { unpacked, width, of_row, .. } = *self;
+        let factors = self.factors.wrapping_add(number * of_row);
         // SAFETY: five rows of factors lie on five rows of numbers, at each offset.
-        unsafe { Slide { factors, numbers, count: row / STEP, width }.add(sums) };
+        unsafe { Slide { factors, count: of_row / PAIRS, numbers: unpacked, width, rows: PAIRS }.add(sums) };
     }
 }
 
-/// Pairs of channels of the cells of `first`, less those of `second` if there are any: the pair of each cell, then the next pair of each
+/// Pairs of channels of `width` cells from `first`, less those from `second` if there are any: the pair of each cell, then the next pair of each
 /// cell. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
+///
+/// # Safety
+/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is not 0.
 #[inline(never)] // one copy in flash
-fn cells_by_channels(to: &mut [i32], first: &[i8], second: Option<&[i8]>) {
-    static ZEROES: [i8; STEP + 2] = [0; STEP + 2];
-    let width = to.len() / PAIRS;
-    let (second, step) = second.map_or((&ZEROES[..], 0), |second| (second, STEP));
-    if width == 0 || first.len() < width * STEP || step > 0 && second.len() < width * STEP {
-        return;
-    }
-    // SAFETY: `width` cells of ten bytes are read from `first`, and from `second` as many or always the same one. `width` words are written for
-    // each of five pairs. Words need not be aligned.
+unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
+    static ZEROES: [i8; STEP] = [0; STEP];
+    // SAFETY: as the caller guarantees; without `second` zeroes are read again and again. Words need not be aligned.
     unsafe {
         asm!(
             "2:",
@@ -141,12 +146,12 @@ fn cells_by_channels(to: &mut [i32], first: &[i8], second: Option<&[i8]>) {
             "add {second}, {second}, {step}",
             "subs {count}, {count}, #1",
             "bne 2b",
-            first = inout(reg) first.as_ptr() => _,
-            second = inout(reg) second.as_ptr() => _,
-            step = in(reg) step,
-            to = inout(reg) to.as_mut_ptr() => _,
-            third = inout(reg) to.as_mut_ptr().wrapping_add(2 * width) => _,
-            last = inout(reg) to.as_mut_ptr().wrapping_add(4 * width) => _,
+            first = inout(reg) first => _,
+            second = inout(reg) second.unwrap_or(ZEROES.as_ptr()) => _,
+            step = in(reg) if second.is_some() { STEP } else { 0 },
+            to = inout(reg) to => _,
+            third = inout(reg) to.wrapping_add(2 * width) => _,
+            last = inout(reg) to.wrapping_add(4 * width) => _,
             width = in(reg) WORD * width,
             count = inout(reg) width => _,
             x = out(reg) _,
@@ -158,32 +163,64 @@ fn cells_by_channels(to: &mut [i32], first: &[i8], second: Option<&[i8]>) {
     }
 }
 
-/// The same pairs of the weights of `first`, plus those of `second` if there are any.
+/// The same pairs of the weights from `first`, plus those from `second` unless both are the same.
+///
+/// # Safety
+/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is not 0.
 #[inline(never)] // one copy in flash
-fn weights_by_channels(to: &mut [i32], first: &[i16], second: &[i16]) {
-    const NUMBERS: [[usize; 2]; PAIRS] = [[0, 2], [1, 3], [4, 6], [5, 7], [8, 9]];
-    let ((first, _), (second, _)) = (first.as_chunks::<STEP>(), second.as_chunks());
-    let width = to.len() / PAIRS;
-    for (cell, first) in rolled(first.iter().enumerate()) {
-        let second = second.get(cell).unwrap_or(&[0; STEP]);
-        let mut at = cell;
-        for [low, high] in NUMBERS {
-            if let Some(to) = to.get_mut(at) {
-                *to = pair((first[low] + second[low]).into(), (first[high] + second[high]).into());
-            }
-            at += width;
-        }
+unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
+    // SAFETY: as the caller guarantees. Words need not be aligned.
+    unsafe {
+        asm!(
+            "2:",
+            "mov {pairs}, {to}",
+            "3:",
+            "ldr {x}, [{first}], #4",
+            "ldr {y}, [{second}], #4",
+            "and {y}, {y}, {mask}",
+            "sadd16 {x}, {x}, {y}",
+            "ldr {u}, [{first}], #4",
+            "ldr {y}, [{second}], #4",
+            "and {y}, {y}, {mask}",
+            "sadd16 {u}, {u}, {y}",
+            "pkhbt {y}, {x}, {u}, lsl #16",
+            "str {y}, [{pairs}]",
+            "pkhtb {x}, {u}, {x}, asr #16",
+            "str {x}, [{pairs}, {width}]",
+            "add {pairs}, {pairs}, {width}, lsl #1",
+            "eors {again}, {again}, #1",
+            "bne 3b",
+            "ldr {x}, [{first}], #4",
+            "ldr {y}, [{second}], #4",
+            "and {y}, {y}, {mask}",
+            "sadd16 {x}, {x}, {y}",
+            "str {x}, [{pairs}]",
+            "adds {to}, #4",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            first = inout(reg) first => _,
+            second = inout(reg) second => _,
+            to = inout(reg) to => _,
+            width = in(reg) WORD * width,
+            count = inout(reg) width => _,
+            mask = in(reg) -i32::from(first != second),
+            again = inout(reg) 0 => _,
+            pairs = out(reg) _,
+            x = out(reg) _,
+            y = out(reg) _,
+            u = out(reg) _,
+            options(nostack),
+        );
     }
 }
 
-/// Pairs of the bytes of a channel of two rows of cells.
+/// Pairs of a byte of `width` cells from `upper` and from `lower`.
+///
+/// # Safety
+/// These bytes can be read, and as many words written. `width` is not 0.
 #[inline(always)] // into its one caller
-fn rows_of_channel(to: &mut [i32], upper: &[i8], lower: &[i8]) {
-    let bytes = (to.len() * STEP).saturating_sub(STEP - 1);
-    if to.is_empty() || upper.len() < bytes || lower.len() < bytes {
-        return;
-    }
-    // SAFETY: a byte of each cell is read from both rows.
+unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *const i8) {
+    // SAFETY: as the caller guarantees.
     unsafe {
         asm!(
             "2:",
@@ -193,10 +230,10 @@ fn rows_of_channel(to: &mut [i32], upper: &[i8], lower: &[i8]) {
             "str {x}, [{to}], #4",
             "subs {count}, {count}, #1",
             "bne 2b",
-            upper = inout(reg) upper.as_ptr() => _,
-            lower = inout(reg) lower.as_ptr() => _,
-            to = inout(reg) to.as_mut_ptr() => _,
-            count = inout(reg) to.len() => _,
+            upper = inout(reg) upper => _,
+            lower = inout(reg) lower => _,
+            to = inout(reg) to => _,
+            count = inout(reg) width => _,
             x = out(reg) _,
             y = out(reg) _,
             options(nostack),
@@ -241,36 +278,37 @@ pub(crate) fn gather<const N: usize>(
     let rows = layout.rows(sums.len());
     let (both, mut of_row) = (rows.div_ceil(2), [0; MOST]);
     let of_row = of_row.get_mut(..across).unwrap_or_default();
+    let (pairs, numbers) = (pairs.as_ptr(), numbers.as_mut_ptr());
     for channel in parts.start..parts.end.min(STEP) {
-        for first in (0..both).step_by(most) {
+        let mut first = 0;
+        while first < both {
             let last = both.min(first + most);
-            for (number, to) in (first..last).zip(numbers.chunks_exact_mut(width)) {
-                let of = |row: usize| cells.get(row * stride + channel..).unwrap_or_default();
+            for number in first..last {
+                let of = |row: usize| cells.as_ptr().wrapping_add(row * stride + channel);
                 // The row below the last one may hold anything: no error is multiplied with it.
-                rows_of_channel(to, of(2 * number), of((2 * number + 1).min(rows - 1)));
+                let (upper, lower) = (of(2 * number), of((2 * number + 1).min(rows - 1)));
+                // SAFETY: the cells have these rows, and there is room for `most` rows of numbers.
+                unsafe { bytes_of_rows(numbers.wrapping_add((number - first) * width), width, upper, lower) };
             }
             for (y, sums) in sums.chunks_exact_mut(row).enumerate().take(down) {
                 let (from, to) = (first.max(y / 2), last.min(y / 2 + high));
                 if from >= to {
                     continue;
                 }
-                let at = (y % 2 * high + from - y / 2) * span;
-                let (Some(factors), Some(numbers)) =
-                    (pairs.get(at..at + (to - from) * span), numbers.get((from - first) * width..))
-                else {
-                    continue;
-                };
                 let (cells, _) = sums.as_chunks_mut::<STEP>();
                 let of_channel = |cell: &[i32; STEP]| cell.get(channel).copied().unwrap_or(0);
                 rolled(of_row.iter_mut().zip(&*cells)).for_each(|(sum, cell)| *sum = of_channel(cell));
+                let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
+                let numbers = numbers.wrapping_add((from - first) * width);
                 // SAFETY: the rows of errors lie on as many rows of numbers, at each offset.
-                unsafe { Slide { factors, numbers: numbers.as_ptr(), count: span, width }.add(of_row) };
+                unsafe { Slide { factors, count: span, numbers, width, rows: to - from }.add(of_row) };
                 for (sum, cell) in rolled(of_row.iter().zip(cells)) {
                     if let Some(to) = cell.get_mut(channel) {
                         *to = *sum;
                     }
                 }
             }
+            first = last;
         }
     }
 }
@@ -291,18 +329,19 @@ fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
 
 /// Rows of `count` factors on rows of numbers, which are `width` numbers long.
 #[derive(Clone, Copy)]
-struct Slide<'a> {
-    factors: &'a [i32],
-    numbers: *const i32,
+struct Slide {
+    factors: *const i32,
     count: usize,
+    numbers: *const i32,
     width: usize,
+    rows: usize,
 }
 
-impl Slide<'_> {
+impl Slide {
     /// Adds to each sum the products of all factors and the numbers under them. From one sum to the next the factors move on by one number.
     ///
     /// # Safety
-    /// `count` is at least `LEAST`, and there are whole rows of factors. For each of these rows, `count + sums.len() - 1` numbers can be read.
+    /// The factors can be read, and `count + sums.len() - 1` numbers of each row. `count` is at least `LEAST`, and `rows` is not 0.
     #[inline(never)] // one copy in flash
     unsafe fn add(mut self, sums: &mut [i32]) {
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
@@ -333,14 +372,14 @@ macro_rules! add {
 /// loaded again.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
-        impl Slide<'_> {
+        impl Slide {
             /// Adds to n sums, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
-                let Self { factors, numbers, count, width } = *self;
+                let Self { factors, count, numbers, width, rows } = *self;
                 // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums and the stack is written:
                 // it saves r6 and r7, which `asm!` may not name, and what is needed after each row.
                 unsafe {
@@ -375,10 +414,10 @@ macro_rules! slide {
                         inout("r0") sums => _,
                         // From the end of a row to the next one.
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
-                        inout("r8") factors.as_ptr_range().end => _,
+                        inout("r8") factors.wrapping_add(rows * count) => _,
                         // Not negative; its two lowest bits are those of the count.
                         inout("r11") count.wrapping_sub(LEAST) => _,
-                        inout("r12") factors.as_ptr() => _,
+                        inout("r12") factors => _,
                         inout("lr") numbers => _,
                         out("r1") _,
                         out("r2") _,

@@ -2,6 +2,50 @@
 
 use core::arch::asm;
 
+/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`. A negative number is rounded down after its sign is taken away.
+pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
+    let count = weights.len().min(sums.len());
+    let mut largest = 0;
+    if count == 0 {
+        return largest;
+    }
+    let [lower, upper] = halves(factor);
+    // SAFETY: each slice has `count` numbers.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {weight}, [{weights}], #4",
+            "ldr {sum}, [{sums}], #4",
+            "lsls {sum}, {left}",
+            "smmla {number}, {weight}, {lower}, {sum}",
+            "mla {number}, {weight}, {upper}, {number}",
+            "cmp {number}, #0",
+            "bge 3f",
+            "rsbs {sum}, {sum}, #0",
+            "smmls {number}, {weight}, {lower}, {sum}",
+            "mls {number}, {weight}, {upper}, {number}",
+            "3:",
+            "cmp {largest}, {number}",
+            "it lo",
+            "movlo {largest}, {number}",
+            "subs {count}, #1",
+            "bne 2b",
+            weights = inout(reg) weights.as_ptr() => _,
+            sums = inout(reg) sums.as_ptr() => _,
+            count = inout(reg) count => _,
+            lower = in(reg) lower,
+            upper = in(reg) upper,
+            left = in(reg) left,
+            largest = inout(reg) largest,
+            weight = out(reg) _,
+            sum = out(reg) _,
+            number = out(reg) _,
+            options(readonly, nostack),
+        );
+    }
+    largest
+}
+
 /// Each `weight * factor / 2^32 + (sum << left)`, divided by `2^shift` and rounded.
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let count = weights.len().min(sums.len()).min(out.len());
