@@ -115,7 +115,7 @@ mod swar {
     pub(super) mod products;
     pub(super) mod scores;
 }
-#[cfg(smr_dsp)]
+#[cfg(not(smr_helium))]
 mod three_sums;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]

@@ -30,21 +30,26 @@ impl Products {
 
     /// The number of parts of [`Products::responses`]. Each backend chooses its parts; a part has at most 34 products for each weight.
     pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
-        let _ = weights;
-        match self.0 {
-            #[cfg(smr_dsp)]
-            Backend::Dsp => layout.rows(weights).div_ceil(2),
-            _ => layout.span,
-        }
+        if self.takes_rows_of_cells() { layout.rows(weights).div_ceil(2) } else { layout.span }
     }
 
     /// Products in part `part` of the responses.
     pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
-        let _ = part;
+        if self.takes_rows_of_cells() {
+            (2 * part..2 * part + 2).map(|row| layout.work_on(row, weights)).sum()
+        } else {
+            layout.span * weights
+        }
+    }
+
+    /// Whether a part of the responses is two rows of cells; else it is a row of offsets.
+    fn takes_rows_of_cells(self) -> bool {
         match self.0 {
             #[cfg(smr_dsp)]
-            Backend::Dsp => (2 * part..2 * part + 2).map(|row| layout.work_on(row, weights)).sum(),
-            _ => layout.span * weights,
+            Backend::Dsp => true,
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            Backend::Swar => true,
+            _ => false,
         }
     }
 
@@ -73,7 +78,7 @@ impl Products {
     /// The parts `parts` of [`plain::responses`]. The caller asks for them in order. `room` and `spare`, best with a number for each weight, are
     /// scratch memory; from one part to the next they stay as they are.
     #[inline(never)] // one copy in flash for each span
-    #[cfg_attr(not(smr_dsp), allow(unused))]
+    #[cfg_attr(smr_helium, allow(unused))]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn responses<const N: usize>(
         self,
@@ -98,7 +103,7 @@ impl Products {
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Backend::Simd128 => simd128::responses(parts, cells, layout, weights, out),
             #[cfg(not(any(smr_dsp, smr_helium)))]
-            Backend::Swar => swar::responses(parts, room, cells, layout, weights, out),
+            Backend::Swar => swar::responses(parts, room, spare, cells, layout, weights, out),
             _ => plain::responses(parts, cells, layout, weights, out),
         }
         #[cfg(feature = "verify")]
@@ -112,12 +117,16 @@ impl Products {
         }
     }
 
-    /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` is scratch; from one part to the next it stays as it is.
+    /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` and `spare`, best with a number for each cell of the filter,
+    /// are scratch memory; from one part to the next they stay as they are.
     #[inline(never)] // one copy in flash
+    #[cfg_attr(not(smr_dsp), allow(unused))]
+    #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(
         self,
         parts: Range<usize>,
         room: &mut Packed,
+        spare: &mut [i32],
         cells: &[i8],
         layout: Layout,
         errors: &[[i16; N]],
@@ -133,7 +142,7 @@ impl Products {
             // SAFETY: `new` has checked that the machine has AVX2.
             Backend::Avx2 => unsafe { avx2::gather(parts, cells, layout, errors, sums) },
             #[cfg(smr_dsp)]
-            Backend::Dsp => dsp::gather(parts, room, cells, layout, errors, sums),
+            Backend::Dsp => dsp::gather(parts, room, spare, cells, layout, errors, sums),
             #[cfg(smr_helium)]
             Backend::Helium => helium::gather(parts, room, cells, layout, errors, sums),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]

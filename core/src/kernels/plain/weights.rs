@@ -6,9 +6,6 @@ use super::super::unrolling::rolled_if_spare;
 /// The largest absolute value of [`number`]. A negative number is rounded down after its sign is taken away.
 #[inline(always)] // into its one caller
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
-    if factor == 0 {
-        return rolled_if_spare(sums.iter()).map(|sum| (sum << left).unsigned_abs()).max().unwrap_or(0);
-    }
     let size = |(&weight, &sum): (&i32, &i32)| match number(weight, factor, sum << left) {
         number @ 0.. => number.unsigned_abs(),
         _ => number(weight, -factor, (sum << left).wrapping_neg()).cast_unsigned(),
@@ -32,6 +29,10 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
 fn number(weight: i32, factor: i64, sum: i32) -> i32 {
+    // Without a multiplier of 64 bits a product is expensive.
+    if factor == 0 {
+        return sum;
+    }
     ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
 }
 

@@ -50,7 +50,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     let mut sums: Vec<i32> = noise(layout.row * down, 3, 9000).collect();
     let mut wanted = sums.clone();
     for part in 0..products.gather_parts(layout, sums.len()) {
-        products.gather(part..part + 1, &mut room, cells, layout, &errors, &mut sums);
+        products.gather(part..part + 1, &mut room, &mut spare, cells, layout, &errors, &mut sums);
     }
     gather(0..layout.span, cells, layout, &errors, &mut wanted);
     assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
@@ -95,7 +95,15 @@ fn extremes(backend: Backend) {
         products.responses(0..17, &mut Packed::new(), &mut [0; 2000], &cells, layout, &[sign * 8191; 2000], &mut out);
         assert_eq!(out, [[2000 * 8191 * i32::from(sign) * i32::from(cell); 17]; 17], "{backend:?}");
         let mut sums = [0; 2000];
-        products.gather(0..17, &mut Packed::new(), &cells, layout, &[[sign * 16_383; 17]; 17], &mut sums);
+        products.gather(
+            0..17,
+            &mut Packed::new(),
+            &mut [0; 2000],
+            &cells,
+            layout,
+            &[[sign * 16_383; 17]; 17],
+            &mut sums,
+        );
         assert_eq!(sums, [289 * 16_383 * i32::from(sign) * i32::from(cell); 2000], "{backend:?}");
     }
 }

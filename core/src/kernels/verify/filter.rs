@@ -73,7 +73,7 @@ fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut 
     let errors = [(); SPAN].map(|()| [(); SPAN].map(|()| small(16_383, 16_383)));
     let mut sums: heapless::Vec<i32, WEIGHTS> = filter.iter().map(|_| small(9000, -9000).into()).collect();
     let parts = products.gather_parts(layout, sums.len());
-    products.gather(0..parts, &mut room, &cells, layout, &errors, &mut sums);
+    products.gather(0..parts, &mut room, &mut spare, &cells, layout, &errors, &mut sums);
 }
 
 /// Weights, in numbers that fill the last vector differently.

@@ -181,8 +181,25 @@ fn inverse(energy: u32, cells: u32) -> u32 {
     (NORM_GAIN << 16) / (root(64 * (energy / cells.max(1))) + NORM_FLOOR)
 }
 
+/// The square root, rounded down, bit by bit: Armv6-M has no division.
+#[cfg(all(smr_swar, target_arch = "arm"))]
+pub(super) fn root(number: u32) -> u32 {
+    let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
+    while bit > 0 {
+        let subtracted = root + bit;
+        root >>= 1;
+        if rest >= subtracted {
+            rest -= subtracted;
+            root += bit;
+        }
+        bit >>= 2;
+    }
+    root
+}
+
 /// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction they are faster than
 /// `isqrt`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
 pub(super) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;

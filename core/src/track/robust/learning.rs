@@ -46,7 +46,7 @@ pub(super) struct Training<'a> {
 pub(super) struct Scratch {
     /// Scratch memory between two gradients.
     pub(super) gradient: [i32; WEIGHTS],
-    /// Errors before they are coded; then responses to the direction.
+    /// Errors before they are coded; then scratch memory; then responses to the direction.
     pub(super) responses: [[i32; SPAN]; SPAN],
     errors: [[i16; SPAN]; SPAN],
 }
@@ -192,8 +192,9 @@ impl Learning {
             }
             Phase::Gradient { part, error_shift } => {
                 work.spend(units(products.gather_work(part, layout, count)));
-                let gradient = scratch.gradient.get_mut(..count).unwrap_or_default();
-                let done = add_gradient(*products, packed, *window, &scratch.errors, part, gradient);
+                let Scratch { gradient, responses, errors } = scratch;
+                let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), responses.as_flattened_mut());
+                let done = add_gradient(*products, packed, spare, *window, errors, part, gradient);
                 self.phase = if done {
                     Phase::Direction { error_shift }
                 } else {

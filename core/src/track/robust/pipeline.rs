@@ -4,7 +4,7 @@
 //! update: search -> verification -> refinement -> scale -> decision -> learning
 //!                                                                   -> search -> verification in a second window, if the target is lost
 //!                                                                   -> refiner (feature `refiner`)
-//! lock:   view, which becomes the template -> features -> 25 times: response -> learning
+//! lock:   view, which becomes the template -> features -> learning -> 24 times: response -> learning
 //! ```
 //!
 //! A search computes features and responses. Each stage holds its inputs and passes on its result. Until an update or a lock is finished, only
@@ -213,7 +213,11 @@ impl Model<'_> {
                 let Buffers { extractor, cells, .. } = buffers;
                 if extractor.advance(frame, lattice, cells, work) {
                     match *purpose {
-                        Purpose::Lock => self.begin_step(pipeline, buffers, work),
+                        Purpose::Lock => {
+                            // All weights are 0, and so are their responses.
+                            buffers.responses.clear(self.config.span());
+                            pipeline.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
+                        }
                         purpose => pipeline.stage = Stage::Response(purpose, 0),
                     }
                 }

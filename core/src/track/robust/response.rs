@@ -52,6 +52,11 @@ impl Responses {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
+    /// The responses of weights that are all 0.
+    pub(super) fn clear(&mut self, span: usize) {
+        *self = Self { span, ..const { Self::new() } };
+    }
+
     /// One part of the responses of coded weights; true after the last part.
     #[inline(never)] // one copy in flash
     #[allow(clippy::too_many_arguments)]

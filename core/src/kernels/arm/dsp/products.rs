@@ -244,10 +244,11 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
 /// Parts of [`gather`]: channels.
 pub(crate) const GATHER_PARTS: usize = STEP;
 
-/// See [`plain::gather`]. A part is a channel. `room` stays as it is between parts.
+/// See [`plain::gather`]. A part is a channel. `room` stays as it is between parts; `spare` holds the sums of a channel.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
@@ -259,9 +260,10 @@ pub(crate) fn gather<const N: usize>(
     let (pairs, numbers) = room.words().split_at_mut_checked(2 * high * span).unwrap_or_default();
     // Pairs of rows of cells at a time.
     let most = numbers.len() / width.max(1);
-    let Some(down) = fits(cells, layout, sums.len())
-        .filter(|_| span >= LEAST && span <= N && errors.len() >= span && across <= MOST && most > 0)
-    else {
+    let has_room = |_: &usize| span >= LEAST && span <= N && errors.len() >= span && most > 0;
+    let fitting = fits(cells, layout, sums.len()).filter(has_room);
+    let (of_cells, _) = sums.as_chunks_mut::<STEP>();
+    let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len())) else {
         return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
     };
     if parts.start == 0 {
@@ -275,12 +277,11 @@ pub(crate) fn gather<const N: usize>(
             }
         }
     }
-    let rows = layout.rows(sums.len());
-    let (both, mut of_row) = (rows.div_ceil(2), [0; MOST]);
-    let of_row = of_row.get_mut(..across).unwrap_or_default();
+    let rows = down + span - 1;
     let (pairs, numbers) = (pairs.as_ptr(), numbers.as_mut_ptr());
     for channel in parts.start..parts.end.min(STEP) {
-        let mut first = 0;
+        rolled(of_channel.iter_mut()).for_each(|sum| *sum = 0);
+        let (mut first, both) = (0, rows.div_ceil(2));
         while first < both {
             let last = both.min(first + most);
             for number in first..last {
@@ -290,31 +291,24 @@ pub(crate) fn gather<const N: usize>(
                 // SAFETY: the cells have these rows, and there is room for `most` rows of numbers.
                 unsafe { bytes_of_rows(numbers.wrapping_add((number - first) * width), width, upper, lower) };
             }
-            for (y, sums) in sums.chunks_exact_mut(row).enumerate().take(down) {
+            for (y, sums) in of_channel.chunks_exact_mut(across).enumerate() {
                 let (from, to) = (first.max(y / 2), last.min(y / 2 + high));
-                if from >= to {
-                    continue;
-                }
-                let (cells, _) = sums.as_chunks_mut::<STEP>();
-                let of_channel = |cell: &[i32; STEP]| cell.get(channel).copied().unwrap_or(0);
-                rolled(of_row.iter_mut().zip(&*cells)).for_each(|(sum, cell)| *sum = of_channel(cell));
-                let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
-                let numbers = numbers.wrapping_add((from - first) * width);
-                // SAFETY: the rows of errors lie on as many rows of numbers, at each offset.
-                unsafe { Slide { factors, count: span, numbers, width, rows: to - from }.add(of_row) };
-                for (sum, cell) in rolled(of_row.iter().zip(cells)) {
-                    if let Some(to) = cell.get_mut(channel) {
-                        *to = *sum;
-                    }
+                if from < to {
+                    let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
+                    let numbers = numbers.wrapping_add((from - first) * width);
+                    // SAFETY: the rows of errors lie on as many rows of numbers, at each offset.
+                    unsafe { Slide { factors, count: span, numbers, width, rows: to - from }.add(sums) };
                 }
             }
             first = last;
         }
+        for (sum, of_cell) in rolled(of_channel.iter().zip(&mut *of_cells)) {
+            if let Some(to) = of_cell.get_mut(channel) {
+                *to += *sum;
+            }
+        }
     }
 }
-
-/// The most sums in a row.
-const MOST: usize = 32;
 
 /// Two numbers of 16 bits as `smlad` takes them.
 #[inline(always)]
