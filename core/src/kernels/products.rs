@@ -117,10 +117,10 @@ impl Products {
         }
     }
 
-    /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` and `spare`, best with a number for each cell of the filter,
+    /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` and `spare`, best with a number for each cell of the filter and seven more,
     /// are scratch memory; from one part to the next they stay as they are.
     #[inline(never)] // one copy in flash
-    #[cfg_attr(not(smr_dsp), allow(unused))]
+    #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(
         self,
@@ -144,7 +144,7 @@ impl Products {
             #[cfg(smr_dsp)]
             Backend::Dsp => dsp::gather(parts, room, spare, cells, layout, errors, sums),
             #[cfg(smr_helium)]
-            Backend::Helium => helium::gather(parts, room, cells, layout, errors, sums),
+            Backend::Helium => helium::gather(parts, room, spare, cells, layout, errors, sums),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Backend::Simd128 => simd128::gather(parts, cells, layout, errors, sums),
             #[cfg(not(any(smr_dsp, smr_helium)))]

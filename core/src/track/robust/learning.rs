@@ -80,6 +80,8 @@ impl Scratch {
     #[inline(never)] // one copy in flash
     fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
         let weights = training.filter.weights();
+        // The gradient has used this memory. All of it counts for the length of the step, also what no response is written to.
+        self.responses.as_flattened_mut().fill(0);
         for unit in [16 + error_shift, 14, 0] {
             let slopes = ScaledSums {
                 weights,
