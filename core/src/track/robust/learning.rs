@@ -267,6 +267,34 @@ mod tests {
     }
 
     #[test]
+    fn what_the_gradient_leaves_behind_does_not_count() {
+        const SMALL: usize = 11;
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let cells: Many<i8> =
+            (0..24 * 24 * CHANNELS as u32).map(|at| (at.wrapping_mul(40_503) >> 3) as u8 as i8).collect();
+        let mut filter = Filter::new();
+        filter.start(grid.weights());
+        let window = Window { cells: &cells, layout: layout(&grid, SMALL) };
+        let responses = Responses { span: SMALL, ..Responses::new() };
+        let products = Products::new(Backend::Scalar);
+        let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+        let length = |left: i32| {
+            let (mut scratch, mut direction) = (Scratch::new(), Coded::new());
+            let (mut packed, mut work, mut learning) = (Packed::new(), UnderWay::NOTHING, Learning::begin((0, 0), 160));
+            loop {
+                let length = learning.advance(&training, &mut direction, &mut scratch, &mut packed, &mut work);
+                if let Some(length) = length {
+                    return length;
+                }
+                if matches!(learning.phase, Phase::Direction { .. }) {
+                    scratch.responses = [[left; SPAN]; SPAN];
+                }
+            }
+        };
+        assert_eq!(length(0), length(1 << 30));
+    }
+
+    #[test]
     fn the_filter_answers_where_it_learned() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
         let cells: Many<i8> = (0..30 * 30 * CHANNELS as u32)
