@@ -69,7 +69,7 @@ pub(crate) fn responses<const N: usize>(
     };
     if parts.start == 0 {
         let of = |number: usize| weights.get(number * row..(number + 1) * row).unwrap_or_default();
-        for (number, (to, total)) in factors.chunks_exact_mut(row).zip(&mut *totals).enumerate() {
+        for (number, (to, total)) in factors.chunks_exact_mut(row.max(1)).zip(&mut *totals).enumerate() {
             let (first, second) = pairs.factors(number);
             let second = second.map(of).unwrap_or_default();
             *total = 0;
@@ -212,7 +212,7 @@ pub(crate) fn gather<const N: usize>(
         let copy = unsafe { core::slice::from_raw_parts_mut(biased, width) };
         rolled(copy.iter_mut().zip(of_row)).for_each(|(to, from)| *to = from.cast_unsigned() ^ TOP);
         // Each row of sums that meets this row of cells at some offset.
-        for (y, sums) in sums.chunks_exact_mut(row).enumerate() {
+        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             let Some(errors) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y)?.get(..span))
             else {
                 continue;

@@ -61,7 +61,7 @@ pub(crate) fn responses<const N: usize>(
             unsafe { weights_by_channels(spare.as_mut_ptr().wrapping_add(number * of_row), row / STEP, first, second) };
         }
     }
-    let (unpacked, both) = room.words().split_at_mut(width * PAIRS);
+    let (unpacked, both) = room.words().split_at_mut_checked(width * PAIRS).unwrap_or_default();
     let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
     let mut rows = Unpacked {
         cells: cells.as_ptr(),
@@ -270,7 +270,7 @@ pub(crate) fn gather<const N: usize>(
         let error = |y: usize, x: usize| {
             errors.get(y).filter(|_| y < span).and_then(|errors| errors.get(x)).copied().unwrap_or(0)
         };
-        for (number, pairs) in pairs.chunks_exact_mut(span).enumerate() {
+        for (number, pairs) in pairs.chunks_exact_mut(span.max(1)).enumerate() {
             let y = if number < high { 2 * number } else { (2 * (number - high)).wrapping_sub(1) };
             for (x, to) in rolled(pairs.iter_mut().enumerate()) {
                 *to = pair(error(y, x).into(), error(y.wrapping_add(1), x).into());
@@ -291,7 +291,7 @@ pub(crate) fn gather<const N: usize>(
                 // SAFETY: the cells have these rows, and there is room for `most` rows of numbers.
                 unsafe { bytes_of_rows(numbers.wrapping_add((number - first) * width), width, upper, lower) };
             }
-            for (y, sums) in of_channel.chunks_exact_mut(across).enumerate() {
+            for (y, sums) in of_channel.chunks_exact_mut(across.max(1)).enumerate() {
                 let (from, to) = (first.max(y / 2), last.min(y / 2 + high));
                 if from < to {
                     let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
