@@ -46,11 +46,12 @@ impl<const N: usize> Coded<N> {
         &self,
         products: Products,
         packed: &mut Packed,
+        spare: &mut [i32],
         Window { cells, layout }: Window<'_>,
         part: usize,
         out: &mut [[i32; S]; S],
     ) -> bool {
-        products.responses(part..part + 1, packed, cells, layout, &self.numbers, out);
+        products.responses(part..part + 1, packed, spare, cells, layout, &self.numbers, out);
         part + 1 >= products.parts(layout, self.numbers.len())
     }
 

@@ -30,15 +30,16 @@ pub(crate) struct Window<'a> {
     pub(crate) layout: Layout,
 }
 
-/// Adds one part of the gradient; true after the last part. `packed` is scratch memory.
+/// Adds one part of the gradient; true after the last part. `packed` and `spare` are scratch memory.
 pub(crate) fn add_gradient<const S: usize>(
     products: Products,
     packed: &mut Packed,
+    spare: &mut [i32],
     Window { cells, layout }: Window<'_>,
     errors: &[[i16; S]],
     part: usize,
     gradient: &mut [i32],
 ) -> bool {
-    products.gather(part..part + 1, packed, cells, layout, errors, gradient);
+    products.gather(part..part + 1, packed, spare, cells, layout, errors, gradient);
     part + 1 >= products.gather_parts(layout, gradient.len())
 }

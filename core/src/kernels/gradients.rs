@@ -1,15 +1,17 @@
 //! Cells of gradient orientations (HOG, Dalal and Triggs): the sums of a row of cells, and their features as bytes.
 
 #[cfg(smr_dsp)]
-use super::arm::dsp::gradients::cell;
+use super::arm::dsp::gradients::{self as dsp, cell};
 #[cfg(smr_helium)]
 pub(crate) use super::arm::helium::gradients::{gradients, scale};
 #[cfg(not(smr_helium))]
 use super::cells::{CELL, SIDE};
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::plain::gradients::cell;
-#[cfg(not(smr_helium))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 pub(crate) use super::plain::gradients::scale;
+#[cfg(smr_dsp)]
+pub(crate) use dsp::scale;
 
 /// The sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
 #[cfg(not(smr_helium))]

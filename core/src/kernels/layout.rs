@@ -1,8 +1,25 @@
 //! The layout of a filter's weights on the bytes of cells, and the scratch memory for sums of products.
 
-/// Scratch memory in which a backend may unpack bytes before it multiplies: two numbers for each byte of a row of 48 cells.
+/// Numbers of [`Packed`]: two for each byte of a row of 48 cells.
 pub(crate) const PACKED: usize = 960;
-pub(crate) type Packed = [u16; PACKED];
+
+/// Scratch memory in which a backend may unpack bytes before it multiplies.
+#[repr(align(4))]
+pub(crate) struct Packed(pub(crate) [u16; PACKED]);
+
+impl Packed {
+    #[inline(always)] // built in place
+    pub(crate) const fn new() -> Self {
+        Self([0; PACKED])
+    }
+
+    /// The same memory as words.
+    #[allow(dead_code)] // for backends that multiply pairs
+    pub(crate) fn words(&mut self) -> &mut [i32; PACKED / 2] {
+        // SAFETY: it is aligned for words, as long, and a word may have any value.
+        unsafe { &mut *(&raw mut self.0).cast() }
+    }
+}
 
 /// The layout of a filter on the bytes of cells.
 #[derive(Clone, Copy, Debug)]

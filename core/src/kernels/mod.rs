@@ -25,7 +25,7 @@
 //! | layers of the refiner's network | `dense.rs` | `dense.rs` | `avx2/dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
 //! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | (plain) |
 //! | contrast of a patch, update of a template | `levels.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
-//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | Helium: `weights.rs` | (plain) |
+//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
 //! "(compiler)": the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and products; the other
 //! loops follow what the program is compiled for.
@@ -33,12 +33,12 @@
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of an instruction set says only
 //! what a vector is and how it looks up a table. The loops in `arm/` are assembly. Both instruction sets there share the bounds of
 //! `arm/bounds.rs` and `arm/points.rs`. `effort.rs` decides how often a bound is worth its time.
-//! `rows.rs` gives the kernels the rows of two pictures, `unrolling.rs` keeps loops small. `verify/` compares the other loops with the plain
-//! ones (feature `verify`).
+//! `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps loops small. `verify/` compares the
+//! other loops with the plain ones (feature `verify`).
 //!
 //! Words in ordinary registers: on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word assembled from bytes costs more than it
 //! saves. So only ranges and bounds use words. They take 7 bits of a pixel, ranges lie at multiples of four in a buffer of the search, and
-//! words of a row come from aligned words by shifts. Scores, distances and sums of products are unrolled loops over bytes. On Cortex-M0+ an update
+//! words of a row come from aligned words by shifts. Scores, distances and sums of products are unrolled loops over single numbers. On Cortex-M0+ an update
 //! on real recordings takes 0.43 to 0.56 of the instructions of the plain loops (`examples/README.md`).
 //!
 //! # Where a weight for each pixel would go
@@ -66,6 +66,7 @@ mod arm {
         pub(in super::super) mod levels;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
+        pub(in super::super) mod weights;
     }
     #[cfg(smr_helium)]
     pub(super) mod helium {
@@ -128,6 +129,8 @@ mod swar {
     pub(super) mod products;
     pub(super) mod scores;
 }
+#[cfg(not(smr_helium))]
+mod three_sums;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]
 mod verify {

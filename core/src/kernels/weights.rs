@@ -1,5 +1,7 @@
-//! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down. Helium has loops of its own.
+//! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down. Helium and the DSP extension have loops of their own.
 
+#[cfg(smr_dsp)]
+use super::arm::dsp::weights as dsp;
 #[cfg(smr_helium)]
 use super::arm::helium::weights as helium;
 use super::plain::weights as plain;
@@ -33,6 +35,14 @@ impl<'a> ScaledSums<'a> {
             assert_eq!(largest, plain::largest(weights, factor.into(), sums, left), "the largest number");
             return largest;
         }
+        #[cfg(smr_dsp)]
+        {
+            let largest = dsp::largest(weights, factor, sums, left);
+            #[cfg(feature = "verify")]
+            assert_eq!(largest, plain::largest(weights, factor, sums, left), "the largest number");
+            return largest;
+        }
+        #[cfg(not(smr_dsp))]
         plain::largest(weights, factor, sums, left)
     }
 
@@ -40,6 +50,7 @@ impl<'a> ScaledSums<'a> {
     #[inline(never)] // one copy in flash
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
+        #[cfg(any(not(smr_dsp), feature = "verify"))]
         let coded = plain::code(weights, factor, sums, left, shift);
         #[cfg(smr_helium)]
         if let Ok(factor) = i32::try_from(factor) {
@@ -48,6 +59,13 @@ impl<'a> ScaledSums<'a> {
             assert!(out.iter().copied().zip(coded).all(|(given, wanted)| given == wanted), "coded numbers");
             return;
         }
+        #[cfg(smr_dsp)]
+        {
+            dsp::code(weights, factor, sums, left, shift, out);
+            #[cfg(feature = "verify")]
+            assert!(out.iter().copied().zip(coded).all(|(given, wanted)| given == wanted), "coded numbers");
+        }
+        #[cfg(not(smr_dsp))]
         out.iter_mut().zip(coded).for_each(|(out, coded)| *out = coded);
     }
 }
@@ -69,7 +87,9 @@ impl GradientStep {
         let wanted: heapless::Vec<i32, 4096> = weights.iter().zip(slopes).map(|(&w, &s)| stepped(w, s)).collect();
         #[cfg(smr_helium)]
         let done = helium::step(weights, slopes, length, back);
-        #[cfg(not(smr_helium))]
+        #[cfg(smr_dsp)]
+        let done = dsp::step(weights, slopes, length, back);
+        #[cfg(not(any(smr_dsp, smr_helium)))]
         let done = false;
         if !done {
             rolled_if_spare(weights.iter_mut().zip(slopes))

@@ -5,7 +5,7 @@
 //! directions: g = a u + b v. That is linear, so it needs no root, no angle and no division.
 
 use super::super::cells::{CELL, CHANNELS, SIDE};
-#[cfg(not(smr_helium))]
+#[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, feature = "verify")))]
 use super::super::unrolling::rolled;
 
 /// Directions of gradients.
@@ -126,7 +126,7 @@ fn low(number: u32) -> u16 {
 }
 
 /// The features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray level less 128.
-#[cfg(not(smr_helium))]
+#[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, feature = "verify")))]
 #[inline(always)] // into its one caller
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {

@@ -2,6 +2,7 @@
 
 use super::super::unrolling::rolled_if_spare;
 
+#[cfg(any(not(smr_dsp), feature = "verify"))]
 /// The largest absolute value of [`number`]. A negative number is rounded down after its sign is taken away.
 #[inline(always)] // into its one caller
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
@@ -12,6 +13,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
+#[cfg(any(not(smr_dsp), feature = "verify"))]
 /// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
 #[inline(always)] // into its one caller
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
@@ -22,10 +24,15 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
+#[cfg(any(not(smr_dsp), feature = "verify"))]
 /// `weight * factor / 2^32 + sum`; the quotient is rounded down.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
 fn number(weight: i32, factor: i64, sum: i32) -> i32 {
+    // Without a multiplier of 64 bits a product is expensive.
+    if factor == 0 {
+        return sum;
+    }
     ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
 }
 

@@ -1,11 +1,13 @@
 //! Sums of products for processors without DSP or SIMD: several offsets at a time, which share the loads of weights and of sums.
 //!
-//! Armv6-M has no loads of signed bytes from a place relative to an address. So each row of cells is copied as x + 128, without a sign, and
-//! 128 times the sum of the other factors is subtracted. Sums may wrap before that.
+//! Armv6-M has no loads of signed numbers from a place relative to an address. So each row of cells is copied as x + 128, without a sign, and
+//! 128 times the sum of the other factors is subtracted; for the differences of cells that responses take (`three_sums.rs`), 256 times. Sums may
+//! wrap before that.
 
 use crate::kernels::cells::CHANNELS;
-use crate::kernels::layout::{Layout, Packed};
+use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
+use crate::kernels::three_sums::{Pairs, Rows};
 use crate::kernels::unrolling::{in_order, rolled};
 use core::ops::Range;
 
@@ -17,10 +19,9 @@ const AT_ONCE: usize = 3;
 /// What is added to a cell: its top bit is inverted.
 const BIAS: i32 = 128;
 const TOP: u8 = 0x80;
-const TOPS: u32 = 0x8080_8080;
 
-/// Bytes of a word.
-const WORD: usize = 4;
+/// What is added to a difference of two cells.
+const MIDDLE: i32 = 256;
 
 /// The code for each channel, one after the other: the compiler does not unroll a loop with assembly, as [`in_order`] has it.
 macro_rules! for_each_channel {
@@ -40,80 +41,157 @@ fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
     let last_row = (most + down).saturating_sub(1);
     let width = most.checked_mul(step).and_then(|x| x.checked_add(row));
     let end = last_row.checked_mul(stride).zip(width).and_then(|(y, x)| y.checked_add(x));
-    let has_room = width.is_some_and(|width| width + WORD <= size_of::<Packed>());
+    let has_room = width.is_some_and(|width| width <= size_of::<Packed>());
     let is_whole = step == STEP && row.is_multiple_of(STEP) && weights.is_multiple_of(row);
     is_whole && has_room && end.is_some_and(|end| end <= cells)
 }
 
-/// See [`plain::responses`].
+/// See [`plain::responses`]. A part is two rows of cells. `spare` is memory that stays as it is between parts.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    if !fits(cells.len(), layout, weights.len()) || layout.span > N {
-        return plain::responses(parts, cells, layout, weights, out);
-    }
     let Layout { row, stride, step, span } = layout;
-    let width = (span - 1) * step + row;
-    for y in parts.start..parts.end.min(span) {
-        let Some(out) = out.get_mut(y).and_then(|out| out.get_mut(..span)) else { return };
-        out.fill(0);
-        let mut sum = 0;
-        for (weights, from) in weights.chunks(row.max(1)).zip((y * stride..).step_by(stride.max(1))) {
-            let Some(of_row) = cells.get(from..from + width) else { return };
-            let (mut cells, weights) = (biased(of_row, room), weights.as_chunks::<STEP>().0);
-            let (groups, rest) = out.as_chunks_mut::<AT_ONCE>();
-            // SAFETY: a row of the filter lies on the copied cells at every offset.
-            unsafe {
-                for group in groups {
-                    add_responses::<AT_ONCE, false>(cells, weights, group);
-                    cells = cells.wrapping_add(AT_ONCE * STEP);
-                }
-                sum += match rest {
-                    [] => add_responses::<0, true>(cells, weights, rest),
-                    [_] => add_responses::<1, true>(cells, weights, rest),
-                    _ => add_responses::<2, true>(cells, weights, rest),
-                };
+    let down = weights.len().checked_div(row).unwrap_or(0);
+    let (pairs, width) = (Pairs::new(layout, down), span.saturating_sub(1) * step + row);
+    let has_room = size_of::<u16>() * width <= PACKED && pairs.both() * N <= PACKED / 4;
+    let fits = fits(cells.len(), layout, weights.len()) && span > 1 && span <= N && has_room;
+    let (totals, spare) = spare.split_at_mut_checked(pairs.rows_of_factors()).unwrap_or_default();
+    // SAFETY: a word may hold any two numbers.
+    let spare = unsafe { spare.align_to_mut::<i16>().1 };
+    let (true, Some(factors)) = (fits, spare.get_mut(..totals.len() * row)) else {
+        return plain::responses(whole_of(parts, span), cells, layout, weights, out);
+    };
+    if parts.start == 0 {
+        let of = |number: usize| weights.get(number * row..(number + 1) * row).unwrap_or_default();
+        for (number, (to, total)) in factors.chunks_exact_mut(row.max(1)).zip(&mut *totals).enumerate() {
+            let (first, second) = pairs.factors(number);
+            let second = second.map(of).unwrap_or_default();
+            *total = 0;
+            for (at, (to, first)) in rolled(to.iter_mut().zip(of(first)).enumerate()) {
+                *to = first + second.get(at).copied().unwrap_or(0);
+                *total += MIDDLE * i32::from(*to);
             }
         }
-        out.iter_mut().for_each(|out| *out = out.wrapping_sub(BIAS.wrapping_mul(sum)));
+    }
+    let (differences, both) = room.words().split_at_mut(PACKED / 4);
+    let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
+    let mut rows = Differences {
+        cells: cells.as_ptr(),
+        stride,
+        differences: differences.as_mut_ptr().cast(),
+        width,
+        factors: factors.as_ptr().cast(),
+        totals,
+        across: row / STEP,
+    };
+    pairs.responses(parts, &mut rows, both, out);
+}
+
+/// A row of cells, or of differences of two, each plus [`MIDDLE`]. `fits` has checked that all rows of cells are there.
+struct Differences<'a> {
+    cells: *const i8,
+    stride: usize,
+    differences: *mut u16,
+    /// Numbers in it.
+    width: usize,
+    factors: *const [i16; STEP],
+    /// [`MIDDLE`] times the sum of a row of factors, for each row.
+    totals: &'a [i32],
+    /// Cells in a row of factors.
+    across: usize,
+}
+
+impl Rows for Differences<'_> {
+    #[inline(always)]
+    fn take(&mut self, first: usize, second: Option<usize>) {
+        let Self { cells, stride, differences, width, .. } = *self;
+        let of = |row: usize| cells.wrapping_add(row * stride);
+        // SAFETY: the cells have these rows, and there is room for as many numbers.
+        unsafe { subtract(differences, width / STEP, of(first), second.map(of)) };
+    }
+
+    #[inline(always)]
+    fn add(&mut self, number: usize, mut sums: &mut [i32]) {
+        let Self { differences, factors, totals, across, .. } = *self;
+        let (mut numbers, total) = (differences.cast_const(), totals.get(number).copied().unwrap_or(0));
+        // SAFETY: there is a row of factors, and at every offset it lies on the row of differences.
+        unsafe {
+            let factors = core::slice::from_raw_parts(factors.wrapping_add(number * across), across);
+            // Three at a time, and two if that leaves none or two: `responses` has checked that there is not one alone.
+            while sums.len() > 1 {
+                let count = if matches!(sums.len(), 2 | 4) { 2 } else { AT_ONCE };
+                let Some((now, later)) = sums.split_at_mut_checked(count) else { return };
+                if count == 2 {
+                    add_responses::<2>(numbers, factors, total, now);
+                } else {
+                    add_responses::<AT_ONCE>(numbers, factors, total, now);
+                }
+                (numbers, sums) = (numbers.wrapping_add(count * STEP), later);
+            }
+        }
     }
 }
 
-/// Adds the responses of a row of weights at `COUNT` neighbouring offsets, and returns the sum of the weights if `TOTAL`.
+/// The numbers of `across` cells from `first`, less those from `second` if there are any, each plus [`MIDDLE`].
 ///
 /// # Safety
-/// At each offset as many cells as weights can be read.
-#[inline(never)] // so that nothing else needs a register
-unsafe fn add_responses<const COUNT: usize, const TOTAL: bool>(
-    mut cells: *const u8,
-    weights: &[[i16; STEP]],
-    out: &mut [i32],
-) -> i32 {
-    let (mut sums, mut total) = ([0i32; COUNT], 0);
-    for weights in rolled(weights.iter()) {
+/// These numbers can be read and written.
+#[inline(never)] // one copy in flash
+unsafe fn subtract(mut to: *mut u16, across: usize, mut first: *const i8, second: Option<*const i8>) {
+    static ZEROES: [i8; STEP] = [0; STEP];
+    let step = if second.is_some() { STEP } else { 0 };
+    let mut second = second.unwrap_or(ZEROES.as_ptr());
+    for _ in rolled(0..across) {
         for_each_channel!(CHANNEL => {
-            let weight = i32::from(weights[CHANNEL]);
-            for (sum, x) in sums.iter_mut().zip(offsets::<COUNT>()) {
-                // SAFETY: as the caller guarantees.
-                let cell = i32::from(unsafe { *cells.add(x + CHANNEL) });
-                *sum = in_order(sum.wrapping_add(weight.wrapping_mul(cell)));
-            }
-            if TOTAL {
-                total = in_order(total + weight);
+            // SAFETY: as the caller guarantees.
+            unsafe {
+                let [first, second] = [first, second].map(|from| i32::from(*from.wrapping_add(CHANNEL)));
+                *to.wrapping_add(CHANNEL) = low(in_order(first - second + MIDDLE));
             }
         });
-        cells = cells.wrapping_add(STEP);
+        (to, first, second) = (to.wrapping_add(STEP), first.wrapping_add(STEP), second.wrapping_add(step));
     }
-    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = out.wrapping_add(sum));
-    total
 }
 
-/// See [`plain::gather`].
+/// The lower 16 bits.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // as named
+fn low(number: i32) -> u16 {
+    number as u16
+}
+
+/// Adds the products of a row of factors with the numbers at `COUNT` neighbouring offsets, less `total`.
+///
+/// # Safety
+/// At each offset as many numbers as factors can be read.
+#[inline(never)] // so that nothing else needs a register
+unsafe fn add_responses<const COUNT: usize>(
+    mut numbers: *const u16,
+    factors: &[[i16; STEP]],
+    total: i32,
+    out: &mut [i32],
+) {
+    let mut sums = [0i32; COUNT];
+    for factors in rolled(factors.iter()) {
+        for_each_channel!(CHANNEL => {
+            let factor = i32::from(factors[CHANNEL]);
+            for (sum, x) in sums.iter_mut().zip(offsets::<COUNT>()) {
+                // SAFETY: as the caller guarantees.
+                let number = i32::from(unsafe { *numbers.add(x + CHANNEL) });
+                *sum = in_order(sum.wrapping_add(factor.wrapping_mul(number)));
+            }
+        });
+        numbers = numbers.wrapping_add(STEP);
+    }
+    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = out.wrapping_add(sum).wrapping_sub(total));
+}
+
+/// See [`plain::gather`]. A part is two rows of cells.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
@@ -122,32 +200,49 @@ pub(crate) fn gather<const N: usize>(
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    if !fits(cells.len(), layout, sums.len()) || layout.span > N {
-        return plain::gather(parts, cells, layout, errors, sums);
-    }
     let Layout { row, stride, step, span } = layout;
+    if !fits(cells.len(), layout, sums.len()) || span < 4 || span > N || errors.len() < span {
+        return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
+    }
     let width = (span - 1) * step + row;
-    for y in parts.start..parts.end.min(span) {
-        let Some(errors) = errors.get(y).and_then(|errors| errors.get(..span)) else { return };
-        let bias = BIAS * errors.iter().map(|&error| i32::from(error)).sum::<i32>();
-        for (sums, from) in sums.chunks_mut(row.max(1)).zip((y * stride..).step_by(stride.max(1))) {
-            let Some(of_row) = cells.get(from..from + width) else { return };
-            let (mut cells, sums) = (biased(of_row, room), sums.as_chunks_mut::<STEP>().0);
-            let (groups, rest) = errors.as_chunks::<AT_ONCE>();
-            // SAFETY: a row of the filter lies on the copied cells at every offset.
-            unsafe {
-                for group in groups {
-                    gather_at(cells, group, 0, sums);
-                    cells = cells.wrapping_add(AT_ONCE * STEP);
-                }
-                match rest {
-                    [one] => gather_at(cells, &[*one], bias, sums),
-                    [one, two] => gather_at(cells, &[*one, *two], bias, sums),
-                    _ => gather_at(cells, &[], bias, sums),
+    for number in 2 * parts.start..layout.rows(sums.len()).min(2 * parts.end) {
+        let Some(of_row) = cells.get(number * stride..number * stride + width) else { return };
+        let biased = room.0.as_mut_ptr().cast::<u8>();
+        // SAFETY: `fits` has checked that there is room for a row.
+        let copy = unsafe { core::slice::from_raw_parts_mut(biased, width) };
+        rolled(copy.iter_mut().zip(of_row)).for_each(|(to, from)| *to = from.cast_unsigned() ^ TOP);
+        // Each row of sums that meets this row of cells at some offset.
+        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
+            let Some(errors) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y)?.get(..span))
+            else {
+                continue;
+            };
+            let (mut cells, (sums, _)) = (biased.cast_const(), sums.as_chunks_mut::<STEP>());
+            let bias = BIAS * rolled(errors.iter()).map(|&error| i32::from(error)).sum::<i32>();
+            let mut errors = errors;
+            // Three errors at a time, but two at the end; only there the bias is subtracted.
+            while let [one, two, later @ ..] = errors {
+                // SAFETY: a row of the filter lies on the copied cells at every offset.
+                unsafe {
+                    match later {
+                        [three, rest @ ..] if !matches!(later.len(), 2 | 4) => {
+                            gather_at(cells, &[*one, *two, *three], 0, sums);
+                            (cells, errors) = (cells.wrapping_add(AT_ONCE * STEP), rest);
+                        }
+                        _ => {
+                            gather_at(cells, &[*one, *two], if later.is_empty() { bias } else { 0 }, sums);
+                            (cells, errors) = (cells.wrapping_add(2 * STEP), later);
+                        }
+                    }
                 }
             }
         }
     }
+}
+
+/// The parts of the plain loop that replace these parts: all for the first one, none for the others.
+fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
+    if parts.start == 0 { 0..span } else { 0..0 }
 }
 
 /// Adds the products of `COUNT` neighbouring errors with their cells to each sum, and subtracts `bias`.
@@ -179,21 +274,4 @@ unsafe fn gather_at<const COUNT: usize>(
 /// The first cells of neighbouring offsets.
 fn offsets<const COUNT: usize>() -> [usize; COUNT] {
     core::array::from_fn(|x| x * STEP)
-}
-
-/// Copies a row of cells to `room`, each plus 128.
-#[inline(never)]
-fn biased(row: &[i8], room: &mut Packed) -> *const u8 {
-    // SAFETY: a byte may have any value.
-    let room = unsafe { room.align_to_mut::<u8>().1 };
-    // To a place that differs from the row's by whole words, so that both have their words at the same bytes.
-    let start = row.as_ptr().addr().wrapping_sub(room.as_ptr().addr()) % WORD;
-    let copy = room.get_mut(start..).and_then(|room| room.get_mut(..row.len())).unwrap_or_default();
-    let first = copy.as_ptr();
-    // SAFETY: a word may have any value.
-    let (from, to) = unsafe { (row.align_to::<u32>(), copy.align_to_mut::<u32>()) };
-    let ends = rolled(from.0.iter().zip(to.0).chain(from.2.iter().zip(to.2)));
-    ends.for_each(|(from, to)| *to = from.cast_unsigned() ^ TOP);
-    from.1.iter().zip(to.1).for_each(|(from, to)| *to = from ^ TOPS);
-    first
 }

@@ -3,7 +3,7 @@
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
 use crate::kernels::backend::Backend;
-use crate::kernels::layout::{Layout, PACKED};
+use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products::{gather, responses};
 use crate::kernels::products::Products;
 use std::vec::Vec;
@@ -37,9 +37,9 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     let products = Products::new(backend);
     let weights: Vec<i16> = noise(layout.row * down, 5, 8191).map(small).collect();
     let (mut given, mut expected) = ([[7; N]; N], [[7; N]; N]);
-    let mut room = [0; PACKED];
+    let (mut room, mut spare) = (Packed::new(), [0; 2000]);
     for part in 0..products.parts(layout, weights.len()) {
-        products.responses(part..part + 1, &mut room, cells, layout, &weights, &mut given);
+        products.responses(part..part + 1, &mut room, &mut spare, cells, layout, &weights, &mut given);
     }
     responses(0..layout.span, cells, layout, &weights, &mut expected);
     for (given, expected) in given.iter().zip(&expected).take(layout.span) {
@@ -50,7 +50,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     let mut sums: Vec<i32> = noise(layout.row * down, 3, 9000).collect();
     let mut wanted = sums.clone();
     for part in 0..products.gather_parts(layout, sums.len()) {
-        products.gather(part..part + 1, &mut room, cells, layout, &errors, &mut sums);
+        products.gather(part..part + 1, &mut room, &mut spare, cells, layout, &errors, &mut sums);
     }
     gather(0..layout.span, cells, layout, &errors, &mut wanted);
     assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
@@ -92,10 +92,18 @@ fn extremes(backend: Backend) {
         let cells = std::vec![cell; 26 * 36 * 10];
         let layout = Layout { row: 200, stride: 360, step: 10, span: 17 };
         let mut out = [[0; 17]; 17];
-        products.responses(0..17, &mut [0; PACKED], &cells, layout, &[sign * 8191; 2000], &mut out);
+        products.responses(0..17, &mut Packed::new(), &mut [0; 2000], &cells, layout, &[sign * 8191; 2000], &mut out);
         assert_eq!(out, [[2000 * 8191 * i32::from(sign) * i32::from(cell); 17]; 17], "{backend:?}");
         let mut sums = [0; 2000];
-        products.gather(0..17, &mut [0; PACKED], &cells, layout, &[[sign * 16_383; 17]; 17], &mut sums);
+        products.gather(
+            0..17,
+            &mut Packed::new(),
+            &mut [0; 2000],
+            &cells,
+            layout,
+            &[[sign * 16_383; 17]; 17],
+            &mut sums,
+        );
         assert_eq!(sums, [289 * 16_383 * i32::from(sign) * i32::from(cell); 2000], "{backend:?}");
     }
 }

@@ -4,7 +4,7 @@
 
 use super::super::backend::Backend;
 use super::super::bilinear::Interpolation;
-use super::super::layout::{Layout, PACKED};
+use super::super::layout::{Layout, Packed};
 use super::super::plain::bilinear::{BIAS, MixedRow};
 use super::super::products::Products;
 use super::super::weights::{GradientStep, ScaledSums, scale_by};
@@ -62,18 +62,18 @@ fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut 
     let stride = (across + span - 1) * STEP;
     let layout = Layout { row: across * STEP, stride, step: STEP, span };
     let mut small = |most: u32, least: i16| if extreme { least } else { i16::try_from(noise.next(most)).unwrap_or(0) };
-    let mut room = [0; PACKED];
+    let mut room = Packed::new();
     let cells: heapless::Vec<i8, 12_000> =
         (0..stride * (down + span - 1)).map(|_| i8::try_from(small(127, -128)).unwrap_or(0)).collect();
     let filter: heapless::Vec<i16, WEIGHTS> = (0..across * down * STEP).map(|_| small(8191, -8191)).collect();
-    let mut out = [[0; SPAN]; SPAN];
+    let (mut out, mut spare) = ([[0; SPAN]; SPAN], [0; WEIGHTS]);
     for part in 0..products.parts(layout, filter.len()) {
-        products.responses(part..part + 1, &mut room, &cells, layout, &filter, &mut out);
+        products.responses(part..part + 1, &mut room, &mut spare, &cells, layout, &filter, &mut out);
     }
     let errors = [(); SPAN].map(|()| [(); SPAN].map(|()| small(16_383, 16_383)));
     let mut sums: heapless::Vec<i32, WEIGHTS> = filter.iter().map(|_| small(9000, -9000).into()).collect();
     let parts = products.gather_parts(layout, sums.len());
-    products.gather(0..parts, &mut room, &cells, layout, &errors, &mut sums);
+    products.gather(0..parts, &mut room, &mut spare, &cells, layout, &errors, &mut sums);
 }
 
 /// Weights, in numbers that fill the last vector differently.

@@ -51,7 +51,7 @@ impl Extractor {
         Self {
             sampling: Scratch::new(),
             lines: [[0; COLUMNS]; SIDE],
-            sums: [0; PACKED],
+            sums: Packed::new(),
             energies: [[0; ROW]; 3],
             next: 0,
         }
@@ -106,7 +106,7 @@ impl Extractor {
         let (across, down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
         let row = *next;
         *next += 1;
-        let (even, odd) = sums.as_chunks_mut().0.split_at_mut(CHANNELS);
+        let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         let [above, at, below] = &mut *energies;
         for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {
@@ -186,8 +186,25 @@ fn inverse(energy: u32, cells: u32) -> u32 {
     (NORM_GAIN << 16) / (root(64 * (energy / cells.max(1))) + NORM_FLOOR)
 }
 
+/// The square root, rounded down, bit by bit: Armv6-M has no division.
+#[cfg(all(smr_swar, target_arch = "arm"))]
+pub(super) fn root(number: u32) -> u32 {
+    let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
+    while bit > 0 {
+        let subtracted = root + bit;
+        root >>= 1;
+        if rest >= subtracted {
+            rest -= subtracted;
+            root += bit;
+        }
+        bit >>= 2;
+    }
+    root
+}
+
 /// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction they are faster than
 /// `isqrt`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
 #[cfg_attr(all(smr_small, not(smr_helium)), inline(never))] // one copy
 pub(super) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;

@@ -31,7 +31,6 @@ use super::response::Responses;
 use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
 use crate::track::update::UnderWay;
-use heapless::Vec;
 
 /// The inputs: the filter, and a window in which the target was found.
 pub(super) struct Training<'a> {
@@ -45,8 +44,9 @@ pub(super) struct Training<'a> {
 
 /// Scratch memory of learning. The scale search also uses `responses`.
 pub(super) struct Scratch {
-    gradient: Vec<i32, WEIGHTS>,
-    /// Errors before they are coded; then responses to the direction.
+    /// Scratch memory between two gradients.
+    pub(super) gradient: [i32; WEIGHTS],
+    /// Errors before they are coded; then scratch memory; then responses to the direction.
     pub(super) responses: [[i32; SPAN]; SPAN],
     errors: [[i16; SPAN]; SPAN],
 }
@@ -54,7 +54,7 @@ pub(super) struct Scratch {
 impl Scratch {
     #[inline(always)] // built in place
     pub(super) const fn new() -> Self {
-        Self { gradient: Vec::new(), responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
+        Self { gradient: [0; WEIGHTS], responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
     }
 
     /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
@@ -63,8 +63,7 @@ impl Scratch {
         let Self { gradient, responses: errors, errors: coded } = self;
         let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
         ScaledSums::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
-        gradient.clear();
-        let _ = gradient.resize_default(training.filter.weights().len());
+        rolled(gradient.iter_mut()).for_each(|sum| *sum = 0);
         shift
     }
 
@@ -81,6 +80,8 @@ impl Scratch {
     #[inline(never)] // one copy in flash
     fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
         let weights = training.filter.weights();
+        // The gradient has used this memory. All of it counts for the length of the step, also what no response is written to.
+        self.responses.as_flattened_mut().fill(0);
         for unit in [16 + error_shift, 14, 0] {
             let slopes = ScaledSums {
                 weights,
@@ -193,7 +194,9 @@ impl Learning {
             }
             Phase::Gradient { part, error_shift } => {
                 work.spend(units(products.gather_work(part, layout, count)));
-                let done = add_gradient(*products, packed, *window, &scratch.errors, part, &mut scratch.gradient);
+                let Scratch { gradient, responses, errors } = scratch;
+                let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), responses.as_flattened_mut());
+                let done = add_gradient(*products, packed, spare, *window, errors, part, gradient);
                 self.phase = if done {
                     Phase::Direction { error_shift }
                 } else {
@@ -207,7 +210,7 @@ impl Learning {
             }
             Phase::Curvature { part, descent } => {
                 work.spend(units(products.work(part, layout, count)));
-                if direction.respond(*products, packed, *window, part, &mut scratch.responses) {
+                if direction.respond(*products, packed, &mut scratch.gradient, *window, part, &mut scratch.responses) {
                     work.spend(CODED * weights(grid));
                     return Some(scratch.step_length(direction.numbers(), descent, self.rate));
                 }
@@ -222,7 +225,7 @@ impl Learning {
 mod tests {
     use super::super::response::layout;
     use super::*;
-    use crate::kernels::{Backend, PACKED};
+    use crate::kernels::Backend;
     use std::vec::Vec as Many;
 
     /// Compares with sums in 64 bits, where all units are 1.
@@ -242,7 +245,7 @@ mod tests {
         {
             for shift in 0..=3 {
                 filter.restore(count, core::iter::repeat_with(|| 8 * noise(of_weight)));
-                scratch.gradient = core::iter::repeat_with(|| noise(of_sum)).take(count).collect();
+                scratch.gradient.fill_with(|| noise(of_sum));
                 let sums = filter.weights().iter().zip(&scratch.gradient);
                 let slope = |(&weight, &sum): (&i32, &i32)| {
                     REGULARISATION * i64::from(weight) + (i64::from(sum) << (16 + shift))
@@ -264,6 +267,34 @@ mod tests {
     }
 
     #[test]
+    fn what_the_gradient_leaves_behind_does_not_count() {
+        const SMALL: usize = 11;
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let cells: Many<i8> =
+            (0..24 * 24 * CHANNELS as u32).map(|at| (at.wrapping_mul(40_503) >> 3) as u8 as i8).collect();
+        let mut filter = Filter::new();
+        filter.start(grid.weights());
+        let window = Window { cells: &cells, layout: layout(&grid, SMALL) };
+        let responses = Responses { span: SMALL, ..Responses::new() };
+        let products = Products::new(Backend::Scalar);
+        let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+        let length = |left: i32| {
+            let (mut scratch, mut direction) = (Scratch::new(), Coded::new());
+            let (mut packed, mut work, mut learning) = (Packed::new(), UnderWay::NOTHING, Learning::begin((0, 0), 160));
+            loop {
+                let length = learning.advance(&training, &mut direction, &mut scratch, &mut packed, &mut work);
+                if let Some(length) = length {
+                    return length;
+                }
+                if matches!(learning.phase, Phase::Direction { .. }) {
+                    scratch.responses = [[left; SPAN]; SPAN];
+                }
+            }
+        };
+        assert_eq!(length(0), length(1 << 30));
+    }
+
+    #[test]
     fn the_filter_answers_where_it_learned() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
         let cells: Many<i8> = (0..30 * 30 * CHANNELS as u32)
@@ -271,7 +302,7 @@ mod tests {
             .collect();
         let (mut filter, mut scratch, mut coded) = (Filter::new(), Scratch::new(), Coded::new());
         filter.start(grid.weights());
-        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), [0; PACKED], UnderWay::NOTHING);
+        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), Packed::new(), UnderWay::NOTHING);
         let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
         let mut responses = Responses { span: SPAN, ..Responses::new() };
         for _ in 0..25 {
@@ -284,7 +315,15 @@ mod tests {
             filter.descend(length.unwrap(), &coded);
             filter.code(&mut coded);
             let mut parts = 0..;
-            while !responses.advance(&coded, products, &mut packed, window, parts.next().unwrap(), &mut work) {}
+            while !responses.advance(
+                &coded,
+                products,
+                &mut packed,
+                &mut scratch.gradient,
+                window,
+                parts.next().unwrap(),
+                &mut work,
+            ) {}
         }
         let peak = responses.peak(false);
         assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");

@@ -4,7 +4,7 @@
 //! update: search -> verification -> refinement -> scale -> decision -> learning
 //!                                                                   -> search -> verification in a second window, if the target is lost
 //!                                                                   -> refiner (feature `refiner`)
-//! lock:   view, which becomes the template -> features -> 25 times: response -> learning
+//! lock:   view, which becomes the template -> features -> learning -> 24 times: response -> learning
 //! ```
 //!
 //! A search computes features and responses. Each stage holds its inputs and passes on its result. Until an update or a lock is finished, only
@@ -213,15 +213,19 @@ impl Model<'_> {
                 let Buffers { extractor, cells, .. } = buffers;
                 if extractor.advance(frame, lattice, cells, work) {
                     match *purpose {
-                        Purpose::Lock => self.begin_step(pipeline, buffers, work),
+                        Purpose::Lock => {
+                            // All weights are 0, and so are their responses.
+                            buffers.responses.clear(self.config.span());
+                            pipeline.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
+                        }
                         purpose => pipeline.stage = Stage::Response(purpose, 0),
                     }
                 }
             }
             Stage::Response(purpose, part) => {
-                let Buffers { extractor, cells, coded, responses, .. } = buffers;
-                let window = self.window(cells);
-                let done = responses.advance(coded, self.products(), extractor.packed(), window, *part, work);
+                let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
+                let (window, spare) = (self.window(cells), &mut learning.gradient);
+                let done = responses.advance(coded, self.products(), extractor.packed(), spare, window, *part, work);
                 *part += 1;
                 match *purpose {
                     _ if !done => {}
@@ -416,7 +420,7 @@ impl Model<'_> {
         let Track { grid, bounds, .. } = &self.track;
         (
             Tools { grid, bounds: *bounds, weights: coded, products: self.products() },
-            scale::Scratch { extractor, cells: scale_cells, responses: &mut learning.responses },
+            scale::Scratch { extractor, cells: scale_cells, learning },
         )
     }
 
@@ -437,13 +441,14 @@ impl Model<'_> {
     #[cfg(feature = "unstable")]
     pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
-        let Buffers { extractor, cells, coded, responses, .. } = buffers;
+        let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
         responses.rows = [[0; SPAN]; SPAN];
         let mut parts = 0..;
         while !responses.advance(
             coded,
             self.products(),
             extractor.packed(),
+            &mut learning.gradient,
             self.window(cells),
             parts.next().unwrap_or(0),
             work,

@@ -52,20 +52,27 @@ impl Responses {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
+    /// The responses of weights that are all 0.
+    pub(super) fn clear(&mut self, span: usize) {
+        *self = Self { span, ..const { Self::new() } };
+    }
+
     /// One part of the responses of coded weights; true after the last part.
     #[inline(never)] // one copy in flash
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn advance(
         &mut self,
         weights: &Coded<WEIGHTS>,
         products: Products,
         packed: &mut Packed,
+        spare: &mut [i32],
         window: Window<'_>,
         part: usize,
         work: &mut UnderWay,
     ) -> bool {
         self.span = window.layout.span;
         work.spend(units(products.work(part, window.layout, weights.numbers().len())));
-        let done = weights.respond(products, packed, window, part, &mut self.rows);
+        let done = weights.respond(products, packed, spare, window, part, &mut self.rows);
         if done {
             weights.scale(&mut self.rows);
         }

@@ -9,12 +9,13 @@
 //! The search runs even if refinement has found the exact growth, which then wins. So every frame costs the same.
 //! Cost: three small windows of features, and 27 products for each weight.
 
-use super::constants::{CHANNELS, SPAN, WEIGHTS};
+use super::constants::{CHANNELS, WEIGHTS};
 use super::constants::{LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP};
 use super::cost::weights;
 use super::division::quotient;
 use super::gradients::Extractor;
 use super::grid::Grid;
+use super::learning;
 use super::motion::Place;
 use super::response::{layout, peak};
 use super::sampling::Lattice;
@@ -60,7 +61,7 @@ pub(super) struct Tools<'a> {
 pub(super) struct Scratch<'a> {
     pub(super) extractor: &'a mut Extractor,
     pub(super) cells: &'a mut Cells,
-    pub(super) responses: &'a mut [[i32; SPAN]; SPAN],
+    pub(super) learning: &'a mut learning::Scratch,
 }
 
 impl ScaleSearch {
@@ -101,10 +102,12 @@ impl ScaleSearch {
 
 /// The height of the responses' peak at one scale.
 fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
-    let Scratch { extractor, cells, responses } = scratch;
+    let Scratch { extractor, cells, learning: learning::Scratch { gradient, responses, .. } } = scratch;
     let window = Window { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
     let mut parts = 0..;
-    while !tools.weights.respond(tools.products, extractor.packed(), window, parts.next().unwrap_or(0), responses) {}
+    let mut respond =
+        |part| tools.weights.respond(tools.products, extractor.packed(), gradient, window, part, responses);
+    while !respond(parts.next().unwrap_or(0)) {}
     let rows = responses.get_mut(..OFFSETS).unwrap_or_default();
     tools.weights.scale(rows);
     peak(rows, OFFSETS, false).height.into()

@@ -1,7 +1,7 @@
 //! Gradients of a cell by the DSP extension. It takes the differences of four pixels at a time, and `smusd` computes in one instruction how
 //! far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
-use crate::kernels::cells::SIDE;
+use crate::kernels::cells::{CHANNELS, SIDE};
 use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sums, Votes};
 use core::arch::asm;
 use core::mem::MaybeUninit;
@@ -42,6 +42,18 @@ struct Memory {
     unused: [u32; 16],
     /// The votes in the mirrored sectors: 128 bytes further, which is the top bit of a byte.
     mirrored: [u32; 5],
+}
+
+/// A feature: the sum times the inverse, divided by 2^16, and at most 127.
+macro_rules! feature {
+    () => {
+        concat!(
+            "ldrh {feature}, [{sum}], #{row}\n",
+            "smulwb {feature}, {inverse}, {feature}\n",
+            "usat {feature}, #7, {feature}\n",
+            "strb {feature}, [{out}], #1\n",
+        )
+    };
 }
 
 /// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of byte `byte` of r8 says
@@ -91,6 +103,53 @@ macro_rules! vote {
             ", [r9, r11, lsl #2]\n",
         )
     };
+}
+
+/// The features of a row of cells, as [`plain::scale`] gives them. Does nothing if there are not as many sums and inverses.
+#[inline(always)] // into its one caller
+pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+    const { assert!(2 * ROW < 256) };
+    if sums.len() < CHANNELS || out.is_empty() || out.len() > ROW {
+        return;
+    }
+    // SAFETY: ten sums and an inverse are read for each cell in `out`, and ten features written. No product of 16 and 32 bits overflows.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {inverse}, [{inverses}], #4",
+            "mov {sum}, {sums}",
+            "adds {sums}, {sums}, #2",
+            "movs {left}, #3",
+            "3:",
+            feature!(),
+            feature!(),
+            feature!(),
+            "subs {left}, {left}, #1",
+            "bne 3b",
+            "ldrh {feature}, [{sum}]",
+            "lsrs {feature}, {feature}, #4",
+            "eor {feature}, {feature}, #128",
+            "strb {feature}, [{out}], #1",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            sums = inout(reg) sums.as_ptr() => _,
+            inverses = inout(reg) inverses.as_ptr() => _,
+            out = inout(reg) out.as_mut_ptr() => _,
+            count = inout(reg) out.len() => _,
+            inverse = out(reg) _,
+            sum = out(reg) _,
+            feature = out(reg) _,
+            left = out(reg) _,
+            row = const 2 * ROW,
+            options(nostack),
+        );
+    }
+    #[cfg(feature = "verify")]
+    {
+        let mut wanted = [[0; CHANNELS]; ROW];
+        plain::scale(sums, inverses, &mut wanted);
+        assert!(out.iter().zip(&wanted).all(|(given, wanted)| given == wanted), "features, given and expected");
+    }
 }
 
 /// The sums of a cell, of its pixels and their neighbours.

@@ -1,134 +1,319 @@
 //! Sums of products by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! Both loops slide a row of factors along a row of numbers. Up to five neighbouring sums share each factor. The numbers under it pass from
+//! Both loops slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. The numbers under it pass from
 //! the register of one sum to that of the next, so each number is loaded once for all of them. A factor is a pair of 16-bit numbers:
 //!
-//! - Responses: two channels of a cell. Features are unpacked to 16 bits, row by row.
-//! - Gradient: the errors at an offset and at the one below it. The features of two rows of cells are unpacked as pairs.
+//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side, and paired as in `three_sums.rs`.
+//! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two rows of cells.
 
 use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
+use crate::kernels::three_sums::{Pairs, Rows};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 use core::ops::Range;
-use core::ptr;
 
 /// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = 10;
-/// The most offsets on an axis for which `gather` works here.
-const SPAN: usize = 17;
+/// The least number of factors in a row.
+const LEAST: usize = 4;
+/// Pairs of channels.
+const PAIRS: usize = STEP / 2;
+const WORD: usize = size_of::<i32>();
 
-/// See [`plain::responses`]. A part is two rows of cells.
+#[inline(never)] // one copy in flash
+/// The rows of a filter of `weights` weights, if it has whole cells and the cells suffice at all offsets.
+fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
+    let Layout { row, stride, step, span } = layout;
+    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
+    let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
+    let needed = (down + span - 2) * stride + row + (span - 1) * step;
+    (cells.len() >= needed).then_some(down)
+}
+
+/// See [`plain::responses`]. A part is two rows of cells. `spare` is memory that stays as it is between parts.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    let Layout { row, stride, step, span } = layout;
-    let used = row + span.saturating_sub(1) * step;
-    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.len().is_multiple_of(row);
-    let down = weights.len().checked_div(row).unwrap_or(0);
-    let rows = layout.rows(weights.len());
-    let needed = rows.saturating_sub(1) * stride + used;
-    if !whole || down == 0 || span == 0 || span > N || out.len() < span || used > PACKED || cells.len() < needed {
+    let Layout { row, span, .. } = layout;
+    let (width, of_row) = (row / STEP + span.saturating_sub(1), row / 2);
+    let has_room = |&down: &usize| {
+        let pairs = Pairs::new(layout, down);
+        let room = width * PAIRS + pairs.both() * N <= PACKED / 2 && pairs.rows_of_factors() * of_row <= spare.len();
+        row >= LEAST * STEP && span <= N && out.len() >= span && room
+    };
+    let Some(down) = fits(cells, layout, weights.len()).filter(has_room) else {
         return plain::responses(whole_of(parts, span), cells, layout, weights, out);
-    }
+    };
+    let pairs = Pairs::new(layout, down);
     if parts.start == 0 {
-        out.iter_mut().take(span).for_each(|out| out.fill(0));
+        for number in 0..pairs.rows_of_factors() {
+            let (first, second) = pairs.factors(number);
+            let [first, second] =
+                [first, second.unwrap_or(first)].map(|number| weights.as_ptr().wrapping_add(number * row));
+            // SAFETY: the filter has these rows, and `spare` has room for a row of factors.
+            unsafe { weights_by_channels(spare.as_mut_ptr().wrapping_add(number * of_row), row / STEP, first, second) };
+        }
     }
-    for number in 2 * parts.start..rows.min(2 * parts.end) {
-        let from = cells.get(number * stride..).unwrap_or_default();
-        let (pairs, _) = from.as_chunks::<2>();
-        let (wide, _) = room.as_chunks_mut();
-        for (wide, &[first, second]) in rolled(wide.iter_mut().zip(pairs).take(used / 2)) {
-            *wide = pair(first.into(), second.into());
-        }
-        // For each row of weights that meets this row of cells at some offset.
-        for (y, weights) in weights.chunks_exact(row.max(1)).enumerate() {
-            let Some(out) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| out.get_mut(y)) else { continue };
-            let (mut at, cells) = (0, row / STEP);
-            while at < span {
-                let block = Block {
-                    filter: weights.as_ptr().cast(),
-                    under: room.as_ptr().cast::<u8>().wrapping_add(at * 2 * STEP),
-                    sums: out.as_mut_ptr().wrapping_add(at),
-                    count: cells,
-                    filters: STEP / 2,
-                };
-                // SAFETY: the filter has `cells` cells of weights. For n sums, `under` is followed by `cells + n - 1` cells, and `at + n` is at
-                // most `span`.
-                at += unsafe { block.of_at_most::<{ 2 * STEP }, { 2 * STEP }, 1>(span - at) };
-            }
-        }
+    let (unpacked, both) = room.words().split_at_mut_checked(width * PAIRS).unwrap_or_default();
+    let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
+    let mut rows = Unpacked {
+        cells: cells.as_ptr(),
+        stride: layout.stride,
+        unpacked: unpacked.as_mut_ptr(),
+        width,
+        factors: spare.as_ptr(),
+        of_row,
+    };
+    pairs.responses(parts, &mut rows, both, out);
+}
+
+/// A row of cells on rows of factors. `fits` has checked that all rows of cells are there.
+struct Unpacked {
+    cells: *const i8,
+    stride: usize,
+    unpacked: *mut i32,
+    /// Cells in a row.
+    width: usize,
+    factors: *const i32,
+    /// Factors in a row.
+    of_row: usize,
+}
+
+impl Rows for Unpacked {
+    #[inline(always)]
+    fn take(&mut self, first: usize, second: Option<usize>) {
+        let of = |row: usize| self.cells.wrapping_add(row * self.stride);
+        // SAFETY: the cells have these rows, and there is room for five words for each cell.
+        unsafe { cells_by_channels(self.unpacked, self.width, of(first), second.map(of)) };
+    }
+
+    #[inline(always)]
+    fn add(&mut self, number: usize, sums: &mut [i32]) {
+        let Self { unpacked, width, of_row, .. } = *self;
+        let factors = self.factors.wrapping_add(number * of_row);
+        // SAFETY: five rows of factors lie on five rows of numbers, at each offset.
+        unsafe { Slide { factors, count: of_row / PAIRS, numbers: unpacked, width, rows: PAIRS }.add(sums) };
     }
 }
 
-/// See [`plain::gather`]. A part is two rows of cells.
+/// Pairs of channels of `width` cells from `first`, less those from `second` if there are any: the pair of each cell, then the next pair of each
+/// cell. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
+///
+/// # Safety
+/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is not 0.
+#[inline(never)] // one copy in flash
+unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
+    static ZEROES: [i8; STEP] = [0; STEP];
+    // SAFETY: as the caller guarantees; without `second` zeroes are read again and again. Words need not be aligned.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {x}, [{first}], #4",
+            "ldr {y}, [{second}]",
+            "sxtb16 {u}, {x}",
+            "sxtb16 {v}, {y}",
+            "ssub16 {u}, {u}, {v}",
+            "sxtb16 {x}, {x}, ror #8",
+            "sxtb16 {y}, {y}, ror #8",
+            "ssub16 {x}, {x}, {y}",
+            "str {x}, [{to}, {width}]",
+            "ldr {x}, [{first}], #4",
+            "ldr {y}, [{second}, #4]",
+            "sxtb16 {v}, {x}",
+            "sxtb16 {x}, {x}, ror #8",
+            "str {u}, [{to}], #4",
+            "sxtb16 {u}, {y}",
+            "ssub16 {u}, {v}, {u}",
+            "sxtb16 {y}, {y}, ror #8",
+            "ssub16 {x}, {x}, {y}",
+            "str {x}, [{third}, {width}]",
+            "str {u}, [{third}], #4",
+            "ldrsb {x}, [{first}], #1",
+            "ldrsb {y}, [{second}, #8]",
+            "ldrsb {u}, [{first}], #1",
+            "ldrsb {v}, [{second}, #9]",
+            "subs {x}, {x}, {y}",
+            "subs {u}, {u}, {v}",
+            "pkhbt {x}, {x}, {u}, lsl #16",
+            "str {x}, [{last}], #4",
+            "add {second}, {second}, {step}",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            first = inout(reg) first => _,
+            second = inout(reg) second.unwrap_or(ZEROES.as_ptr()) => _,
+            step = in(reg) if second.is_some() { STEP } else { 0 },
+            to = inout(reg) to => _,
+            third = inout(reg) to.wrapping_add(2 * width) => _,
+            last = inout(reg) to.wrapping_add(4 * width) => _,
+            width = in(reg) WORD * width,
+            count = inout(reg) width => _,
+            x = out(reg) _,
+            y = out(reg) _,
+            u = out(reg) _,
+            v = out(reg) _,
+            options(nostack),
+        );
+    }
+}
+
+/// The same pairs of the weights from `first`, plus those from `second` unless both are the same.
+///
+/// # Safety
+/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is not 0.
+#[inline(never)] // one copy in flash
+unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
+    // SAFETY: as the caller guarantees. Words need not be aligned.
+    unsafe {
+        asm!(
+            "2:",
+            "mov {pairs}, {to}",
+            "3:",
+            "ldr {x}, [{first}], #4",
+            "ldr {y}, [{second}], #4",
+            "and {y}, {y}, {mask}",
+            "sadd16 {x}, {x}, {y}",
+            "ldr {u}, [{first}], #4",
+            "ldr {y}, [{second}], #4",
+            "and {y}, {y}, {mask}",
+            "sadd16 {u}, {u}, {y}",
+            "pkhbt {y}, {x}, {u}, lsl #16",
+            "str {y}, [{pairs}]",
+            "pkhtb {x}, {u}, {x}, asr #16",
+            "str {x}, [{pairs}, {width}]",
+            "add {pairs}, {pairs}, {width}, lsl #1",
+            "eors {again}, {again}, #1",
+            "bne 3b",
+            "ldr {x}, [{first}], #4",
+            "ldr {y}, [{second}], #4",
+            "and {y}, {y}, {mask}",
+            "sadd16 {x}, {x}, {y}",
+            "str {x}, [{pairs}]",
+            "adds {to}, #4",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            first = inout(reg) first => _,
+            second = inout(reg) second => _,
+            to = inout(reg) to => _,
+            width = in(reg) WORD * width,
+            count = inout(reg) width => _,
+            mask = in(reg) -i32::from(first != second),
+            again = inout(reg) 0 => _,
+            pairs = out(reg) _,
+            x = out(reg) _,
+            y = out(reg) _,
+            u = out(reg) _,
+            options(nostack),
+        );
+    }
+}
+
+/// Pairs of a byte of `width` cells from `upper` and from `lower`.
+///
+/// # Safety
+/// These bytes can be read, and as many words written. `width` is not 0.
+#[inline(always)] // into its one caller
+unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *const i8) {
+    // SAFETY: as the caller guarantees.
+    unsafe {
+        asm!(
+            "2:",
+            "ldrsb {x}, [{upper}], #10",
+            "ldrsb {y}, [{lower}], #10",
+            "pkhbt {x}, {x}, {y}, lsl #16",
+            "str {x}, [{to}], #4",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            upper = inout(reg) upper => _,
+            lower = inout(reg) lower => _,
+            to = inout(reg) to => _,
+            count = inout(reg) width => _,
+            x = out(reg) _,
+            y = out(reg) _,
+            options(nostack),
+        );
+    }
+}
+
+/// Parts of [`gather`]: channels.
+pub(crate) const GATHER_PARTS: usize = STEP;
+
+/// See [`plain::gather`]. A part is a channel. `room` stays as it is between parts; `spare` holds the sums of a channel.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    let Layout { row, stride, step, span } = layout;
-    let used = row + span.saturating_sub(1) * step;
-    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && sums.len().is_multiple_of(row);
-    let down = sums.len().checked_div(row).unwrap_or(0);
-    let rows = layout.rows(sums.len());
-    let needed = rows.saturating_sub(1) * stride + used;
-    let fits = span > 0 && span <= N.min(SPAN) && errors.len() >= span && 2 * used <= PACKED;
-    if !whole || !fits || down == 0 || cells.len() < needed {
+    let Layout { row, stride, span, .. } = layout;
+    // Rows of pairs of errors. At an even row of the filter the first row of a pair of rows of cells meets an even row of errors.
+    let (across, width, high) = (row / STEP, row / STEP + span.saturating_sub(1), span / 2 + 1);
+    let (pairs, numbers) = room.words().split_at_mut_checked(2 * high * span).unwrap_or_default();
+    // Pairs of rows of cells at a time.
+    let most = numbers.len() / width.max(1);
+    let has_room = |_: &usize| span >= LEAST && span <= N && errors.len() >= span && most > 0;
+    let fitting = fits(cells, layout, sums.len()).filter(has_room);
+    let (of_cells, _) = sums.as_chunks_mut::<STEP>();
+    let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len())) else {
         return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
-    }
-    for number in (2 * parts.start..rows.min(2 * parts.end)).step_by(2) {
-        let upper = cells.get(number * stride..number * stride + used).unwrap_or_default();
-        // The row below the last one may hold anything: no error is multiplied with it.
-        let lower = cells.get((number + 1) * stride..).and_then(|lower| lower.get(..used)).unwrap_or(upper);
-        let (pairs, _) = room.as_chunks_mut();
-        for ((both, &upper), &lower) in rolled(pairs.iter_mut().zip(upper).zip(lower)) {
-            *both = pair(upper.into(), lower.into());
+    };
+    if parts.start == 0 {
+        let error = |y: usize, x: usize| {
+            errors.get(y).filter(|_| y < span).and_then(|errors| errors.get(x)).copied().unwrap_or(0)
+        };
+        for (number, pairs) in pairs.chunks_exact_mut(span.max(1)).enumerate() {
+            let y = if number < high { 2 * number } else { (2 * (number - high)).wrapping_sub(1) };
+            for (x, to) in rolled(pairs.iter_mut().enumerate()) {
+                *to = pair(error(y, x).into(), error(y.wrapping_add(1), x).into());
+            }
         }
-        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
-            // The errors at the offsets where this row of sums meets the two rows of cells.
-            let of = |number: usize| number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y));
-            let (first, second) = (of(number), of(number + 1));
-            if first.is_none() && second.is_none() {
-                continue;
+    }
+    let rows = down + span - 1;
+    let (pairs, numbers) = (pairs.as_ptr(), numbers.as_mut_ptr());
+    for channel in parts.start..parts.end.min(STEP) {
+        rolled(of_channel.iter_mut()).for_each(|sum| *sum = 0);
+        let (mut first, both) = (0, rows.div_ceil(2));
+        while first < both {
+            let last = both.min(first + most);
+            for number in first..last {
+                let of = |row: usize| cells.as_ptr().wrapping_add(row * stride + channel);
+                // The row below the last one may hold anything: no error is multiplied with it.
+                let (upper, lower) = (of(2 * number), of((2 * number + 1).min(rows - 1)));
+                // SAFETY: the cells have these rows, and there is room for `most` rows of numbers.
+                unsafe { bytes_of_rows(numbers.wrapping_add((number - first) * width), width, upper, lower) };
             }
-            let mut filter = [[0; 2]; SPAN];
-            let error =
-                |errors: Option<&[i16; N]>, x: usize| errors.and_then(|errors| errors.get(x)).copied().unwrap_or(0);
-            for (x, filter) in rolled(filter.iter_mut().enumerate().take(span)) {
-                *filter = pair(error(first, x), error(second, x));
-            }
-            let across = row / STEP;
-            for channel in 0..STEP {
-                let mut at = 0;
-                while at < across {
-                    let block = Block {
-                        filter: filter.as_ptr().cast(),
-                        under: room.as_ptr().cast::<[u16; 2]>().wrapping_add(at * STEP + channel).cast(),
-                        sums: sums.as_mut_ptr().wrapping_add(at * STEP + channel),
-                        count: span,
-                        filters: 1,
-                    };
-                    // SAFETY: the filter has `span` errors. For n sums, `under` is followed by `span + n - 1` cells, and `at + n` is at most
-                    // `across`.
-                    at += unsafe { block.of_at_most::<4, { 4 * STEP }, STEP>(across - at) };
+            for (y, sums) in of_channel.chunks_exact_mut(across.max(1)).enumerate() {
+                let (from, to) = (first.max(y / 2), last.min(y / 2 + high));
+                if from < to {
+                    let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
+                    let numbers = numbers.wrapping_add((from - first) * width);
+                    // SAFETY: the rows of errors lie on as many rows of numbers, at each offset.
+                    unsafe { Slide { factors, count: span, numbers, width, rows: to - from }.add(sums) };
                 }
+            }
+            first = last;
+        }
+        for (sum, of_cell) in rolled(of_channel.iter().zip(&mut *of_cells)) {
+            if let Some(to) = of_cell.get_mut(channel) {
+                *to += *sum;
             }
         }
     }
 }
 
-/// Two numbers as `smlad` takes them.
-fn pair(low: i16, high: i16) -> [u16; 2] {
-    [low.cast_unsigned(), high.cast_unsigned()]
+/// Two numbers of 16 bits as `smlad` takes them.
+#[inline(always)]
+fn pair(low: i32, high: i32) -> i32 {
+    low & 0xFFFF | high << 16
 }
 
 /// The parts of the plain loop that replace these parts: all for the first one, none for the others.
@@ -136,142 +321,180 @@ fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
     if parts.start == 0 { 0..span } else { 0..0 }
 }
 
-/// Neighbouring sums, and what is added to them. Filter i of `filters` has `count` factors, which begin 4 * i bytes after `filter`; the
-/// numbers under them at the first sum begin 4 * i bytes after `under`.
+/// Rows of `count` factors on rows of numbers, which are `width` numbers long.
 #[derive(Clone, Copy)]
-struct Block {
-    filter: *const u8,
-    under: *const u8,
-    sums: *mut i32,
+struct Slide {
+    factors: *const i32,
     count: usize,
-    filters: usize, // not a constant: the compiler would unroll the loop
+    numbers: *const i32,
+    width: usize,
+    rows: usize,
 }
 
-impl Block {
-    /// Computes some of the `left` remaining sums and returns how many. There is no function for three: it would take 0.5 KB of flash and
-    /// hardly ever run.
+impl Slide {
+    /// Adds to each sum the products of all factors and the numbers under them. From one sum to the next the factors move on by one number.
     ///
     /// # Safety
-    /// As [`Block::slide5`], for the returned number of sums.
-    #[inline(always)]
-    unsafe fn of_at_most<const F: usize, const U: usize, const S: usize>(self, left: usize) -> usize {
-        // SAFETY: as the caller guarantees.
-        unsafe {
-            match left {
-                0 => 0,
-                1 => self.slide1::<F, U, S>(),
-                2 | 3 => self.slide2::<F, U, S>(),
-                4 | 6 | 8 | 12 | 16 => self.slide4::<F, U, S>(),
-                _ => self.slide5::<F, U, S>(),
-            }
+    /// The factors can be read, and `count + sums.len() - 1` numbers of each row. `count` is at least `LEAST`, and `rows` is not 0.
+    #[inline(never)] // one copy in flash
+    unsafe fn add(mut self, sums: &mut [i32]) {
+        let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
+        while left > 0 {
+            // SAFETY: as the caller guarantees: no function takes more than `left` sums. There is none for three: it would hardly ever run.
+            let done = unsafe {
+                match left {
+                    1 => self.one(to),
+                    2 | 3 => self.two(to),
+                    4 | 6 | 8 | 12 | 16 => self.four(to),
+                    _ => self.five(to),
+                }
+            };
+            (to, left) = (to.wrapping_add(done), left - done);
+            self.numbers = self.numbers.wrapping_add(done);
         }
     }
 }
 
-/// One factor: loads it and the next number under it, and adds its products to all sums.
-macro_rules! turn {
-    ([$($sum:literal)*] [$($under:literal)*] $new:literal) => {
-        concat!(
-            "ldr r6, [r12], #{f}\n",
-            "ldr ", $new, ", [lr], #{u}\n",
-            $("smlad ", $sum, ", ", $under, ", r6, ", $sum, "\n",)*
-        )
+/// Adds the product of two registers to a sum.
+macro_rules! add {
+    ($($sum:literal $number:literal $factor:literal,)*) => {
+        concat!($("smlad ", $sum, ", ", $number, ", ", $factor, ", ", $sum, "\n",)*)
     };
 }
 
-/// A function for n sums. The loop is unrolled n times, with the registers of the numbers rotated: no number moves.
+/// A function for n sums. The loop over a row takes four factors at a time. One or two factors are taken before it; then the numbers are
+/// loaded again.
 macro_rules! slide {
-    ($name:ident, $n:literal, [$($sum:ident $sum_in:tt)*], [$($first:ident $first_in:tt)*]:
-        $($sums:tt $window:tt $new:tt;)*) => {
-        impl Block {
-            /// Adds to each of n sums the products of the filter and the numbers under it, and returns n. Sums are `S` numbers apart, factors
-            /// `F` bytes, numbers `U` bytes.
+    ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
+        impl Slide {
+            /// Adds to n sums, and returns n.
             ///
             /// # Safety
-            /// `count` factors can be read at `filter`, `count + n - 1` numbers at `under`, and n sums written at `sums`. Only `sums` must
-            /// be aligned.
+            /// As [`Slide::add`], for n sums.
             #[inline(never)]
-            unsafe fn $name<const F: usize, const U: usize, const S: usize>(&self) -> usize {
-                let mut sums = self.sums;
-                // SAFETY: there are n sums.
-                $(let mut $sum = unsafe { next::<S>(&mut sums).read() };)*
-                for pair in 0..self.filters {
-                    #[allow(unused_mut)] // for one sum nothing is loaded ahead
-                    let mut cells = self.under.wrapping_add(4 * pair);
-                    // SAFETY: `count + n - 1` numbers can be read.
-                    $(let $first = unsafe { load::<U>(&mut cells) };)*
-                    // SAFETY: `count` factors and as many more numbers are read. r6 and r7, which `asm!` may not name, are saved on the
-                    // stack. r11 passes `count`.
-                    unsafe {
-                        asm!(
-                            "push {{r6, r7}}",
-                            concat!("subs r7, r11, #", $n),
-                            "bmi 3f",
-                            "2:",
-                            $(turn!($sums $window $new),)*
-                            concat!("subs r7, #", $n),
-                            "bpl 2b",
-                            "3:",
-                            concat!("adds r7, #", $n),
-                            $(
-                                "beq 4f",
-                                turn!($sums $window $new),
-                                "subs r7, #1",
-                            )*
-                            "4:",
-                            "pop {{r6, r7}}",
-                            $(inout($sum_in) $sum,)*
-                            $(inout($first_in) $first => _,)*
-                            inout("r11") self.count => _,
-                            inout("r12") self.filter.wrapping_add(4 * pair) => _,
-                            inout("lr") cells => _,
-                            f = const F,
-                            u = const U,
-                        );
-                    }
+            unsafe fn $name(&self, sums: *mut i32) -> usize {
+                let Self { factors, count, numbers, width, rows } = *self;
+                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums and the stack is written:
+                // it saves r6 and r7, which `asm!` may not name, and what is needed after each row.
+                unsafe {
+                    asm!(
+                        "push {{r0, r5, r8, r11}}",
+                        "push {{r6, r7}}",
+                        $load,
+                        "2:",
+                        "ldr r11, [sp, #20]",
+                        $window,
+                        // The two lowest bits: the sign and the carry.
+                        "lsls r7, r11, #31",
+                        "bpl 3f",
+                        $one,
+                        $window,
+                        "3:",
+                        "bcc 4f",
+                        $two,
+                        $window,
+                        "4:",
+                        $four,
+                        "subs r11, r11, #4",
+                        "bhs 4b",
+                        "ldrd r6, r7, [sp, #12]",
+                        "add lr, lr, r6",
+                        "cmp r12, r7",
+                        "bne 2b",
+                        "pop {{r6, r7}}",
+                        "ldr r5, [sp]",
+                        $store,
+                        "add sp, sp, #16",
+                        inout("r0") sums => _,
+                        // From the end of a row to the next one.
+                        inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
+                        inout("r8") factors.wrapping_add(rows * count) => _,
+                        // Not negative; its two lowest bits are those of the count.
+                        inout("r11") count.wrapping_sub(LEAST) => _,
+                        inout("r12") factors => _,
+                        inout("lr") numbers => _,
+                        out("r1") _,
+                        out("r2") _,
+                        out("r3") _,
+                        out("r4") _,
+                        out("r9") _,
+                        out("r10") _,
+                    );
                 }
-                let mut sums = self.sums;
-                // SAFETY: as above.
-                $(unsafe { next::<S>(&mut sums).write($sum) };)*
                 $n
             }
         }
     };
 }
 
-slide!(slide1, 1, [a "r0"], []:
-    ["r0"] ["r11"] "r11";);
-slide!(slide2, 2, [a "r0" b "r1"], [f "r5"]:
-    ["r0" "r1"] ["r5" "r11"] "r11";
-    ["r0" "r1"] ["r11" "r5"] "r5";);
-slide!(slide4, 4, [a "r0" b "r1" c "r2" d "r3"], [f "r5" g "r8" h "r9"]:
-    ["r0" "r1" "r2" "r3"] ["r5" "r8" "r9" "r11"] "r11";
-    ["r0" "r1" "r2" "r3"] ["r8" "r9" "r11" "r5"] "r5";
-    ["r0" "r1" "r2" "r3"] ["r9" "r11" "r5" "r8"] "r8";
-    ["r0" "r1" "r2" "r3"] ["r11" "r5" "r8" "r9"] "r9";);
-slide!(slide5, 5, [a "r0" b "r1" c "r2" d "r3" e "r4"], [f "r5" g "r8" h "r9" i "r10"]:
-    ["r0" "r1" "r2" "r3" "r4"] ["r5" "r8" "r9" "r10" "r11"] "r11";
-    ["r0" "r1" "r2" "r3" "r4"] ["r8" "r9" "r10" "r11" "r5"] "r5";
-    ["r0" "r1" "r2" "r3" "r4"] ["r9" "r10" "r11" "r5" "r8"] "r8";
-    ["r0" "r1" "r2" "r3" "r4"] ["r10" "r11" "r5" "r8" "r9"] "r9";
-    ["r0" "r1" "r2" "r3" "r4"] ["r11" "r5" "r8" "r9" "r10"] "r10";);
-
-/// The address of this number; moves `at` on by `STEP` numbers.
-#[inline(always)]
-fn next<const STEP: usize>(at: &mut *mut i32) -> *mut i32 {
-    let this = *at;
-    *at = at.wrapping_add(STEP);
-    this
+/// Two factors, r6 and r7, for two sums. The number under the first factor of the first sum is in r5; so is then the one after the next.
+macro_rules! two {
+    ($move:literal) => {
+        concat!(
+            "ldrd r6, r7, [r12], #8\n",
+            add!("r0" "r5" "r6",),
+            "ldrd r8, r5, [lr], #", $move, "\n",
+            add!("r1" "r8" "r6", "r0" "r8" "r7", "r1" "r5" "r7",),
+        )
+    };
 }
 
-/// Loads a pair; moves `at` on by `STEP` bytes.
-///
-/// # Safety
-/// Four bytes can be read at `at`.
-#[inline(always)]
-unsafe fn load<const STEP: usize>(at: &mut *const u8) -> u32 {
-    // SAFETY: as the caller guarantees. The pair need not be aligned.
-    let pair = unsafe { ptr::read_unaligned(at.cast::<u32>()) };
-    *at = at.wrapping_add(STEP);
-    pair
+/// The same for four sums. The numbers are in the registers a, b and c, then in c, d and a.
+macro_rules! four {
+    ($a:literal $b:literal $c:literal $d:literal $move:literal) => {
+        concat!(
+            "ldrd r6, r7, [r12], #8\n",
+            add!("r0" $a "r6",),
+            "ldrd ", $d, ", ", $a, ", [lr], #", $move, "\n",
+            add!("r1" $b "r6", "r2" $c "r6", "r0" $b "r7", "r1" $c "r7", "r3" $d "r6", "r2" $d "r7", "r3" $a "r7",),
+        )
+    };
+}
+
+/// The same for five sums. The numbers are in the registers a, b, c and d, then in c, d, a and b.
+macro_rules! five {
+    ($a:literal $b:literal $c:literal $d:literal $move:literal) => {
+        concat!(
+            "ldrd r6, r7, [r12], #8\n",
+            add!(
+                "r0" $a "r6", "r1" $b "r6", "r0" $b "r7", "r2" $c "r6", "r1" $c "r7", "r3" $d "r6", "r2" $d "r7",
+            ),
+            "ldrd ", $a, ", ", $b, ", [lr], #", $move, "\n",
+            add!("r4" $a "r6", "r3" $a "r7", "r4" $b "r7",),
+        )
+    };
+}
+
+slide! {
+    one 1: "ldr r0, [r0]" "str r0, [r5]" "";
+    concat!("ldr r6, [r12], #4\n", "ldr r7, [lr], #4\n", add!("r0" "r6" "r7",));
+    concat!("ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", add!("r0" "r5" "r6", "r0" "r8" "r7",));
+    concat!(
+        "ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", add!("r0" "r5" "r6", "r0" "r8" "r7",),
+        "ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", add!("r0" "r5" "r6", "r0" "r8" "r7",),
+    )
+}
+slide! {
+    two 2: "ldrd r0, r1, [r0]" "strd r0, r1, [r5]" "ldr r5, [lr], #4";
+    concat!("ldr r6, [r12], #4\n", "ldr r7, [lr]\n", add!("r0" "r5" "r6", "r1" "r7" "r6",));
+    two!("4");
+    concat!(two!("8"), two!("8"))
+}
+slide! {
+    four 4: "ldm r0, {{r0-r3}}" "stm r5, {{r0-r3}}" "ldm lr!, {{r5, r8, r9}}";
+    concat!(
+        "ldr r6, [r12], #4\n", "ldr r7, [lr], #-8\n",
+        add!("r0" "r5" "r6", "r1" "r8" "r6", "r2" "r9" "r6", "r3" "r7" "r6",)
+    );
+    four!("r5" "r8" "r9" "r10" "-4");
+    concat!(four!("r5" "r8" "r9" "r10" "8"), four!("r9" "r10" "r5" "r8" "8"))
+}
+slide! {
+    five 5: "ldm r0, {{r0-r4}}" "stm r5, {{r0-r4}}" "ldm lr!, {{r5, r8-r10}}";
+    concat!(
+        "ldr r6, [r12], #4\n", "ldr r7, [lr], #-12\n",
+        add!("r0" "r5" "r6", "r1" "r8" "r6", "r2" "r9" "r6", "r3" "r10" "r6", "r4" "r7" "r6",)
+    );
+    five!("r5" "r8" "r9" "r10" "-8");
+    concat!(five!("r5" "r8" "r9" "r10" "8"), five!("r9" "r10" "r5" "r8" "8"))
 }

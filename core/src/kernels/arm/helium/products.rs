@@ -181,20 +181,23 @@ impl Rows {
     /// `apart`. A row of 9 or 17 errors is one or two vectors and one error; those last errors are taken as a column, which fills lanes better.
     ///
     /// # Safety
-    /// All these errors can be read, and the bytes under them at seven offsets.
+    /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.
     #[inline(never)] // one copy in flash
     unsafe fn errors_at<const N: usize, const SEVEN: usize>(
         &self,
         bytes: *const i8,
         errors: *const i16,
         apart: usize,
-    ) -> [i32; MOST] {
+        to: *mut [i32; MOST],
+    ) {
         let span = self.width;
         if span != 17 && span != 9 {
             // SAFETY: as the caller guarantees.
-            return unsafe {
-                if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) }
-            };
+            unsafe {
+                *to =
+                    if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) };
+            }
+            return;
         }
         let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
         // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is written; it saves r6, which
@@ -291,7 +294,8 @@ impl Rows {
                 seven = const SEVEN,
             );
         }
-        [a, b, c, d, e, f, g]
+        // SAFETY: as the caller guarantees.
+        unsafe { *to = [a, b, c, d, e, f, g] };
     }
 }
 
@@ -300,10 +304,11 @@ pub(crate) const GATHER_PARTS: usize = STEP;
 /// Offsets of a channel in eight neighbouring cells.
 static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// See [`plain::gather`]. A part is a channel.
+/// See [`plain::gather`]. A part is a channel. `spare` holds its sums.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
@@ -315,7 +320,9 @@ pub(crate) fn gather<const N: usize>(
     let room_for = |&down: &usize| {
         span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
-    let Some(down) = fits(cells, layout, sums.len()).filter(room_for) else {
+    let fitting = fits(cells, layout, sums.len()).filter(room_for);
+    let (of_cells, _) = sums.as_chunks_mut::<STEP>();
+    let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
         // In the plain loop a part is a row of errors. The first part here replaces all of them.
         let parts = if parts.start == 0 { 0..span } else { 0..0 };
         return plain::gather(parts, cells, layout, errors, sums);
@@ -323,30 +330,32 @@ pub(crate) fn gather<const N: usize>(
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
     // The choice with fewer instructions: a block of seven sums costs 9/8 of a block of six.
-    let cells_across = row / STEP;
-    let block = if 9 * cells_across.div_ceil(MOST) <= 8 * cells_across.div_ceil(6) { MOST } else { 6 };
+    let across = row / STEP;
+    let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {
-        let plane = room.as_mut_ptr().cast::<i8>();
+        let plane = room.0.as_mut_ptr().cast::<i8>();
         // SAFETY: one byte of each cell under the filter is read: `fits` has checked that they are there, `room_for` that the room suffices.
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
-        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
-            let (of_cells, _) = sums.as_chunks_mut::<STEP>();
-            let mut from = plane.cast_const().wrapping_add(y * width);
-            for of_cells in of_cells.chunks_mut(block) {
-                // SAFETY: the errors lie on the bytes that were copied, or, at offsets beyond the last weight, on the room after them.
-                let at_block = unsafe {
+        for y in 0..down {
+            let mut x = 0;
+            while x < across {
+                let from = plane.cast_const().wrapping_add(y * width + x);
+                let to = of_channel.as_mut_ptr().wrapping_add(y * across + x).cast();
+                // SAFETY: the errors lie on the bytes that were copied, or, at offsets beyond the last weight, on the room after them. Their
+                // sums are written over by those of the next row, or after all others.
+                unsafe {
                     if block == MOST {
-                        rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width)
+                        rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width, to);
                     } else {
-                        rows.errors_at::<N, 0>(from, errors.as_ptr().cast(), width)
-                    }
-                };
-                for (of_cell, sum) in of_cells.iter_mut().zip(at_block) {
-                    if let Some(of_channel) = of_cell.get_mut(channel) {
-                        *of_channel += sum;
+                        rows.errors_at::<N, 0>(from, errors.as_ptr().cast(), width, to);
                     }
                 }
-                from = from.wrapping_add(block);
+                x += block;
+            }
+        }
+        for (of_cell, sum) in of_cells.iter_mut().zip(&*of_channel) {
+            if let Some(of_channel) = of_cell.get_mut(channel) {
+                *of_channel += sum;
             }
         }
     }

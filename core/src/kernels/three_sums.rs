@@ -1,0 +1,107 @@
+//! Responses at two rows of offsets by three sums of products instead of four (Karatsuba and Ofman, 1962).
+//!
+//! w are the rows of the filter, X those of the cells, and `w * X` the sums of products of two rows at all offsets to the right:
+//!
+//! ```text
+//! response[2k]     = sum over i of  w[2i] * X[2m]     + w[2i + 1] * X[2m + 1],    m = k + i
+//! response[2k + 1] = sum over i of  w[2i] * X[2m + 1] + w[2i + 1] * X[2m + 2]
+//!
+//! upper[k] = sum over i of  w[2i] * (X[2m] - X[2m + 1])
+//! both[k]  = sum over i of  (w[2i] + w[2i + 1]) * X[2m + 1]
+//! lower[k] = sum over i of  w[2i + 1] * (X[2m + 2] - X[2m + 1])
+//!
+//! response[2k] = both[k] + upper[k],    response[2k + 1] = both[k] + lower[k]
+//! ```
+//!
+//! A difference of cells and a sum of two weights fit in 16 bits. Sums may wrap on the way.
+
+use super::layout::Layout;
+use super::unrolling::rolled;
+use core::ops::Range;
+
+/// The sums, in the order of the rows of cells that they begin with: `upper`, `both`, `lower`.
+const SUMS: usize = 3;
+const BOTH: usize = 1;
+
+/// The rows of a filter and of its offsets, in pairs.
+#[derive(Clone, Copy)]
+pub(crate) struct Pairs {
+    /// Rows of the filter.
+    down: usize,
+    span: usize,
+}
+
+/// Sums of products along rows, by a backend.
+pub(crate) trait Rows {
+    /// Takes the row `first` of the cells, less the row `second` if there is one.
+    fn take(&mut self, first: usize, second: Option<usize>);
+
+    /// Adds the products of the cells with a row of factors (see [`Pairs::factors`]) at each offset to the right.
+    fn add(&mut self, number: usize, sums: &mut [i32]);
+}
+
+impl Pairs {
+    pub(crate) fn new(layout: Layout, down: usize) -> Self {
+        Self { down, span: layout.span }
+    }
+
+    /// The rows of factors of all sums.
+    pub(crate) fn rows_of_factors(self) -> usize {
+        2 * self.down.div_ceil(2) + self.down / 2
+    }
+
+    /// The rows of the filter that are added up for a row of factors.
+    pub(crate) fn factors(self, number: usize) -> (usize, Option<usize>) {
+        let half = half(self.down, BOTH);
+        let sum = (number / half.max(1)).min(SUMS - 1);
+        let first = 2 * (number - sum * half) + sum / 2;
+        (first, Some(first + 1).filter(|&row| sum == BOTH && row < self.down))
+    }
+
+    /// Rows of the sums `both`.
+    pub(crate) fn both(self) -> usize {
+        half(self.span, BOTH)
+    }
+
+    /// The parts `parts` of the responses. A part is two rows of cells. `both` is memory that stays as it is between parts.
+    #[inline(always)] // into its one caller
+    pub(crate) fn responses<const N: usize>(
+        self,
+        parts: Range<usize>,
+        rows: &mut impl Rows,
+        both: &mut [[i32; N]],
+        out: &mut [[i32; N]],
+    ) {
+        let Self { down, span } = self;
+        let count = down + span - 1;
+        if parts.start == 0 {
+            out.iter_mut().take(span).chain(&mut *both).for_each(|sums| sums.fill(0));
+        }
+        // One loop: the compiler would unroll one over the three sums.
+        let (mut part, mut sum) = (parts.start, 0);
+        while part < parts.end && 2 * part + sum < count {
+            rows.take(2 * part + sum, Some(2 * part + 1).filter(|&row| sum != BOTH && row < count));
+            for number in (part + 1).saturating_sub(half(span, sum))..half(down, sum).min(part + 1) {
+                let at = part - number;
+                let sums = if sum == BOTH { both.get_mut(at) } else { out.get_mut(2 * at + sum / 2) };
+                let Some(sums) = sums.and_then(|sums| sums.get_mut(..span)) else { continue };
+                rows.add(sum * half(down, BOTH) + number, sums);
+            }
+            sum += 1;
+            if sum == SUMS {
+                (part, sum) = (part + 1, 0);
+            }
+        }
+        if parts.end >= count.div_ceil(2) {
+            for (number, out) in out.iter_mut().take(span).enumerate() {
+                let Some(both) = both.get(number / 2) else { return };
+                rolled(out.iter_mut().zip(both).take(span)).for_each(|(out, both)| *out = out.wrapping_add(*both));
+            }
+        }
+    }
+}
+
+/// The rows of a sum out of `rows`: those with an even number, or for `lower` those with an odd one.
+fn half(rows: usize, sum: usize) -> usize {
+    (rows + 1 - sum / 2) / 2
+}
