@@ -7,7 +7,8 @@
 //!
 //! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in 1, 2
 //! or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed score is
-//! skipped from then on, and a pass computes only the ranges under the rectangle of the groups that remain.
+//! skipped from then on. So is one whose bound falls so slowly that it will not be excluded: its offsets are scored. A pass computes only the ranges
+//! under the rectangle of the other groups.
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
@@ -263,6 +264,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let start = ((row + first) >> self.shape.halvings) * stride + column;
         let (low, high) = self.bytes.0.split_at_checked(half(PIXELS)).unwrap_or_default();
         let blocks = Blocks { low, high, start, stride };
+        let area = u32::from(template.width()) * u32::from(template.height());
         let remaining = &mut self.remaining;
         let lower = |bound: &mut u32| {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
@@ -272,12 +274,18 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
-            if *bound > 0 {
+            if is_promising(*bound, needed, area, pass + 1, passes) {
                 remaining.add((column, row));
             }
             Some(pixels)
         };
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
+    }
+
+    /// Whether to bound a group in this pass: it is not excluded, and [`is_promising`].
+    pub(super) fn may_fall_below(&self, group: usize, needed: u32, area: u32, pass: usize) -> bool {
+        let bound = self.bounds.as_flattened().get(group);
+        bound.is_some_and(|&bound| is_promising(bound, needed, area, pass, self.passes()))
     }
 
     /// Whether the bound of a group is at least `needed`.
@@ -350,6 +358,17 @@ impl Shape {
 fn part(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
     (from.min(all.saturating_sub(size)), size)
+}
+
+/// Whether a group with this bound after `done` of `passes` may still be excluded: it is not yet, and if each pass takes as much from its bound, and
+/// a quarter more, that falls below `needed`. Once a group is not promising it is no longer bounded, so a search in which nothing can be excluded ends
+/// its passes after the first one.
+fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
+    // In units in which 20 times a score fits.
+    let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;
+    #[allow(clippy::cast_possible_truncation)] // at most 4 passes
+    let (taken, allowed) = (lost(bound) * 5 * passes as u32, lost(needed) * 4 * done as u32);
+    bound >= needed && taken >= allowed
 }
 
 /// The bytes for minima, and for maxima, of a buffer of `capacity` bytes: whole words.

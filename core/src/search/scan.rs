@@ -340,7 +340,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let needed = self.leaders.needed().max(1);
         let (pass, groups) = (self.place.pass.into(), self.tile.groups());
         for group in self.place.next..groups {
-            if !self.ranges.reaches(group, needed) {
+            if !self.ranges.may_fall_below(group, needed, area(scene), pass) {
                 continue;
             }
             if self.is_spent() {

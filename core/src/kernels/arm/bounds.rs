@@ -1,5 +1,5 @@
 //! The bounds of scores on Arm's microcontrollers. `candidates.rs` and `groups.rs` of each instruction set compute two of them. The third
-//! one, for single offsets, is the least loss of pixels compared with a full score:
+//! one, of all that lies between two pictures, is the least loss of pixels compared with a full score:
 //!
 //! A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel that does not count loses all.
 //! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets

@@ -9,7 +9,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     for part in pixels.chunks(PART) {
         // Both in one pass: the upper 16 bits count clipped pixels, the lower 16 bits sum deviations.
         let sums = rolled(part.iter())
-            .map(|&pixel| u32::from(pixel.abs_diff(level)) + (u32::from(matches!(pixel, 0 | u8::MAX)) << 16))
+            .map(|&pixel| u32::from(pixel.abs_diff(level)) + (u32::from(pixel.wrapping_add(1) < 2) << 16))
             .sum::<u32>();
         deviation += sums & 0xffff;
         clipped += sums >> 16;
