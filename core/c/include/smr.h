@@ -73,7 +73,7 @@
 #define SMR_ALIGNMENT 8
 
 /** Bytes of storage for one of the paper's trackers, a constant expression. At run time, ask #smr_target_size. */
-#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 8 * sizeof(size_t) + 96)
+#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 8 * sizeof(size_t) + 112)
 /** Bytes of a workspace for any number of the paper's trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1176)

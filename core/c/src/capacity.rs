@@ -15,7 +15,7 @@ pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 pub const ALIGNMENT: usize = 8;
 
 /// `SMR_PAPER_TARGET_SIZE` in the header: a byte for each pixel, the fixed fields, and a small reserve.
-pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 8]>() + 96;
+pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 8]>() + 112;
 
 /// Bytes that the table of a 32-bit processor without DSP or SIMD takes more: it has entries for differences of both signs. The header leaves room
 /// for them, so that it fits every processor.
