@@ -76,7 +76,7 @@
 #define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 8 * sizeof(size_t) + 112)
 /** Bytes of a workspace for any number of the paper's trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1176)
+    (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
 /** The most bytes that #smr_save writes for the paper's tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 42)
 /** Bytes of storage for one robust tracker, a constant expression. */

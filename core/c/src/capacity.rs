@@ -23,7 +23,7 @@ pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
 /// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words for each offset, a table and the fixed fields.
 pub const PAPER_WORKSPACE_SIZE: usize =
-    PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 664 + SIGNED_DIFFERENCES;
+    PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 
 /// `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 42;
