@@ -99,7 +99,7 @@ fn saved_between_steps<T: Target>(config: T::Config, work: u32) {
 
 #[test]
 fn the_papers_target_saved_between_steps() {
-    saved_between_steps::<SmallPaper>(small_paper(), 3000);
+    saved_between_steps::<SmallPaper>(small_paper(), 2000);
 }
 
 #[test]

@@ -96,14 +96,14 @@ fn least_firmware() -> Vec<u8> {
     elf
 }
 
-const HELLO: &[u32] = &[1, 3, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000];
-const ROBUST: &[u32] = &[1, 3, 1, 0, 0, 9216, 11_000, 25_000, 2_000_000, 80_000];
+const HELLO: &[u32] = &[1, 4, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000];
+const ROBUST: &[u32] = &[1, 4, 1, 0, 0, 9216, 11_000, 25_000, 2_000_000, 80_000];
 
 #[test]
 fn a_qemu_that_is_missing_is_asked_for() {
     let bench = Bench::new("");
     fs::remove_file(bench.path("qemu")).expect("a file can be removed");
-    bench.refuses(&[], "/qemu: install QEMU for Arm");
+    bench.refuses(&[], "/qemu: install QEMU (Debian: qemu-system-arm)");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn what_the_firmware_refuses_is_said_in_words() {
     bench.refuses(&["--init", "10,10,65,64"], "the box is too big for the firmware: 65x64 is 4160 pixels");
     bench.refuses(&["--init", "10,10,130,30"], "more than the 9216 pixels of its buffer");
     Bench::answering(&[HELLO, &[4, 2, 5]], "").refuses(&[], "synthetic, frame 2: the firmware cannot search the frame");
-    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 3");
+    Bench::answering(&[&[1, 7]], "").refuses(&[], "version 7 of the protocol: expected 4");
 }
 
 #[test]
