@@ -108,15 +108,18 @@ macro_rules! intrinsics {
 /// `WHOLE` is the number of whole vectors in a row, or this: any number from one on. `END` says whether pixels follow them.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// `$call` with the `WHOLE` and `END` of a width. Common widths get a loop of their own.
+/// `$call` with the `WHOLE` and `END` of a width. Common widths get a loop of their own, except where code has to be small.
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
         let width = $width;
         match (width / <$vector>::LANES, width.is_multiple_of(<$vector>::LANES)) {
             (0, _) => by_width!(@ 0, true, $call),
+            #[cfg(not(smr_small))]
             (1, true) => by_width!(@ 1, false, $call),
+            #[cfg(not(smr_small))]
             (1, false) => by_width!(@ 1, true, $call),
+            #[cfg(not(smr_small))]
             (2, true) => by_width!(@ 2, false, $call),
             (_, true) => by_width!(@ ANY, false, $call),
             (_, false) => by_width!(@ ANY, true, $call),
