@@ -421,7 +421,7 @@ impl Row {
     #[inline(never)] // so that nothing else needs a register
     unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {
         let (mut low, mut high) = (self.low, self.high);
-        let (mut sum, mut mask) = (0, self.first);
+        let mut sum = 0;
         // SAFETY: as the caller guarantees.
         unsafe {
             let mut present = u32::from_le(*g);
@@ -437,20 +437,23 @@ impl Row {
                 let pixels = pixels >> 1 & LOWER;
                 (u32::from_le(*low) + (LOWER ^ pixels)) | (u32::from_le(*high) + pixels)
             };
-            let others = self.count - 1;
-            for _ in rolled(0..others / ROUND) {
-                for word in rolled(0..ROUND) {
-                    sum += (outside(low.add(word), high.add(word), g.add(word)) & mask) >> 7;
-                    mask = TOP;
-                }
-                (low, high, g) = (low.add(ROUND), high.add(ROUND), g.add(ROUND));
-            }
-            for _ in rolled(0..others % ROUND) {
-                sum += (outside(low, high, g) & mask) >> 7;
-                mask = TOP;
+            let mut last = outside(low, high, g) & self.first;
+            if let Some(between) = self.count.checked_sub(2) {
+                sum = last >> 7;
                 (low, high, g) = (low.add(1), high.add(1), g.add(1));
+                for _ in rolled(0..between / ROUND) {
+                    for word in rolled(0..ROUND) {
+                        sum += (outside(low.add(word), high.add(word), g.add(word)) & TOP) >> 7;
+                    }
+                    (low, high, g) = (low.add(ROUND), high.add(ROUND), g.add(ROUND));
+                }
+                for _ in rolled(0..between % ROUND) {
+                    sum += (outside(low, high, g) & TOP) >> 7;
+                    (low, high, g) = (low.add(1), high.add(1), g.add(1));
+                }
+                last = outside(low, high, g);
             }
-            sum += (outside(low, high, g) & mask & self.last) >> 7;
+            sum += (last & self.last) >> 7;
         }
         let pairs = (sum & 0x00FF_00FF) + (sum >> 8 & 0x00FF_00FF);
         (pairs & 0xFFFF) + (pairs >> 16)
