@@ -418,6 +418,7 @@ impl Row {
     ///
     /// # Safety
     /// These words can be read, with `SHIFTED` one more of the template.
+    #[allow(clippy::modulo_one)] // where a round is one word
     #[inline(never)] // so that nothing else needs a register
     unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {
         let (mut low, mut high) = (self.low, self.high);
