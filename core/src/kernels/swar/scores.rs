@@ -164,29 +164,31 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     // SAFETY: as the caller guarantees. A signed difference is -255 to 255, and entry 255 of 511 is that of no difference.
     unsafe {
         let equal = table.entries().as_ptr().add(255);
-        let mut column = |pixels: [u8; OFFSETS], g: u8| {
-            let of_black = equal.sub(g.into());
+        // The bytes of so many entries: a pixel of the frame is doubled once.
+        let entries = |pixel: *const u8| size_of::<u16>() * usize::from(*pixel);
+        let mut column = |pixels: [usize; OFFSETS], g: *const u8| {
+            let of_black = equal.byte_sub(entries(g));
             for (sum, pixel) in sums.iter_mut().zip(pixels) {
-                *sum += u32::from(*of_black.add(pixel.into()));
+                *sum += u32::from(*of_black.byte_add(pixel));
             }
         };
-        let [mut a, mut b, mut c] = [*f, *f.add(1), *f.add(2)];
+        let [mut a, mut b, mut c] = [entries(f), entries(f.add(1)), entries(f.add(2))];
         f = f.add(3);
         for _ in rolled(0..width / OFFSETS) {
-            let d = *f;
-            column([a, b, c, d], *g);
-            a = *f.add(1);
-            column([b, c, d, a], *g.add(1));
-            b = *f.add(2);
-            column([c, d, a, b], *g.add(2));
-            c = *f.add(3);
-            column([d, a, b, c], *g.add(3));
+            let d = entries(f);
+            column([a, b, c, d], g);
+            a = entries(f.add(1));
+            column([b, c, d, a], g.add(1));
+            b = entries(f.add(2));
+            column([c, d, a, b], g.add(2));
+            c = entries(f.add(3));
+            column([d, a, b, c], g.add(3));
             // The last three are the next first ones.
             (f, g) = (f.add(OFFSETS), g.add(OFFSETS));
         }
         for _ in rolled(0..width % OFFSETS) {
-            let d = *f;
-            column([a, b, c, d], *g);
+            let d = entries(f);
+            column([a, b, c, d], g);
             (a, b, c) = (b, c, d);
             (f, g) = (f.add(1), g.add(1));
         }
@@ -397,6 +399,9 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     Some(full - outside * u32::from(ONE))
 }
 
+/// Words of a row of ranges in a round of a loop. A loop of one word takes less flash.
+const ROUND: usize = if cfg!(target_arch = "riscv32") { 2 } else { 1 };
+
 /// A row of ranges.
 struct Row {
     low: *const u32,
@@ -413,10 +418,11 @@ impl Row {
     ///
     /// # Safety
     /// These words can be read, with `SHIFTED` one more of the template.
+    #[allow(clippy::modulo_one)] // where a round is one word
     #[inline(never)] // so that nothing else needs a register
     unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {
         let (mut low, mut high) = (self.low, self.high);
-        let (mut sum, mut mask) = (0, self.first);
+        let mut sum = 0;
         // SAFETY: as the caller guarantees.
         unsafe {
             let mut present = u32::from_le(*g);
@@ -432,12 +438,23 @@ impl Row {
                 let pixels = pixels >> 1 & LOWER;
                 (u32::from_le(*low) + (LOWER ^ pixels)) | (u32::from_le(*high) + pixels)
             };
-            for _ in rolled(1..self.count) {
-                sum += (outside(low, high, g) & mask) >> 7;
-                mask = TOP;
+            let mut last = outside(low, high, g) & self.first;
+            if let Some(between) = self.count.checked_sub(2) {
+                sum = last >> 7;
                 (low, high, g) = (low.add(1), high.add(1), g.add(1));
+                for _ in rolled(0..between / ROUND) {
+                    for word in rolled(0..ROUND) {
+                        sum += (outside(low.add(word), high.add(word), g.add(word)) & TOP) >> 7;
+                    }
+                    (low, high, g) = (low.add(ROUND), high.add(ROUND), g.add(ROUND));
+                }
+                for _ in rolled(0..between % ROUND) {
+                    sum += (outside(low, high, g) & TOP) >> 7;
+                    (low, high, g) = (low.add(1), high.add(1), g.add(1));
+                }
+                last = outside(low, high, g);
             }
-            sum += (outside(low, high, g) & mask & self.last) >> 7;
+            sum += (last & self.last) >> 7;
         }
         let pairs = (sum & 0x00FF_00FF) + (sum >> 8 & 0x00FF_00FF);
         (pairs & 0xFFFF) + (pairs >> 16)

@@ -11,9 +11,8 @@ macro_rules! add {
         concat!(
             concat!("vldrb.u8 q1, ", $from, "\n"),
             "vabd.u8 q1, q0, q1\n",
-            "vmvn q1, q1\n",
-            "vpt.u8 cs, q1, q2\n",
-            concat!("vaddvat.u8 ", $sum, ", q1\n"),
+            "vpt.u8 cs, q2, q1\n",
+            concat!("vabavt.u8 ", $sum, ", q1, q3\n"), // 255 less the difference
         )
     };
 }
@@ -35,6 +34,7 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
     unsafe {
         asm!(
             "vdup.8 q2, lr",
+            "vmov.i8 q3, #255",
             "2:",
             "dlstp.8 lr, {width}",
             "3:",
@@ -68,10 +68,11 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             inout("r2") *b,
             inout("r4") *c,
             inout("r12") *d,
-            inout("lr") u32::from(Points::MOST - points.largest) => _,
+            inout("lr") u32::from(points.largest) => _,
             out("q0") _,
             out("q1") _,
             out("q2") _,
+            out("q3") _,
             options(readonly, nostack),
         );
     }

@@ -33,20 +33,24 @@ impl<'a> Helium<'a> {
     }
 }
 
-/// Unrolled in the text, not by `.irp`: the compiler counts lines to know how far its jumps reach.
-macro_rules! of_row {
-    ($row:literal) => {
+/// Keeps in each lane of `$picked` the least or the most of that lane and the three before it. `$ones` and `$twos` have the lanes before the
+/// first one, and then the last lanes.
+macro_rules! of_four {
+    ($pick:literal, $picked:literal, $ones:literal, $twos:literal) => {
         concat!(
-            of_row!(@ "[", $row, ", #1]"),
-            of_row!(@ "[", $row, ", #2]"),
-            of_row!(@ "[", $row, ", #3]"),
-            of_row!(@ "[", $row, "], #16"),
+            of_four!(@ $pick, $picked, $ones, "8"),
+            of_four!(@ $pick, $picked, $twos, "16"),
         )
     };
-    (@ $($address:literal),*) => {
-        concat!("vldrb.u8 q2, ", $($address,)* "\nvmin.u8 q0, q0, q2\nvmax.u8 q1, q1, q2\n")
+    (@ $pick:literal, $picked:literal, $carry:literal, $bits:literal) => {
+        concat!(
+            concat!("vmov q2, ", $picked, "\n"),
+            concat!("vshlc q2, ", $carry, ", #", $bits, "\n"),
+            concat!($pick, " ", $picked, ", ", $picked, ", q2\n"),
+        )
     };
 }
+
 impl Scores for Helium<'_> {
     #[inline(never)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
@@ -162,6 +166,9 @@ impl Scores for Helium<'_> {
 }
 
 /// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
+///
+/// Column by column the least and the most of four rows, then of each four columns. A lane takes the columns before its own, so a vector gives
+/// the blocks that begin three columns earlier. The first vector has three lanes too many, which are not stored.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let columns = blocks(rows, low, span);
     if columns == 0 {
@@ -171,29 +178,44 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has checked that they are there.
     unsafe {
         asm!(
-            "vdup.8 q3, lr",
-            "dlstp.8 lr, {columns}",
+            "vdup.8 q3, {lanes}",
+            "movw {lanes}, #0xfff8",
+            "dlstp.8 lr, lr",
             "3:",
-            "vmov.i8 q0, #255",
-            "vmov.i8 q1, #0",
-            of_row!("{a}"),
-            of_row!("{b}"),
-            of_row!("{c}"),
-            of_row!("{d}"),
+            "vldrb.u8 q0, [{a}], #16",
+            "vldrb.u8 q2, [{b}], #16",
+            "vmax.u8 q1, q0, q2",
+            "vmin.u8 q0, q0, q2",
+            "vldrb.u8 q2, [{c}], #16",
+            "vmax.u8 q1, q1, q2",
+            "vmin.u8 q0, q0, q2",
+            "vldrb.u8 q2, [{d}], #16",
+            "vmax.u8 q1, q1, q2",
+            "vmin.u8 q0, q0, q2",
+            of_four!("vmin.u8", "q0", "{least}", "{least_of_two}"),
+            of_four!("vmax.u8", "q1", "{most}", "{most_of_two}"),
             "vqsub.u8 q0, q0, q3",
             "vqadd.u8 q1, q1, q3",
             "vsub.i8 q1, q1, q0",
-            "vstrb.8 q0, [{low}], #16",
-            "vstrb.8 q1, [{span}], #16",
+            "vmsr p0, {lanes}",
+            "vpstt",
+            "vstrbt.8 q0, [{low}], #16",
+            "vstrbt.8 q1, [{span}], #16",
+            "movw {lanes}, #0xffff",
             "letp lr, 3b",
             a = inout(reg) a => _,
             b = inout(reg) b => _,
             c = inout(reg) c => _,
             d = inout(reg) d => _,
-            low = inout(reg) low.as_mut_ptr() => _,
-            span = inout(reg) span.as_mut_ptr() => _,
-            columns = in(reg) columns,
-            inout("lr") u32::from(margin) => _,
+            low = inout(reg) low.as_mut_ptr().wrapping_sub(3) => _,
+            span = inout(reg) span.as_mut_ptr().wrapping_sub(3) => _,
+            lanes = inout(reg) u32::from(margin) => _,
+            // Any lanes before the first one will do.
+            least = out(reg) _,
+            least_of_two = out(reg) _,
+            most = out(reg) _,
+            most_of_two = out(reg) _,
+            inout("lr") columns + 3 => _,
             out("q0") _,
             out("q1") _,
             out("q2") _,
