@@ -87,7 +87,7 @@ pub trait Target: Steps {
     /// Starts to follow the target in the box `target`. Forgets any target before. Returns how distinct the new one is.
     ///
     /// Reads only the pixels in [`Target::lock_window`]. Cost: [`Paper`](crate::Paper) copies the box and makes two comparisons
-    /// per pixel; [`Robust`](crate::Robust) does the work of 25 updates.
+    /// per pixel; [`Robust`](crate::Robust) takes as long as 11 to 16 updates.
     ///
     /// # Errors
     /// [`LockError`]. The target and an update under way are then unchanged.
