@@ -78,8 +78,9 @@ def test_a_closed_pipe_ends_it_quietly():
 
 
 def test_an_interrupt_ends_it_quietly():
-    # Frames without an end.
-    script = "import runpy, sys, itertools, smr\n" \
+    # Frames without an end. A job in the background is started with interrupts ignored, and passes that on.
+    script = "import runpy, signal, sys, itertools, smr\n" \
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
         "frames = list(smr.Recording('synthetic'))\n" \
         "smr.Recording = lambda source: type('', (), {'start': (36, 24, 24, 28), '__iter__': lambda self: itertools.cycle(frames)})()\n" \
         "sys.argv = ['smr', 'synthetic']\n" \
