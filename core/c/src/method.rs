@@ -19,7 +19,8 @@ use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
-use smr_core::{Frame, LockError, Rect, Robust, Target, calls};
+use smr_core::calls::{self, Owner};
+use smr_core::{Frame, LockError, Rect, Robust, Target};
 
 /// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {
@@ -161,12 +162,14 @@ impl<T: Method> Held<T> {
         NonNull::new(workspace)
     }
 
-    /// The target and its workspace, in which an update of another tracker may be under way.
+    /// The target, its workspace, in which an update of another tracker may be under way, and whose one of this tracker is: a tracker
+    /// stays where it is.
     #[inline(always)] // only the call of `marked` remains
-    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
+    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace, Owner), smr_status> {
+        let owner = Owner::at(ptr::from_ref(self).addr());
         let mut workspace = self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.
-        Ok((&mut self.target, unsafe { &mut workspace.as_mut().workspace }))
+        Ok((&mut self.target, unsafe { &mut workspace.as_mut().workspace }, owner))
     }
 }
 
@@ -186,29 +189,25 @@ impl<T: Method> Tracked for Held<T> {
     }
 
     fn begin_lock(&mut self, frame: &Frame<'_>, rect: Rect) -> Result<(), smr_status> {
-        let (target, workspace) = self.parts()?;
-        target.begin_lock(workspace, frame, rect)?;
-        Ok(())
+        Ok(calls::begin_lock(self.parts()?, frame, rect)?)
     }
 
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        let (target, workspace) = self.parts()?;
-        target.begin(workspace, frame)?;
-        Ok(())
+        Ok(calls::begin(self.parts()?, frame)?)
     }
 
     fn step(&mut self, frame: &Frame<'_>, work: u32, of: UnderWay) -> Option<Result<(), smr_status>> {
-        let (target, workspace) = match self.parts() {
+        let (target, workspace, owner) = match self.parts() {
             Ok(parts) => parts,
             Err(status) => return Some(Err(status)),
         };
         let of_lock = match of {
             UnderWay::Update => Err(LockError::NotBegun),
-            _ => calls::step_lock(target, workspace, frame, work),
+            _ => calls::step_lock((target, workspace, owner), frame, work),
         };
         let done = match of_lock {
             Err(LockError::NotBegun) if of != UnderWay::Lock => {
-                calls::step(target, workspace, frame, work).map_err(smr_status::from)
+                calls::step((target, workspace, owner), frame, work).map_err(smr_status::from)
             }
             result => result.map_err(smr_status::from),
         };
@@ -216,13 +215,13 @@ impl<T: Method> Tracked for Held<T> {
     }
 
     fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        let (target, workspace) = self.parts()?;
+        let (target, workspace, _) = self.parts()?;
         calls::conclude_lock(target, workspace, frame);
         Ok(())
     }
 
     fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
-        let (target, workspace) = self.parts()?;
+        let (target, workspace, _) = self.parts()?;
         out.write(calls::conclude(target, workspace, frame).into());
         Ok(())
     }
@@ -241,9 +240,16 @@ impl<T: Method> Tracked for Held<T> {
         Ok(T::work(unsafe { &self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
     }
 
+    fn cancel(&mut self) {
+        // Without a workspace nothing is under way.
+        if let Ok((_, workspace, owner)) = self.parts() {
+            calls::cancel::<T>(workspace, owner);
+        }
+    }
+
     #[cfg(feature = "unstable")]
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
-        let (target, workspace) = self.parts()?;
+        let (target, workspace, _) = self.parts()?;
         Method::response_map(target, workspace, frame)
     }
 }

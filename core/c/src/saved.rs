@@ -183,7 +183,9 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     status_of(unsafe {
         borrow(tracker).and_then(|tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            tracker.known().restore(core::slice::from_raw_parts(bytes, size))
+            tracker.known().restore(core::slice::from_raw_parts(bytes, size))?;
+            tracker.cancel();
+            Ok(())
         })
     })
 }

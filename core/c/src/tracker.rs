@@ -63,6 +63,8 @@ pub(crate) trait Tracked {
     fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
     fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
+    /// Ends what is under way, after a call on the [`Known`] target that has changed it.
+    fn cancel(&mut self);
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
     #[cfg(feature = "unstable")]

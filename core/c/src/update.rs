@@ -139,8 +139,11 @@ pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { borrow(tracker) }.map(|tracker| match tracker.known() {
-        Known::Paper(target) => target.moved(right, down),
-        Known::Robust(target) => target.moved(right, down),
+    status_of(unsafe { borrow(tracker) }.map(|tracker| {
+        tracker.cancel();
+        match tracker.known() {
+            Known::Paper(target) => target.moved(right, down),
+            Known::Robust(target) => target.moved(right, down),
+        }
     }))
 }

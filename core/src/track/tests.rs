@@ -1,9 +1,13 @@
 //! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the camera, saved
 //! targets, misuse.
 
+use belonging::whoever_moves_whatever_is_under_way_goes_on_with_its_own_target;
+
 use super::{Answer, LockError, RestoreError, SaveError, State, Target, Tracker, UpdateError, paper, robust};
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use std::{boxed::Box, vec, vec::Vec};
+
+mod belonging;
 
 type SmallPaper = Paper<1024, 161>;
 
@@ -102,8 +106,10 @@ for_both! {
     an_update_that_was_given_up_leaves_nothing_behind,
     one_workspace_serves_many_targets,
     a_step_in_a_workspace_that_served_another_is_refused,
-    an_update_goes_on_in_its_own_workspace_alone,
-    an_update_does_not_outlive_the_target_that_began_it,
+    what_is_under_way_is_of_every_equal_target,
+    an_update_does_not_outlive_the_state_that_began_it,
+    a_neighbour_does_not_take_over_what_is_under_way,
+    whoever_moves_whatever_is_under_way_goes_on_with_its_own_target,
     a_lock_that_is_refused_leaves_the_update_under_way,
     a_lock_in_steps_is_that_at_once,
     what_is_under_way_is_either_a_lock_or_an_update,
@@ -207,6 +213,8 @@ fn an_update_that_was_given_up_leaves_nothing_behind<T: Target>(config: T::Confi
     assert_eq!(tracker.resume(&whole(&elsewhere)).err(), Some(UpdateError::NotBegun));
     tracker.begin(&whole(&elsewhere)).unwrap().step(5000);
     tracker.moved(0, 0);
+    assert!(tracker.resume(&whole(&elsewhere)).is_ok(), "nothing has moved");
+    tracker.moved(256, 0);
     assert_eq!(tracker.resume(&whole(&elsewhere)).err(), Some(UpdateError::NotBegun));
 }
 
@@ -236,46 +244,34 @@ fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Co
     assert_eq!(one.resume(&frame).err(), Some(UpdateError::NotBegun));
     other.resume(one.parts().1, &frame).unwrap().step(100);
     assert_eq!(one.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
-    // Two targets with equal tracks, in one workspace and in two.
-    let first = picture(TARGET.x, TARGET.y);
-    let mut twin = T::new(config).unwrap();
-    let mut own = T::Workspace::default();
-    let mut fresh = locked::<T>(config);
-    twin.lock(&mut own, &whole(&first), TARGET).unwrap();
-    fresh.begin(&frame).unwrap().step(100);
-    assert_eq!(twin.resume(fresh.parts().1, &frame).err(), Some(UpdateError::NotBegun));
-    twin.begin(fresh.parts().1, &frame).unwrap().step(100);
-    assert_eq!(fresh.resume(&frame).err(), Some(UpdateError::NotBegun));
 }
 
-/// Two cameras with the same frames, so that the two targets are bit for bit equal.
-fn an_update_goes_on_in_its_own_workspace_alone<T: Target>(config: T::Config) {
+/// Two cameras that have seen the same, so that the two targets are bit for bit equal: which of them goes on does not matter.
+fn what_is_under_way_is_of_every_equal_target<T: Target>(config: T::Config) {
     let (mut left, mut right) = (locked::<T>(config), locked::<T>(config));
     let (a, b) = (picture(62, 42), picture(58, 47));
     let (a, b) = (whole(&a), whole(&b));
     left.begin(&a).unwrap().step(3000);
     right.begin(&b).unwrap().step(3000);
-    assert_eq!(left.parts().0.resume(right.parts().1, &a).err(), Some(UpdateError::NotBegun));
-    assert_eq!(right.parts().0.resume(left.parts().1, &b).err(), Some(UpdateError::NotBegun));
-    let own = [left.resume(&a).unwrap().finish(), right.resume(&b).unwrap().finish()];
-    let expected = [&a, &b].map(|frame| locked::<T>(config).update(frame).unwrap());
-    assert_eq!(own, expected);
-    // Each is begun in the other's workspace, then again in its own.
-    left.parts().0.begin(right.parts().1, &a).unwrap().step(3000);
-    left.begin(&a).unwrap().step(3000);
-    assert_eq!(left.parts().0.resume(right.parts().1, &a).err(), Some(UpdateError::NotBegun));
-    assert!(left.resume(&a).is_ok());
+    let crossed = [
+        right.parts().0.resume(left.parts().1, &a).unwrap().finish(),
+        left.parts().0.resume(right.parts().1, &b).unwrap().finish(),
+    ];
+    assert_eq!(crossed, [&a, &b].map(|frame| locked::<T>(config).update(frame).unwrap()));
+    assert_eq!(left.resume(&a).err(), Some(UpdateError::NotBegun));
 }
 
-/// Whatever replaces the target, even a target with the same generation.
-fn an_update_does_not_outlive_the_target_that_began_it<T: Target>(config: T::Config) {
+/// Whatever changes it or stands in its place.
+fn an_update_does_not_outlive_the_state_that_began_it<T: Target>(config: T::Config) {
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
-    let other = saved(locked::<T>(config).target());
+    let mut other = locked::<T>(config);
+    other.update(&frame).unwrap();
+    let other = saved(other.target());
     type Change<T> = fn(&mut Tracker<T>, &[u8], <T as Target>::Config);
     let changes: [Change<T>; 5] = [
         |tracker, other, _| tracker.restore(other).unwrap(),
-        |tracker, _, _| tracker.moved(0, 0),
+        |tracker, _, _| tracker.moved(256, 0),
         |tracker, other, config| {
             *tracker.parts().0 = T::new(config).unwrap();
             tracker.restore(other).unwrap();
@@ -290,12 +286,32 @@ fn an_update_does_not_outlive_the_target_that_began_it<T: Target>(config: T::Con
         assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun), "{number}");
         assert!(tracker.update(&frame).is_ok());
     }
-    // After a move in memory an update cannot be resumed, but a new one can begin.
-    let mut tracker = locked::<T>(config);
-    tracker.begin(&frame).unwrap().step(100);
-    let mut elsewhere = Box::new(*tracker);
-    assert_eq!(elsewhere.resume(&frame).err(), Some(UpdateError::NotBegun));
-    assert_eq!(elsewhere.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
+}
+
+/// A target whose box is another one's, after the two changed places.
+fn a_neighbour_does_not_take_over_what_is_under_way<T: Target>(config: T::Config) {
+    let pixels = picture(TARGET.x, TARGET.y);
+    let frame = whole(&pixels);
+    let places = [Rect::new(131, 90, 27, 2), Rect::new(20, 3, 12, 57)];
+    for work in [1, 100, 3000, 40_000, 3_000_000] {
+        let mut workspace = Box::new(T::Workspace::default());
+        let mut targets: Vec<T> = (0..2).map(|_| T::new(config).unwrap()).collect();
+        for (target, place) in targets.iter_mut().zip(places) {
+            target.lock(&mut workspace, &frame, place).unwrap();
+        }
+        targets[1].begin(&mut workspace, &frame).unwrap().step(1);
+        targets[0].begin(&mut workspace, &frame).unwrap().step(work);
+        targets.swap(0, 1);
+        assert_eq!(targets[0].resume(&mut workspace, &frame).err(), Some(UpdateError::NotBegun));
+        assert_eq!(targets[1].resume(&mut workspace, &frame).unwrap().finish().bbox, places[0]);
+
+        targets[1].begin_lock(&mut workspace, &frame, places[1]).unwrap().step(1);
+        targets[0].begin_lock(&mut workspace, &frame, places[0]).unwrap().step(work);
+        let mut moved = targets.remove(0);
+        assert_eq!(targets[0].resume_lock(&mut workspace, &frame).err(), Some(LockError::NotBegun));
+        moved.resume_lock(&mut workspace, &frame).unwrap().finish();
+        assert_eq!(moved.bbox(), Some(places[0].into()));
+    }
 }
 
 fn a_lock_that_is_refused_leaves_the_update_under_way<T: Target>(config: T::Config) {

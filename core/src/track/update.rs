@@ -1,14 +1,15 @@
 //! Updates and locks in steps: one protocol for both trackers and for C.
 //!
-//! Target and workspace refer to each other. The workspace stores the address and the generation of its target; the target
-//! stores the address of its workspace. `lock`, `begin`, `restore` and `moved` change the generation. So `resume` detects a
-//! workspace that served another target, a target that changed, and either of them moved in memory.
+//! An update under way depends on the target's state and on the frame, on nothing else. So the workspace stores a fingerprint of the
+//! state in which the target was, and `resume` accepts a target in that state: wherever it lies, and be it the one that began or a copy.
+//! Whatever changes the state (a lock, the end of an update, `restore`, `moved`) thereby ends what was under way. A lock under way is part
+//! of the state: the box that it is for, and what was learned so far.
 //!
 //! Each step is granted an amount of work, which is counted down. The total is counted only to be reported.
 
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
-use core::{fmt, ptr};
+use core::{fmt, mem};
 
 /// Only this crate can make one, so only this crate can call the sealed methods of [`Steps`].
 #[derive(Debug)]
@@ -16,20 +17,97 @@ pub struct Seal(());
 
 pub(super) const SEAL: &Seal = &Seal(());
 
-/// What a target stores about an update or lock under way.
-#[derive(Clone, Copy, Debug)]
-pub struct Ticket {
-    generation: u32,
-    /// The address of the workspace; 0 if nothing is under way.
-    workspace: usize,
+/// Whose update or lock is under way: a fingerprint of the target's state.
+///
+/// Two sums of 32 bits, word by word: 10 instructions of a Cortex-M0+ a word. The first takes in the word, the second the first, so they are equal for two states only by
+/// chance, once in 2^64. It protects from confusion, not from malice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Owner {
+    word: u32,
+    sum: u32,
 }
 
-impl Ticket {
-    pub(super) const NEW: Self = Self { generation: 0, workspace: 0 };
+impl Owner {
+    const NOBODY: Self = Self { word: 0, sum: 0 };
 
-    /// The target changed: cancels what is under way.
-    pub(super) const fn change(&mut self) {
-        *self = Self { generation: self.generation.wrapping_add(1), workspace: 0 };
+    /// The fingerprint of a target.
+    #[inline(never)] // one copy in flash
+    fn of<T: Steps>(target: &T) -> Self {
+        let mut owner = Self::NOBODY;
+        target.identify(&mut owner, SEAL);
+        owner
+    }
+
+    /// A tracker of C, which stays where it is: its address.
+    #[must_use]
+    pub const fn at(address: usize) -> Self {
+        let [word, sum] = halves((address as u64).to_le_bytes());
+        Self { word, sum }
+    }
+
+    /// Takes in a number of the state. Odd factors and rotations lose nothing: states that differ in one word never look the same.
+    #[inline(always)] // six instructions
+    pub(super) const fn add(&mut self, number: u32) {
+        self.word = (self.word ^ number).wrapping_mul(0x9E37_79B1).rotate_left(15);
+        self.sum = self.sum.wrapping_add(self.word).wrapping_mul(0x85EB_CA77).rotate_left(13);
+    }
+
+    pub(super) const fn add_long(&mut self, number: i64) {
+        let [low, high] = halves(number.to_le_bytes());
+        self.add(low);
+        self.add(high);
+    }
+
+    pub(super) const fn add_rect(&mut self, rect: Rect) {
+        self.add(rect.x.cast_unsigned());
+        self.add(rect.y.cast_unsigned());
+        self.add((rect.width as u32) << 16 | rect.height as u32);
+    }
+
+    /// Takes in bytes, four at a time. Their number is for the caller to take in.
+    #[inline(never)] // one copy in flash
+    pub(super) fn add_bytes(&mut self, bytes: &[u8]) {
+        let (words, rest) = bytes.as_chunks();
+        words.iter().for_each(|&word| self.add(u32::from_le_bytes(word)));
+        rest.iter().for_each(|&byte| self.add(byte.into()));
+    }
+}
+
+/// The words of a long number.
+const fn halves([a, b, c, d, e, f, g, h]: [u8; 8]) -> [u32; 2] {
+    [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+}
+
+/// The lock that is under way on a target. The box is empty if there is none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Locking {
+    /// Width and height of the frame.
+    frame: [u16; 2],
+    /// The box, which is inside the frame: left, top, width, height.
+    target: [u16; 4],
+}
+
+impl Locking {
+    pub(super) const NOTHING: Self = Self { frame: [0; 2], target: [0; 4] };
+
+    pub(super) fn new(bounds: Rect, target: Rect) -> Self {
+        let place = |at: i32| u16::try_from(at).unwrap_or(0);
+        let target = [place(target.x), place(target.y), target.width, target.height];
+        Self { frame: [bounds.width, bounds.height], target }
+    }
+
+    pub(super) const fn bounds(&self) -> Rect {
+        let [width, height] = self.frame;
+        Rect::new(0, 0, width, height)
+    }
+
+    pub(super) fn target(&self) -> Rect {
+        let [x, y, width, height] = self.target;
+        Rect::new(x.into(), y.into(), width, height)
+    }
+
+    pub(super) fn identify(&self, owner: &mut Owner) {
+        self.frame.into_iter().chain(self.target).for_each(|number| owner.add(number.into()));
     }
 }
 
@@ -45,9 +123,9 @@ pub(super) enum Kind {
 #[derive(Clone, Copy, Debug)]
 pub struct UnderWay {
     kind: Kind,
-    /// The address and the generation of the target.
-    target: usize,
-    generation: u32,
+    owner: Owner,
+    /// A step of a lock has changed the target.
+    changed: bool,
     /// The work that the present step may still do.
     granted: u32,
     /// The work of all steps so far. Saturates.
@@ -55,11 +133,17 @@ pub struct UnderWay {
 }
 
 impl UnderWay {
-    pub(super) const NOTHING: Self = Self { kind: Kind::Nothing, target: 0, generation: 0, granted: 0, done: 0 };
+    pub(super) const NOTHING: Self =
+        Self { kind: Kind::Nothing, owner: Owner::NOBODY, changed: false, granted: 0, done: 0 };
 
     /// Nothing is under way any more.
     pub(super) const fn end(&mut self) {
         self.kind = Kind::Nothing;
+    }
+
+    /// The step of a lock has changed the target.
+    pub(super) const fn change(&mut self) {
+        self.changed = true;
     }
 
     pub(super) const fn granted(&self) -> u32 {
@@ -92,11 +176,11 @@ pub trait Steps: Sized {
     /// Scratch memory for an update or a lock.
     type Workspace: Default;
 
-    /// What the target stores about an update or lock under way.
+    /// Takes in all of the target that the rest of an update or lock depends on.
     #[doc(hidden)]
-    fn ticket(&mut self, _: &Seal) -> &mut Ticket;
+    fn identify(&self, owner: &mut Owner, _: &Seal);
 
-    /// What the workspace stores about it.
+    /// What the workspace stores about an update or lock under way.
     #[doc(hidden)]
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
 
@@ -117,12 +201,12 @@ pub trait Steps: Sized {
     #[doc(hidden)]
     fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError>;
 
-    /// Whether the lock under way in this workspace, which is one of this target, can continue with `frame`.
+    /// Whether the lock under way can continue with `frame`.
     ///
     /// # Errors
     /// As [`Steps::check_lock`].
     #[doc(hidden)]
-    fn check_lock_under_way(&self, workspace: &Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError>;
+    fn check_lock_under_way(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError>;
 
     /// Begins an update. The frame was checked.
     #[doc(hidden)]
@@ -145,32 +229,43 @@ pub trait Steps: Sized {
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
 }
 
-/// Makes target and workspace refer to each other.
-#[inline(never)] // one copy in flash
-fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) {
-    let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
-    let ticket = target.ticket(SEAL);
-    ticket.change();
-    ticket.workspace = workspace_address;
-    let generation = ticket.generation;
-    *T::under_way(workspace, SEAL) = UnderWay { kind, target: address, generation, ..UnderWay::NOTHING };
+/// Checks the frame and begins an update of nobody: only what [`own`] says can be resumed.
+fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Result<(), UpdateError> {
+    target.check(frame, SEAL)?;
+    *T::under_way(workspace, SEAL) = UnderWay::NOTHING;
+    target.start(workspace, SEAL);
+    Ok(())
 }
 
-/// True if target and workspace refer to each other for this `kind`.
-#[inline(never)] // one copy in flash
-fn is_under_way<T: Steps>(target: &mut T, workspace: &mut T::Workspace, kind: Kind) -> bool {
-    let (address, workspace_address) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
-    let Ticket { generation, workspace: begun_in } = *target.ticket(SEAL);
+/// As [`begin`], a lock.
+fn begin_lock<T: Steps>(
+    target: &mut T,
+    workspace: &mut T::Workspace,
+    frame: &Frame<'_>,
+    rect: Rect,
+) -> Result<(), LockError> {
+    target.check_lock(frame, rect, SEAL)?;
+    *T::under_way(workspace, SEAL) = UnderWay::NOTHING;
+    target.start_lock(workspace, frame.bounds(), rect, SEAL);
+    Ok(())
+}
+
+/// What has begun in this workspace belongs to `owner`.
+fn own<T: Steps>(workspace: &mut T::Workspace, kind: Kind, owner: Owner) {
     let under_way = T::under_way(workspace, SEAL);
-    under_way.kind == kind
-        && (under_way.target, under_way.generation) == (address, generation)
-        && begun_in == workspace_address
+    (under_way.kind, under_way.owner) = (kind, owner);
+}
+
+/// True if an update or lock of `owner` is under way.
+fn is_under_way<T: Steps>(workspace: &mut T::Workspace, kind: Kind, owner: impl FnOnce() -> Owner) -> bool {
+    let under_way = T::under_way(workspace, SEAL);
+    under_way.kind == kind && under_way.owner == owner()
 }
 
 /// An update under way, from [`Target::begin`](crate::Target::begin) or [`Tracker::begin`](crate::Tracker::begin).
 ///
 /// If it is dropped before [`Update::finish`], only the workspace has changed. [`Target::resume`](crate::Target::resume) continues
-/// it; `begin` and `update` start again.
+/// it, wherever target and workspace are then; `begin` and `update` start again.
 ///
 /// ```
 /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
@@ -215,31 +310,55 @@ struct Running<'a, T: Steps> {
     frame: Frame<'a>,
 }
 
-impl<T: Steps> Running<'_, T> {
-    fn step(&mut self, work: u32) -> bool {
-        step(self.target, self.workspace, &self.frame, work)
-    }
-}
-
 /// For the C interface, which keeps neither an [`Update`] nor a [`Lock`]: no call has a copy of the frame on its stack.
+///
+/// Its trackers stay where they are, so each step compares an address ([`Owner::at`]) and not the whole target. For that C calls
+/// [`cancel`](calls::cancel) after it has changed a target otherwise.
 #[doc(hidden)]
 pub mod calls {
-    use super::{Answer, Frame, Kind, LockError, Quality, SEAL, Steps, UpdateError, is_under_way};
+    pub use super::Owner;
+    use super::{Answer, Frame, Kind, LockError, Quality, Rect, SEAL, Steps, UpdateError, is_under_way, own};
+
+    /// As [`Target::begin_lock`](crate::Target::begin_lock).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn begin_lock<T: Steps>(
+        (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
+        frame: &Frame<'_>,
+        rect: Rect,
+    ) -> Result<(), LockError> {
+        super::begin_lock(target, workspace, frame, rect)?;
+        own::<T>(workspace, Kind::Lock, owner);
+        Ok(())
+    }
+
+    /// As [`Target::begin`](crate::Target::begin).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn begin<T: Steps>(
+        (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
+        frame: &Frame<'_>,
+    ) -> Result<(), UpdateError> {
+        super::begin(target, workspace, frame)?;
+        own::<T>(workspace, Kind::Update, owner);
+        Ok(())
+    }
 
     /// A step of the lock that is under way. True if only [`conclude_lock`] is left.
     ///
     /// # Errors
     /// As [`Target::resume_lock`](crate::Target::resume_lock).
     pub fn step_lock<T: Steps>(
-        target: &mut T,
-        workspace: &mut T::Workspace,
+        (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
         frame: &Frame<'_>,
         work: u32,
     ) -> Result<bool, LockError> {
-        if !is_under_way(target, workspace, Kind::Lock) {
+        if !is_under_way::<T>(workspace, Kind::Lock, || owner) {
             return Err(LockError::NotBegun);
         }
-        target.check_lock_under_way(workspace, frame, SEAL)?;
+        target.check_lock_under_way(frame, SEAL)?;
         Ok(super::step(target, workspace, frame, work))
     }
 
@@ -248,12 +367,11 @@ pub mod calls {
     /// # Errors
     /// As [`Target::resume`](crate::Target::resume).
     pub fn step<T: Steps>(
-        target: &mut T,
-        workspace: &mut T::Workspace,
+        (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
         frame: &Frame<'_>,
         work: u32,
     ) -> Result<bool, UpdateError> {
-        if !is_under_way(target, workspace, Kind::Update) {
+        if !is_under_way::<T>(workspace, Kind::Update, || owner) {
             return Err(UpdateError::NotBegun);
         }
         target.check(frame, SEAL)?;
@@ -262,14 +380,22 @@ pub mod calls {
 
     /// Ends an update whose last step was true.
     pub fn conclude<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Answer {
-        super::end(target, workspace);
+        T::under_way(workspace, SEAL).end();
         target.conclude(workspace, frame, SEAL)
     }
 
     /// Ends a lock whose last step was true.
     pub fn conclude_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
-        super::end(target, workspace);
+        T::under_way(workspace, SEAL).end();
         target.conclude_lock(workspace, frame, SEAL)
+    }
+
+    /// The target has changed: nothing of `owner` is under way any more.
+    pub fn cancel<T: Steps>(workspace: &mut T::Workspace, owner: Owner) {
+        let under_way = T::under_way(workspace, SEAL);
+        if under_way.owner == owner {
+            under_way.end();
+        }
     }
 }
 
@@ -279,16 +405,10 @@ fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_
     target.advance(workspace, frame, SEAL)
 }
 
-/// Nothing is under way any more.
-fn end<T: Steps>(target: &mut T, workspace: &mut T::Workspace) {
-    T::under_way(workspace, SEAL).end();
-    target.ticket(SEAL).change();
-}
-
 /// Does all remaining steps.
 fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) {
     while !step(target, workspace, frame, u32::MAX) {}
-    end(target, workspace);
+    T::under_way(workspace, SEAL).end();
 }
 
 /// A whole lock. Unlike [`Lock`] it keeps no second copy of the frame on the stack.
@@ -298,11 +418,20 @@ pub(super) fn lock<T: Steps>(
     frame: &Frame<'_>,
     rect: Rect,
 ) -> Result<Quality, LockError> {
-    target.check_lock(frame, rect, SEAL)?;
-    begin(target, workspace, Kind::Lock);
-    target.start_lock(workspace, frame.bounds(), rect, SEAL);
+    begin_lock(target, workspace, frame, rect)?;
     complete(target, workspace, frame);
     Ok(target.conclude_lock(workspace, frame, SEAL))
+}
+
+/// A whole update, likewise.
+pub(super) fn update<T: Steps>(
+    target: &mut T,
+    workspace: &mut T::Workspace,
+    frame: &Frame<'_>,
+) -> Result<Answer, UpdateError> {
+    begin(target, workspace, frame)?;
+    complete(target, workspace, frame);
+    Ok(target.conclude(workspace, frame, SEAL))
 }
 
 impl<'a, T: Steps> Update<'a, T> {
@@ -311,9 +440,8 @@ impl<'a, T: Steps> Update<'a, T> {
         workspace: &'a mut T::Workspace,
         frame: &Frame<'a>,
     ) -> Result<Self, UpdateError> {
-        target.check(frame, SEAL)?;
-        begin(target, workspace, Kind::Update);
-        target.start(workspace, SEAL);
+        begin(target, workspace, frame)?;
+        own::<T>(workspace, Kind::Update, Owner::of(target));
         Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
@@ -322,7 +450,7 @@ impl<'a, T: Steps> Update<'a, T> {
         workspace: &'a mut T::Workspace,
         frame: &Frame<'a>,
     ) -> Result<Self, UpdateError> {
-        if !is_under_way(target, workspace, Kind::Update) {
+        if !is_under_way::<T>(workspace, Kind::Update, || Owner::of(target)) {
             return Err(UpdateError::NotBegun);
         }
         target.check(frame, SEAL)?;
@@ -333,11 +461,12 @@ impl<'a, T: Steps> Update<'a, T> {
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
-    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4: a product is 1 unit, a pixel of the grid 64, a comparison of one 32 |
+    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4: a product is 1 unit, a pixel of the grid 64, a comparison of one 12 |
     /// | most work beyond `work` ([`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step)) | max(pixels of the template, 2 * pixels of a row of the window) + 7 * `SPAN` | 128,000 |
     /// | left to `finish` | one pass over the template | one pass over the weights and the template |
     pub fn step(&mut self, work: u32) -> bool {
-        self.0.step(work)
+        let Running { target, workspace, frame } = &mut self.0;
+        step(*target, workspace, frame, work)
     }
 
     /// An upper bound of the work since the update was begun: comparisons that scoring skipped are counted too. Saturates at
@@ -363,9 +492,8 @@ impl<'a, T: Steps> Lock<'a, T> {
         frame: &Frame<'a>,
         rect: Rect,
     ) -> Result<Self, LockError> {
-        target.check_lock(frame, rect, SEAL)?;
-        begin(target, workspace, Kind::Lock);
-        target.start_lock(workspace, frame.bounds(), rect, SEAL);
+        begin_lock(target, workspace, frame, rect)?;
+        own::<T>(workspace, Kind::Lock, Owner::of(target));
         Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
@@ -374,16 +502,23 @@ impl<'a, T: Steps> Lock<'a, T> {
         workspace: &'a mut T::Workspace,
         frame: &Frame<'a>,
     ) -> Result<Self, LockError> {
-        if !is_under_way(target, workspace, Kind::Lock) {
+        if !is_under_way::<T>(workspace, Kind::Lock, || Owner::of(target)) {
             return Err(LockError::NotBegun);
         }
-        target.check_lock_under_way(workspace, frame, SEAL)?;
+        target.check_lock_under_way(frame, SEAL)?;
         Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
     /// As [`Update::step`]; true if only [`Lock::finish`] is left. [`Paper`](crate::Paper) does all work in `finish`.
+    ///
+    /// A step that changes the weights (25 in a lock) looks at the target once more, as [`Target::resume`](crate::Target::resume) does.
     pub fn step(&mut self, work: u32) -> bool {
-        self.0.step(work)
+        let Running { target, workspace, frame } = &mut self.0;
+        let done = step(*target, workspace, frame, work);
+        if mem::take(&mut T::under_way(workspace, SEAL).changed) {
+            own::<T>(workspace, Kind::Lock, Owner::of(*target));
+        }
+        done
     }
 
     /// The work since the lock was begun, in the units of [`Update::step`].

@@ -4,6 +4,7 @@ use super::config::{Config, Fraction, RunnerUp};
 use crate::image::Rect;
 use crate::search::{Found, Peak, Radius, Wanted, Window};
 use crate::similarity::Table;
+use crate::track::update::Owner;
 use crate::track::{LockError, Quality, State};
 use core::cmp::Ordering;
 
@@ -24,6 +25,15 @@ pub(super) struct Track {
 impl Track {
     pub(super) const fn new(bounds: Rect, target: Rect) -> Self {
         Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, quality: Quality::NONE }
+    }
+
+    /// All of it that answers depend on.
+    pub(super) const fn identify(&self, owner: &mut Owner) {
+        let Self { target, bounds, state, edge, lost_for, quality } = *self;
+        owner.add_rect(target);
+        owner.add_rect(bounds);
+        owner.add((lost_for as u32) << 16 | (state.code() as u32) << 8 | edge as u32);
+        owner.add(quality.value() as u32);
     }
 
     /// Refuses a target for which `pixels` of template and `span` offsets on an axis are too few.

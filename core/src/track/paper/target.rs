@@ -9,7 +9,7 @@ use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};
 use crate::similarity::{self, Backend, Contrast, CutTable, Scorer};
 use crate::track::target::{lock_goes_on, lockable};
-use crate::track::update::{Seal, Steps, Ticket, UnderWay};
+use crate::track::update::{Locking, Owner, Seal, Steps, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
@@ -45,7 +45,7 @@ pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Config,
     template: Template<PIXELS>,
     pub(super) track: Option<Track>,
-    ticket: Ticket,
+    locking: Locking,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
@@ -57,7 +57,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
         match config.check() {
-            Ok(()) => Self { config, template: Template::new(), track: None, ticket: Ticket::NEW },
+            Ok(()) => Self { config, template: Template::new(), track: None, locking: Locking::NOTHING },
             Err(_) => panic!("the configuration is invalid: see `Config::check`"),
         }
     }
@@ -159,7 +159,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         let template = const { Template::new() };
         #[cfg(not(smr_small))]
         let template = Template::new();
-        Self { config, template, track: None, ticket: Ticket::NEW }
+        Self { config, template, track: None, locking: Locking::NOTHING }
     }
 
     fn config(&self) -> &Config {
@@ -192,7 +192,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
-        self.ticket.change();
+        self.locking = Locking::NOTHING;
         if let Some(track) = &mut self.track {
             track.moved(right, down, self.config.padding);
         }
@@ -208,7 +208,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         self.track = Some(saved::restore(&self.config, &mut self.template, SPAN, bytes)?);
-        self.ticket.change();
+        self.locking = Locking::NOTHING;
         Ok(())
     }
 }
@@ -216,8 +216,14 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
 
-    fn ticket(&mut self, _: &Seal) -> &mut Ticket {
-        &mut self.ticket
+    fn identify(&self, owner: &mut Owner, _: &Seal) {
+        saved::numbers(&self.config, |number| owner.add(number.into()));
+        self.locking.identify(owner);
+        if let Some(track) = &self.track {
+            track.identify(owner);
+            owner.add(self.template.threshold().into());
+            owner.add_bytes(self.template.pixels());
+        }
     }
 
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
@@ -244,8 +250,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         if frame.covers(target) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
-    fn check_lock_under_way(&self, workspace: &Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
-        lock_goes_on(frame, workspace.locking.bounds, workspace.locking.target)
+    fn check_lock_under_way(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
+        lock_goes_on(frame, self.locking.bounds(), self.locking.target())
     }
 
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
@@ -256,9 +262,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         workspace.table.set(self.config.table, self.template.threshold());
     }
 
-    fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal) {
-        self.track = None;
-        workspace.locking = Track::new(bounds, target);
+    fn start_lock(&mut self, _: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal) {
+        (self.track, self.locking) = (None, Locking::new(bounds, target));
     }
 
     #[inline(never)] // one copy in flash
@@ -290,15 +295,16 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     #[inline(never)] // keeps its stack out of that of a step
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
-        let Workspace { locking, table, under_way, .. } = workspace;
-        if let Some(patch) = frame.patch(locking.target) {
+        let Workspace { table, under_way, .. } = workspace;
+        let target = self.locking.target();
+        if let Some(patch) = frame.patch(target) {
             self.template.start(patch, &self.config);
         }
-        under_way.spend(3 * locking.target.area());
+        under_way.spend(3 * target.area());
         table.set(self.config.table, self.template.threshold());
         let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
-        locking.quality = quality;
-        self.track = Some(*locking);
+        self.track = Some(Track { quality, ..Track::new(self.locking.bounds(), target) });
+        self.locking = Locking::NOTHING;
         quality
     }
 }

@@ -1,7 +1,5 @@
 //! Scratch memory of the paper's tracker. One workspace serves any number of targets.
 
-use super::gate::Track;
-use crate::image::Rect;
 use crate::search::{Found, Search, Window};
 use crate::similarity::CutTable;
 use crate::track::update::UnderWay;
@@ -19,8 +17,6 @@ use core::fmt;
 #[repr(C)]
 pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) under_way: UnderWay,
-    /// The track that a lock under way starts with.
-    pub(super) locking: Track,
     pub(super) window: Window,
     pub(super) table: CutTable,
     pub(super) search: Search<PIXELS, SPAN>,
@@ -35,7 +31,6 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
             search: Search::new(),
             table: const { CutTable::EMPTY },
             under_way: const { UnderWay::NOTHING },
-            locking: const { Track::new(Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0)) },
             window: const { Window::NONE },
         }
     }

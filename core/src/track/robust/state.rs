@@ -16,6 +16,7 @@ use super::template::Template;
 use crate::correlation::Filter;
 use crate::image::{FineRect, Rect};
 use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
+use crate::track::update::Owner;
 use crate::track::{Quality, RestoreError, SaveError};
 #[cfg(feature = "refiner")]
 use heapless::Vec;
@@ -77,6 +78,23 @@ impl Track {
         }
     }
 
+    /// All numbers but the grid, which follows from the size.
+    fn identify(&self, owner: &mut Owner) {
+        let Self { bounds, grid: _, size: [width, height], motion, tracked_scale, .. } = *self;
+        owner.add_rect(bounds);
+        owner.add(u32::from(width) << 16 | u32::from(height));
+        let Motion { place: Place { x, y, scale }, velocity: [right, down] } = motion;
+        [x, y, right, down].into_iter().for_each(|place| owner.add_long(place));
+        let mean = self.confidence.mean().cast_unsigned();
+        let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into()];
+        rest.into_iter().for_each(|number| owner.add(number));
+        #[cfg(feature = "refiner")]
+        {
+            let Correction { centre, sides } = self.correction;
+            centre.into_iter().chain(sides).for_each(|number| owner.add(number.cast_unsigned()));
+        }
+    }
+
     /// Where the target is expected in the next frame.
     pub(super) fn expected(&self, config: &Config) -> Place {
         self.motion.expected(config.parts.velocity, self.bounds)
@@ -125,6 +143,28 @@ impl Track {
             i32::try_from(corner).unwrap_or(0)
         };
         FineRect { x: corner(x, width), y: corner(y, height), width, height }
+    }
+}
+
+impl Memory {
+    /// All that the rest of an update, or of a lock under way, depends on: what [`Memory::save`] writes.
+    pub(super) fn identify(&self, owner: &mut Owner) {
+        if let Some(track) = &self.track {
+            track.identify(owner);
+        }
+        self.filter.weights().iter().for_each(|&weight| owner.add(weight.cast_unsigned()));
+        if self.track.is_none() {
+            return;
+        }
+        let (pairs, odd) = self.template.mean().as_chunks();
+        pairs.iter().for_each(|&[first, second]| owner.add(u32::from(first) << 16 | u32::from(second)));
+        odd.iter().for_each(|&pixel| owner.add(pixel.into()));
+        #[cfg(feature = "refiner")]
+        self.first
+            .as_chunks()
+            .0
+            .iter()
+            .for_each(|&inputs| owner.add(u32::from_le_bytes(inputs.map(i8::cast_unsigned))));
     }
 }
 

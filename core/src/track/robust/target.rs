@@ -17,7 +17,7 @@ use crate::image::{FineRect, Frame, Rect};
 use crate::track::target::{lock_goes_on, lockable};
 #[cfg(feature = "unstable")]
 use crate::track::update::SEAL;
-use crate::track::update::{Seal, Steps, Ticket, UnderWay};
+use crate::track::update::{Locking, Owner, Seal, Steps, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
@@ -48,7 +48,7 @@ use crate::track::{
 pub struct Robust {
     config: Config,
     memory: Memory,
-    ticket: Ticket,
+    locking: Locking,
 }
 
 impl Robust {
@@ -60,7 +60,7 @@ impl Robust {
     #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
         match config.check() {
-            Ok(()) => Self { config, memory: Memory::new(), ticket: Ticket::NEW },
+            Ok(()) => Self { config, memory: Memory::new(), locking: Locking::NOTHING },
             Err(_) => panic!("a number of the configuration cannot be used"),
         }
     }
@@ -170,7 +170,7 @@ impl Target for Robust {
 
     #[inline(always)] // built in place: as a call it would be built on the stack and copied
     fn of_checked(config: Config) -> Self {
-        Self { config, memory: Memory::new(), ticket: Ticket::NEW }
+        Self { config, memory: Memory::new(), locking: Locking::NOTHING }
     }
 
     fn config(&self) -> &Config {
@@ -213,7 +213,7 @@ impl Target for Robust {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
-        self.ticket.change();
+        self.locking = Locking::NOTHING;
         if let Some(track) = &mut self.memory.track {
             track.motion.shift(right, down, track.bounds);
         }
@@ -229,7 +229,7 @@ impl Target for Robust {
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         self.memory.restore(&self.config, bytes)?;
-        self.ticket.change();
+        self.locking = Locking::NOTHING;
         Ok(())
     }
 }
@@ -237,8 +237,10 @@ impl Target for Robust {
 impl Steps for Robust {
     type Workspace = Workspace;
 
-    fn ticket(&mut self, _: &Seal) -> &mut Ticket {
-        &mut self.ticket
+    fn identify(&self, owner: &mut Owner, _: &Seal) {
+        state::numbers(&self.config, |number| owner.add(number.into()));
+        self.locking.identify(owner);
+        self.memory.identify(owner);
     }
 
     fn under_way<'a>(workspace: &'a mut Workspace, _: &Seal) -> &'a mut UnderWay {
@@ -265,9 +267,9 @@ impl Steps for Robust {
         if frame.covers(self.lock_window(bounds, target)) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
-    fn check_lock_under_way(&self, workspace: &Workspace, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
-        let track = workspace.pipeline.outcome.track.as_ref().ok_or(LockError::NotBegun)?;
-        lock_goes_on(frame, track.bounds, self.lock_window(track.bounds, track.bbox().whole()))
+    fn check_lock_under_way(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
+        let bounds = self.locking.bounds();
+        lock_goes_on(frame, bounds, self.lock_window(bounds, self.locking.target()))
     }
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
@@ -280,7 +282,7 @@ impl Steps for Robust {
     #[inline(never)] // a step need not reserve its stack
     fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, target: Rect, _: &Seal) {
         let track = Track::new(bounds, target);
-        self.memory.track = None;
+        (self.memory.track, self.locking) = (None, Locking::new(bounds, target));
         self.memory.filter.start(track.grid.weights());
         self.model(track).begin_lock(&mut workspace.pipeline, &mut workspace.buffers);
     }
@@ -341,7 +343,7 @@ impl Steps for Robust {
             // Cannot fail: there is room for all.
             let _ = self.memory.first.extend_from_slice(buffers.scale_cells.get(..FIRST).unwrap_or_default());
         }
-        self.memory.track = Some(track);
+        (self.memory.track, self.locking) = (Some(track), Locking::NOTHING);
         track.quality
     }
 }
@@ -365,6 +367,7 @@ impl Robust {
             return false;
         }
         outcome.make_step(&mut self.memory, buffers);
+        under_way.change();
         let (another, track) = (outcome.has_another_step(), outcome.track);
         if another && let Some(track) = track {
             self.model(track).begin_step(pipeline, buffers, under_way);
