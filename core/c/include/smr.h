@@ -418,7 +418,8 @@ typedef int32_t smr_format;
 typedef struct smr_method smr_method;
 
 /**
- * Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up.
+ * Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target in Rust it stays where it
+ * is: it is known by its address, and a copy of it is refused with #SMR_ERROR_NOT_INITIALISED.
  *
  * Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that share a
  * workspace. Other calls may.
@@ -843,6 +844,17 @@ typedef struct smr_saved_copy {
 
 /**
  * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
+ *
+ * Lines may come in an interrupt while the main loop asks for the frame. Then:
+ * - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt itself or while it is
+ *   switched off.
+ * - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows, which come before
+ *   #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or #smr_update. For the next frame give
+ *   other memory, or begin it after the update.
+ * - #smr_readout_frame only reads, and may be interrupted at any point.
+ *
+ * The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to prevent: two calls of
+ * #smr_readout_line, or #smr_readout_lines and any other.
  */
 typedef struct smr_readout {
   /**
@@ -858,7 +870,7 @@ typedef struct smr_readout {
    */
   uint16_t lines;
   /**
-   * The line after the last one that came.
+   * The line after the last one that came. Written after its pixels.
    */
   uint16_t next;
   /**
@@ -1320,7 +1332,8 @@ smr_status smr_readout_add_window(struct smr_readout *readout,
                                   size_t size);
 
 /**
- * Takes a line of the sensor, for example in the interrupt of a DMA. Lines come in order; those in no window may be left out.
+ * Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in no window may be left
+ * out.
  *
  * Cost: only pixels in the windows are converted.
  *
@@ -1339,7 +1352,7 @@ smr_status smr_readout_line(struct smr_readout *readout,
                             size_t size);
 
 /**
- * Takes all lines of a frame that is in memory.
+ * Takes all lines of a frame that is in memory. Not for interrupts: it takes as long as all its lines.
  *
  * @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` have come.
  * @param bytes    The first line.
@@ -1355,12 +1368,14 @@ smr_status smr_readout_lines(struct smr_readout *readout,
 /**
  * The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
  *
- * @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
- * @param frame    Is filled; need not be initialised. It points to the memory of the windows.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING, or an error of #smr_readout_begin if the
- *                 readout was changed.
+ * It changes nothing but `frame`, so an interrupt may bring lines at any time: see #smr_readout.
+ *
+ * @param readout  Filled by #smr_readout_begin.
+ * @param frame    Is filled; need not be initialised. It points to the memory of the windows. Unchanged after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING as long as a line of a window has not come, or
+ *                 an error of #smr_readout_begin if the readout was changed.
  */
-smr_status smr_readout_frame(struct smr_readout *readout,
+smr_status smr_readout_frame(const struct smr_readout *readout,
                              struct smr_frame *frame);
 
 #ifdef __cplusplus

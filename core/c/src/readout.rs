@@ -4,8 +4,9 @@ use crate::frame::{smr_frame, smr_part, smr_rect};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_FORMAT_UNKNOWN, smr_status, status_of};
 use core::ptr;
+use core::sync::atomic::{Ordering, compiler_fence};
 use smr_core::Rect;
-use smr_core::readout::{Format, Readout, ReadoutError};
+use smr_core::readout::{Format, Lines, Readout, ReadoutError};
 
 /// How a camera sends its pixels.
 #[repr(i32)]
@@ -40,6 +41,17 @@ const FORMATS: [(smr_format, Format); 7] = [
 ];
 
 /// A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
+///
+/// Lines may come in an interrupt while the main loop asks for the frame. Then:
+/// - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt itself or while it is
+///   switched off.
+/// - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows, which come before
+///   #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or #smr_update. For the next frame give
+///   other memory, or begin it after the update.
+/// - #smr_readout_frame only reads, and may be interrupted at any point.
+///
+/// The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to prevent: two calls of
+/// #smr_readout_line, or #smr_readout_lines and any other.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_readout {
@@ -49,7 +61,7 @@ pub struct smr_readout {
     pub columns: u16,
     /// Lines of the sensor.
     pub lines: u16,
-    /// The line after the last one that came.
+    /// The line after the last one that came. Written after its pixels.
     pub next: u16,
     /// The line that the last error SMR_ERROR_LINE_... is about.
     pub line: u16,
@@ -62,40 +74,79 @@ pub struct smr_readout {
 }
 
 impl smr_readout {
-    /// The readout of `smr-core`, and the format.
+    /// What is at `from`. An interrupt may change `next` and `line`: the one is read at once, the other not at all.
+    ///
+    /// # Safety
+    /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
+    unsafe fn read(from: *const Self) -> Result<Self, smr_status> {
+        pointer::check(from)?;
+        // SAFETY: neither NULL nor misaligned; the rest as the caller ensures.
+        unsafe {
+            let next = (&raw const (*from).next).read_volatile();
+            // Nothing that the lines before `next` brought is read before it.
+            compiler_fence(Ordering::Acquire);
+            let (format, columns, lines) = ((*from).format, (*from).columns, (*from).lines);
+            let (windows, pixels, sizes) = ((*from).windows, (*from).pixels, (*from).sizes);
+            Ok(Self { format, columns, lines, next, line: 0, windows, pixels, sizes })
+        }
+    }
+
+    /// Notes in `to`, after the pixels were written, the next line, and the line that an error is about.
+    ///
+    /// # Safety
+    /// `to` was read.
+    unsafe fn note(to: *mut Self, next: u16, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
+        use ReadoutError::{LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
+        compiler_fence(Ordering::Release);
+        // SAFETY: `read` has checked the pointer.
+        unsafe {
+            (&raw mut (*to).next).write_volatile(next);
+            if let Err(LineMissing(line) | LineOutOfOrder(line) | LineOutsideFrame(line) | LineTooShort(line)) = result
+            {
+                (&raw mut (*to).line).write_volatile(line);
+            }
+        }
+        Ok(result?)
+    }
+
+    fn format(&self) -> Result<Format, smr_status> {
+        let known = FORMATS.iter().find(|(number, _)| *number as i32 == self.format);
+        known.map(|(_, format)| *format).ok_or(SMR_ERROR_FORMAT_UNKNOWN)
+    }
+
+    /// The lines, without the pixels, which another call may be writing.
+    fn lines(&self) -> Result<Lines, smr_status> {
+        let ([first, second], [near, far], [room, more]) = (self.pixels, self.windows, self.sizes);
+        let format = self.format()?;
+        pointer::check_bytes(first, room, &[0..0, 0..0])?;
+        let lines = Lines::new(format, (self.columns, self.lines), near.into(), room)?;
+        if second.is_null() {
+            return Ok(lines.resume(self.next));
+        }
+        pointer::check_bytes(second, more, &[0..0, 0..0])?;
+        Ok(lines.and_window(far.into(), more)?.resume(self.next))
+    }
+
+    /// The readout of `smr-core`.
     ///
     /// # Safety
     /// `pixels` that are not NULL point to as many bytes as `sizes` says, and nobody else uses them while the result lives.
-    unsafe fn open<'a>(&self) -> Result<(Readout<'a>, Format), smr_status> {
-        let known = FORMATS.iter().find(|(number, _)| *number as i32 == self.format);
-        let (_, format) = known.ok_or(SMR_ERROR_FORMAT_UNKNOWN)?;
-        let [first, second] = [0, 1].map(|index: usize| {
-            let (pixels, size) = (self.pixels.get(index), self.sizes.get(index));
-            (pixels.copied().unwrap_or(ptr::null_mut()), size.copied().unwrap_or(0))
-        });
+    unsafe fn open<'a>(&self) -> Result<Readout<'a>, smr_status> {
+        let ([first, second], [room, more]) = (self.pixels, self.sizes);
         let [near, far] = self.windows.map(Rect::from);
         // SAFETY: as the caller ensures.
-        let readout = Readout::new(*format, (self.columns, self.lines), near, unsafe { bytes(first)? })?;
-        if second.0.is_null() {
-            return Ok((readout.resume(self.next), *format));
+        let readout = Readout::new(self.format()?, (self.columns, self.lines), near, unsafe { bytes(first, room)? })?;
+        if second.is_null() {
+            return Ok(readout.resume(self.next));
         }
         // SAFETY: as the caller ensures.
-        Ok((readout.and_window(far, unsafe { bytes(second)? })?.resume(self.next), *format))
-    }
-
-    /// Notes the line that `result` is about.
-    fn noted(&mut self, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
-        use ReadoutError::{LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
-        if let Err(LineMissing(line) | LineOutOfOrder(line) | LineOutsideFrame(line) | LineTooShort(line)) = result {
-            self.line = line;
-        }
-        Ok(result?)
+        Ok(readout.and_window(far, unsafe { bytes(second, more)? })?.resume(self.next))
     }
 }
 
 /// # Safety
 /// A pointer that is not NULL points to so many bytes, and nobody else uses them while the result lives.
-unsafe fn bytes<'a>((pixels, size): (*mut u8, usize)) -> Result<&'a mut [u8], smr_status> {
+unsafe fn bytes<'a>(pixels: *mut u8, size: usize) -> Result<&'a mut [u8], smr_status> {
     pointer::check_bytes(pixels, size, &[0..0, 0..0])?;
     // SAFETY: not NULL, at most isize::MAX bytes, always aligned; the rest as the caller ensures.
     Ok(unsafe { core::slice::from_raw_parts_mut(pixels, size) })
@@ -130,8 +181,7 @@ pub unsafe extern "C" fn smr_readout_begin(
         let (readout, window) = unsafe { (Out::new(readout)?, pointer::read(window)?) };
         let (pixels, sizes) = ([pixels, ptr::null_mut()], [size, 0]);
         let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows: [window; 2], pixels, sizes };
-        // SAFETY: as the header demands of the caller.
-        unsafe { begun.open()? };
+        begun.lines()?;
         readout.write(begun);
         Ok(())
     };
@@ -165,17 +215,16 @@ pub unsafe extern "C" fn smr_readout_add_window(
         if pointer::overlap(&pointer::range(first, room), &pointer::range(pixels, size)) {
             return Err(smr_status::SMR_ERROR_OVERLAPS_TRACKER);
         }
-        // SAFETY: as the header demands of the caller: the memory of the two windows is not the same.
-        unsafe {
-            changed.open()?;
-            readout.write(changed);
-        }
+        changed.lines()?;
+        // SAFETY: `read` has checked the pointer.
+        unsafe { readout.write(changed) };
         Ok(())
     };
     status_of(add())
 }
 
-/// Takes a line of the sensor, for example in the interrupt of a DMA. Lines come in order; those in no window may be left out.
+/// Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in no window may be left
+/// out.
 ///
 /// Cost: only pixels in the windows are converted.
 ///
@@ -195,10 +244,23 @@ pub unsafe extern "C" fn smr_readout_line(
     size: usize,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { pushed(readout, bytes, size, |readout, bytes| readout.push_line(y, bytes)) })
+    status_of(unsafe {
+        pushed(readout, bytes, size, |begun, bytes| {
+            let lines = begun.lines()?;
+            Ok(match lines.check(y, bytes.len()) {
+                // Whoever has the frame may be reading its pixels, but then none of its lines is left to come.
+                Ok(true) => begun
+                    .open()?
+                    .push_line(y, bytes)
+                    .map_or_else(|error| (begun.next, Err(error)), |()| (y + 1, Ok(()))),
+                Ok(false) => (y + 1, Ok(())),
+                Err(error) => (begun.next, Err(error)),
+            })
+        })
+    })
 }
 
-/// Takes all lines of a frame that is in memory.
+/// Takes all lines of a frame that is in memory. Not for interrupts: it takes as long as all its lines.
 ///
 /// @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` have come.
 /// @param bytes    The first line.
@@ -213,63 +275,54 @@ pub unsafe extern "C" fn smr_readout_lines(
     stride: usize,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { pushed(readout, bytes, size, |readout, bytes| readout.push_frame(bytes, stride)) })
+    status_of(unsafe {
+        pushed(readout, bytes, size, |begun, bytes| {
+            let mut readout = begun.open()?;
+            let result = readout.push_frame(bytes, stride);
+            Ok((readout.next_line(), result))
+        })
+    })
 }
 
+/// Gives the `size` bytes to `push`, and notes its next line and its result.
+///
 /// # Safety
 /// As the header demands of the caller of #smr_readout_line.
 unsafe fn pushed(
     to: *mut smr_readout,
     bytes: *const u8,
     size: usize,
-    push: impl FnOnce(&mut Readout<'_>, &[u8]) -> Result<(), ReadoutError>,
+    push: impl FnOnce(&smr_readout, &[u8]) -> Result<(u16, Result<(), ReadoutError>), smr_status>,
 ) -> Result<(), smr_status> {
     // SAFETY: as the caller ensures.
-    let (mut changed, taken) = unsafe {
-        let changed = pointer::read(to)?;
-        (
-            changed,
-            [0, 1].map(|at: usize| {
-                let (pixels, size) = (changed.pixels.get(at), changed.sizes.get(at));
-                pixels
-                    .zip(size)
-                    .map_or(0..0, |(&pixels, &size)| pointer::range(pixels, if pixels.is_null() { 0 } else { size }))
-            }),
-        )
-    };
+    let begun = unsafe { smr_readout::read(to)? };
+    let ([first, second], [room, more]) = (begun.pixels, begun.sizes);
+    let taken = [(first, room), (second, more)]
+        .map(|(pixels, size)| pointer::range(pixels, if pixels.is_null() { 0 } else { size }));
     pointer::check_bytes(bytes, size, &taken)?;
     // SAFETY: as the caller ensures; the line is outside the windows' memory.
-    let result = unsafe {
-        let (mut readout, _) = changed.open()?;
-        let result = push(&mut readout, core::slice::from_raw_parts(bytes, size));
-        changed.next = readout.next_line();
-        result
-    };
-    let result = changed.noted(result);
-    // SAFETY: `read` has checked the pointer.
-    unsafe { to.write(changed) };
-    result
+    let (next, result) = push(&begun, unsafe { core::slice::from_raw_parts(bytes, size) })?;
+    // SAFETY: `to` was read.
+    unsafe { smr_readout::note(to, next, result) }
 }
 
 /// The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
 ///
-/// @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
-/// @param frame    Is filled; need not be initialised. It points to the memory of the windows.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING, or an error of #smr_readout_begin if the
-///                 readout was changed.
+/// It changes nothing but `frame`, so an interrupt may bring lines at any time: see #smr_readout.
+///
+/// @param readout  Filled by #smr_readout_begin.
+/// @param frame    Is filled; need not be initialised. It points to the memory of the windows. Unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING as long as a line of a window has not come, or
+///                 an error of #smr_readout_begin if the readout was changed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_readout_frame(readout: *mut smr_readout, frame: *mut smr_frame) -> smr_status {
+pub unsafe extern "C" fn smr_readout_frame(readout: *const smr_readout, frame: *mut smr_frame) -> smr_status {
     let fill = || {
         // SAFETY: as the header demands of the caller.
-        let (mut changed, frame) = unsafe { (pointer::read(readout)?, Out::new(frame)?) };
-        // SAFETY: as the header demands of the caller.
-        let (whole, format) = unsafe { changed.open()? };
-        let complete = changed.noted(whole.frame().map(|_| ()));
-        // SAFETY: `read` has checked the pointer.
-        unsafe { readout.write(changed) };
-        complete?;
-        let (width, height) = format.gray_size((changed.columns, changed.lines));
-        frame.write(smr_frame { width, height, parts: changed.parts() });
+        let (begun, frame) = unsafe { (smr_readout::read(readout)?, Out::new(frame)?) };
+        let lines = begun.lines()?;
+        lines.check_frame()?;
+        let (width, height) = lines.gray_size();
+        frame.write(smr_frame { width, height, parts: begun.parts() });
         Ok(())
     };
     status_of(fill())

@@ -9,7 +9,8 @@ use core::ops::Range;
 use core::ptr::addr_of;
 use smr_core::{Frame, Rect, Robust};
 
-/// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up.
+/// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target in Rust it stays where it
+/// is: it is known by its address, and a copy of it is refused with #SMR_ERROR_NOT_INITIALISED.
 ///
 /// Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that share a
 /// workspace. Other calls may.

@@ -160,7 +160,8 @@ static void wrong_calls(void)
     HOLD(smr_readout_add_window(&readout, &window, NULL, 99) == SMR_ERROR_NULL);
     HOLD(smr_readout_add_window(&readout, &outside, second, sizeof second) == SMR_ERROR_OUTSIDE_FRAME);
     HOLD(smr_readout_add_window(&readout, &window, first + 8, 99) == SMR_ERROR_OVERLAPS_TRACKER);
-    HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && readout.line == 2);
+    kept = readout;
+    HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && memcmp(&readout, &kept, sizeof kept) == 0);
     HOLD(smr_readout_line(&readout, 3, line, sizeof line) == SMR_ERROR_LINE_MISSING && readout.line == 2);
     HOLD(smr_readout_line(&readout, 2, line, sizeof line - 1) == SMR_ERROR_LINE_TOO_SHORT && readout.line == 2);
     HOLD(smr_readout_line(&readout, 2, NULL, sizeof line) == SMR_ERROR_NULL);

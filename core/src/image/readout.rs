@@ -102,6 +102,26 @@ impl Format {
         if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
+    /// The first and the end of the sensor's lines in a window. It is inside the frame, so both fit.
+    fn lines_of(self, window: Rect) -> (u16, u16) {
+        let top = u16::try_from(window.y).unwrap_or(u16::MAX);
+        let lines = self.lines_a_row();
+        (top.saturating_mul(lines), top.saturating_add(window.height).saturating_mul(lines))
+    }
+
+    /// Converts what a window needs of line `y`.
+    fn push(self, y: u16, bytes: &[u8], window: Rect, pixels: &mut [u8]) {
+        let (start, end) = self.lines_of(window);
+        if !(start..end).contains(&y) {
+            return;
+        }
+        let (line, lines) = (y - start, self.lines_a_row());
+        let width = usize::from(window.width);
+        let start = usize::from(line / lines) * width;
+        let row = pixels.get_mut(start..start + width).unwrap_or_default();
+        self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
+    }
+
     /// Converts gray pixels from column `x` on. `line` is long enough; `is_upper`: of two lines of a row the first.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
@@ -183,11 +203,106 @@ impl fmt::Display for ReadoutError {
 
 impl core::error::Error for ReadoutError {}
 
-/// A window of the frame, and the buffer that its gray pixels go to.
-#[derive(Debug)]
-struct Area<'a> {
-    window: Rect,
-    pixels: &'a mut [u8],
+/// Which lines are in the windows, and which have come: a readout without its pixels.
+///
+/// For the C interface, where lines come in interrupts of code that asks for the frame: only who writes pixels may hold them.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Lines {
+    format: Format,
+    columns: u16,
+    lines: u16,
+    first: Rect,
+    second: Option<Rect>,
+    /// The lines before have come, or are in no window.
+    next: u16,
+}
+
+impl Lines {
+    /// As [`Readout::new`], for a buffer of `size` bytes.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(format: Format, (columns, lines): (u16, u16), window: Rect, size: usize) -> Result<Self, ReadoutError> {
+        let begun = Self { format, columns, lines, first: window, second: None, next: 0 };
+        begun.check_window(window, size)?;
+        Ok(begun)
+    }
+
+    /// As [`Readout::and_window`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn and_window(self, window: Rect, size: usize) -> Result<Self, ReadoutError> {
+        if self.next > 0 {
+            return Err(ReadoutError::LineOutOfOrder(0));
+        }
+        self.check_window(window, size)?;
+        Ok(Self { second: Some(window), ..self })
+    }
+
+    /// As [`Readout::resume`].
+    #[must_use]
+    pub const fn resume(self, line: u16) -> Self {
+        Self { next: line, ..self }
+    }
+
+    /// Width and height of the gray frame.
+    #[must_use]
+    pub const fn gray_size(&self) -> (u16, u16) {
+        self.format.gray_size((self.columns, self.lines))
+    }
+
+    fn check_window(&self, window: Rect, size: usize) -> Result<(), ReadoutError> {
+        let (width, height) = self.gray_size();
+        if window.is_empty() || !Rect::new(0, 0, width, height).contains(window) {
+            return Err(ReadoutError::WindowOutsideFrame);
+        }
+        if size < area(window) { Err(ReadoutError::BufferTooSmall) } else { Ok(()) }
+    }
+
+    /// Whether line `y`, of so many bytes, can come next. True if it is in a window.
+    ///
+    /// # Errors
+    /// As [`Readout::push_line`].
+    pub fn check(&self, y: u16, bytes: usize) -> Result<bool, ReadoutError> {
+        if y >= self.lines {
+            return Err(ReadoutError::LineOutsideFrame(y));
+        }
+        if y < self.next {
+            return Err(ReadoutError::LineOutOfOrder(y));
+        }
+        if bytes < self.format.line_bytes(self.columns) {
+            return Err(ReadoutError::LineTooShort(y));
+        }
+        match self.next_needed() {
+            Some(needed) if needed < y => Err(ReadoutError::LineMissing(needed)),
+            needed => Ok(needed == Some(y)),
+        }
+    }
+
+    /// Whether all lines of the windows have come.
+    ///
+    /// # Errors
+    /// As [`Readout::frame`].
+    pub fn check_frame(&self) -> Result<(), ReadoutError> {
+        self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))
+    }
+
+    /// The first line of the windows that has not come.
+    fn next_needed(&self) -> Option<u16> {
+        let of = |window: Rect| {
+            let (start, end) = self.format.lines_of(window);
+            (self.next < end).then_some(self.next.max(start))
+        };
+        let (first, second) = (of(self.first), self.second.and_then(of));
+        first.into_iter().chain(second).min()
+    }
+}
+
+/// Pixels of a window.
+fn area(window: Rect) -> usize {
+    usize::from(window.width) * usize::from(window.height)
 }
 
 /// One frame of a camera under way: the gray pixels of one or two windows, filled as lines come.
@@ -198,13 +313,11 @@ struct Area<'a> {
 /// Cost: only pixels in the windows are converted. A line that is in no window costs a few comparisons.
 #[derive(Debug)]
 pub struct Readout<'a> {
-    format: Format,
-    columns: u16,
-    lines: u16,
-    first: Area<'a>,
-    second: Option<Area<'a>>,
-    /// The lines before have come, or are in no window.
-    next: u16,
+    lines: Lines,
+    /// The pixels of the first window.
+    first: &'a mut [u8],
+    /// Those of the second one, if there is one.
+    second: &'a mut [u8],
 }
 
 impl<'a> Readout<'a> {
@@ -218,8 +331,7 @@ impl<'a> Readout<'a> {
         window: Rect,
         pixels: &'a mut [u8],
     ) -> Result<Self, ReadoutError> {
-        let first = Area::new(format.gray_size((columns, lines)), window, pixels)?;
-        Ok(Self { format, columns, lines, first, second: None, next: 0 })
+        Ok(Self { lines: Lines::new(format, (columns, lines), window, pixels.len())?, first: pixels, second: &mut [] })
     }
 
     /// The same with a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Before the first line.
@@ -227,11 +339,7 @@ impl<'a> Readout<'a> {
     /// # Errors
     /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.
     pub fn and_window(self, window: Rect, pixels: &'a mut [u8]) -> Result<Self, ReadoutError> {
-        if self.next > 0 {
-            return Err(ReadoutError::LineOutOfOrder(0));
-        }
-        let second = Area::new(self.format.gray_size((self.columns, self.lines)), window, pixels)?;
-        Ok(Self { second: Some(second), ..self })
+        Ok(Self { lines: self.lines.and_window(window, pixels.len())?, second: pixels, ..self })
     }
 
     /// Continues a readout that was begun before with the same arguments: its next line is `line` or a later one. For programs that keep
@@ -253,13 +361,13 @@ impl<'a> Readout<'a> {
     /// ```
     #[must_use]
     pub const fn resume(self, line: u16) -> Self {
-        Self { next: line, ..self }
+        Self { lines: self.lines.resume(line), ..self }
     }
 
     /// The line after the last one that came: see [`Readout::resume`].
     #[must_use]
     pub const fn next_line(&self) -> u16 {
-        self.next
+        self.lines.next
     }
 
     /// Takes line `y` of the sensor. Bytes beyond the line's length are ignored.
@@ -268,24 +376,12 @@ impl<'a> Readout<'a> {
     /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`], and
     /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped. The frame is then as it was before the call.
     pub fn push_line(&mut self, y: u16, bytes: &[u8]) -> Result<(), ReadoutError> {
-        if y >= self.lines {
-            return Err(ReadoutError::LineOutsideFrame(y));
+        if self.lines.check(y, bytes.len())? {
+            let Lines { format, first, second, .. } = self.lines;
+            format.push(y, bytes, first, self.first);
+            second.into_iter().for_each(|second| format.push(y, bytes, second, self.second));
         }
-        if y < self.next {
-            return Err(ReadoutError::LineOutOfOrder(y));
-        }
-        if bytes.len() < self.format.line_bytes(self.columns) {
-            return Err(ReadoutError::LineTooShort(y));
-        }
-        match self.next_needed() {
-            Some(needed) if needed < y => return Err(ReadoutError::LineMissing(needed)),
-            _ => {}
-        }
-        self.first.push(self.format, y, bytes);
-        if let Some(second) = &mut self.second {
-            second.push(self.format, y, bytes);
-        }
-        self.next = y + 1;
+        self.lines.next = y + 1;
         Ok(())
     }
 
@@ -294,7 +390,7 @@ impl<'a> Readout<'a> {
     /// # Errors
     /// As [`Readout::push_line`]: a frame that ends early has lines that are too short.
     pub fn push_frame(&mut self, bytes: &[u8], stride: usize) -> Result<(), ReadoutError> {
-        for y in self.next..self.lines {
+        for y in self.lines.next..self.lines.lines {
             let line = usize::from(y).checked_mul(stride).and_then(|start| bytes.get(start..)).unwrap_or(&[]);
             self.push_line(y, line)?;
         }
@@ -306,66 +402,23 @@ impl<'a> Readout<'a> {
     /// # Errors
     /// [`ReadoutError::LineMissing`] with the first line of a window that has not come.
     pub fn frame(&self) -> Result<Frame<'_>, ReadoutError> {
-        if let Some(line) = self.next_needed() {
-            return Err(ReadoutError::LineMissing(line));
-        }
+        self.lines.check_frame()?;
         let outside = |_| ReadoutError::WindowOutsideFrame;
-        let (width, height) = self.format.gray_size((self.columns, self.lines));
-        let (image, x, y) = self.first.part()?;
+        let (width, height) = self.lines.gray_size();
+        let (image, x, y) = part(self.lines.first, self.first)?;
         let frame = Frame::part(image, x, y, width, height).map_err(outside)?;
-        let Some(second) = &self.second else { return Ok(frame) };
-        let (image, x, y) = second.part()?;
+        let Some(second) = self.lines.second else { return Ok(frame) };
+        let (image, x, y) = part(second, self.second)?;
         frame.and_part(image, x, y).map_err(outside)
-    }
-
-    /// The first line of the windows that has not come.
-    fn next_needed(&self) -> Option<u16> {
-        let of = |area: &Area<'_>| area.next_needed(self.format, self.next);
-        let (first, second) = (of(&self.first), self.second.as_ref().and_then(of));
-        first.into_iter().chain(second).min()
     }
 }
 
-impl<'a> Area<'a> {
-    fn new((width, height): (u16, u16), window: Rect, pixels: &'a mut [u8]) -> Result<Self, ReadoutError> {
-        if window.is_empty() || !Rect::new(0, 0, width, height).contains(window) {
-            return Err(ReadoutError::WindowOutsideFrame);
-        }
-        let size = usize::from(window.width) * usize::from(window.height);
-        let pixels = pixels.get_mut(..size).ok_or(ReadoutError::BufferTooSmall)?;
-        Ok(Self { window, pixels })
-    }
-
-    /// The first and the end of the sensor's lines in the window. The window is inside the frame, so both fit.
-    fn lines(&self, format: Format) -> (u16, u16) {
-        let top = u16::try_from(self.window.y).unwrap_or(u16::MAX);
-        let lines = format.lines_a_row();
-        (top.saturating_mul(lines), top.saturating_add(self.window.height).saturating_mul(lines))
-    }
-
-    fn next_needed(&self, format: Format, next: u16) -> Option<u16> {
-        let (start, end) = self.lines(format);
-        (next < end).then_some(next.max(start))
-    }
-
-    fn push(&mut self, format: Format, y: u16, bytes: &[u8]) {
-        let (start, end) = self.lines(format);
-        if !(start..end).contains(&y) {
-            return;
-        }
-        let (line, lines) = (y - start, format.lines_a_row());
-        let width = usize::from(self.window.width);
-        let start = usize::from(line / lines) * width;
-        let row = self.pixels.get_mut(start..start + width).unwrap_or_default();
-        format.convert(bytes, usize::try_from(self.window.x).unwrap_or(0), line.is_multiple_of(lines), row);
-    }
-
-    fn part(&self) -> Result<(Image<'_>, u16, u16), ReadoutError> {
-        let Rect { x, y, width, height } = self.window;
-        let image = Image::new(self.pixels, width, height).ok();
-        let place = u16::try_from(x).ok().zip(u16::try_from(y).ok());
-        image.zip(place).map(|(image, (x, y))| (image, x, y)).ok_or(ReadoutError::WindowOutsideFrame)
-    }
+/// A window's pixels and its place.
+fn part(window: Rect, pixels: &[u8]) -> Result<(Image<'_>, u16, u16), ReadoutError> {
+    let Rect { x, y, width, height } = window;
+    let image = pixels.get(..area(window)).and_then(|pixels| Image::new(pixels, width, height).ok());
+    let place = u16::try_from(x).ok().zip(u16::try_from(y).ok());
+    image.zip(place).map(|(image, (x, y))| (image, x, y)).ok_or(ReadoutError::WindowOutsideFrame)
 }
 
 #[cfg(test)]
