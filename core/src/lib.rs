@@ -84,6 +84,9 @@ extern crate std;
 mod correlation;
 mod image;
 mod kernels;
+#[cfg(test)]
+#[path = "../../tests/missing.rs"]
+mod missing;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
 pub mod search;

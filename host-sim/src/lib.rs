@@ -30,6 +30,9 @@ pub mod ending;
 pub mod evaluate;
 pub mod export;
 pub mod input;
+#[cfg(test)]
+#[path = "../../tests/missing.rs"]
+mod missing;
 pub mod output;
 pub mod reference;
 pub mod replay;

@@ -1,18 +1,17 @@
 //! Pages in headless Chromium: a script acts as a user would, and tells what it did not find.
 
+use super::missing::{runs, skipped};
 use super::program::utf8;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
 /// Headless Chromium under one of its names; `None`, with a note, if there is none.
 fn browser(test: &str) -> Option<&'static str> {
     let names = ["chromium", "chromium-browser", "google-chrome"];
-    let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
+    let found = names.into_iter().find(|name| runs(Command::new(name).arg("--version")));
     if found.is_none() {
-        // Not `println!`, which is not shown for a test that passes.
-        let _ = writeln!(std::io::stderr(), "skipped: {test}: no Chromium");
+        skipped(test, "no Chromium");
     }
     found
 }

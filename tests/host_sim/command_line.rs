@@ -1,6 +1,7 @@
 //! `host-sim` from its user's view: exit codes, one clear line on errors, JSON, complete output.
 
-use crate::program::{PROGRAM, host_sim, recordings, utf8};
+use crate::missing::recordings;
+use crate::program::{PROGRAM, host_sim, utf8};
 use serde_json::{Value, json};
 use std::fs;
 use std::process::Command;

@@ -1,9 +1,9 @@
 //! `host-sim` with bad input: damaged files, options that do not fit, files that cannot be written.
 
-use crate::program::{PROGRAM, host_sim, recordings, utf8};
+use crate::missing::{has_ffmpeg, recordings};
+use crate::program::{PROGRAM, host_sim, utf8};
 use serde_json::Value;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -55,29 +55,23 @@ fn a_target_that_cannot_be_told_from_its_surroundings_is_said_to_be_so() {
     }
 }
 
-/// A video that ffmpeg makes with `arguments`; `None`, with a note, if there is no ffmpeg.
-fn film(test: &str, file: &Path, arguments: &[&str]) -> Option<()> {
+/// Makes a video with ffmpeg.
+fn film(file: &Path, arguments: &[&str]) {
     let source = ["-v", "error", "-f", "lavfi", "-i"];
     let made = Command::new("ffmpeg").args(source).args(arguments).arg(file).status();
-    if made.is_err() {
-        // Not `println!`, which is not shown for a test that passes.
-        let _ = writeln!(std::io::stderr(), "skipped: {test}: no ffmpeg");
-        return None;
-    }
     assert!(made.unwrap().success(), "{arguments:?}");
-    Some(())
 }
 
 /// A video as phones make it: rotated by metadata, with a varying frame rate.
 #[test]
 fn videos_of_phones_are_shown_upright_and_whole() {
-    const TEST: &str = "videos_of_phones_are_shown_upright_and_whole";
+    if !has_ffmpeg("videos_of_phones_are_shown_upright_and_whole") {
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     let (plain, turned, uneven) = (file("plain.mp4"), file("turned.mp4"), file("uneven.mp4"));
-    if film(TEST, &plain, &["testsrc=size=320x240:rate=30:duration=1", "-pix_fmt", "yuv420p"]).is_none() {
-        return;
-    }
+    film(&plain, &["testsrc=size=320x240:rate=30:duration=1", "-pix_fmt", "yuv420p"]);
     let note = ["-c", "copy", "-metadata:s:v:0", "rotate=90"];
     let copied = Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&plain)]).args(note).arg(&turned).status();
     assert!(copied.unwrap().success());
@@ -90,7 +84,7 @@ fn videos_of_phones_are_shown_upright_and_whole() {
 
     // Two of three frames are left out and the others keep their times. No frame is invented to fill the gaps.
     let some = ["testsrc=size=321x241:rate=30:duration=1", "-vf", "select=not(mod(n\\,3))", "-vsync", "vfr"];
-    film(TEST, &uneven, &[&some[..], &["-pix_fmt", "yuv444p"]].concat()).unwrap();
+    film(&uneven, &[&some[..], &["-pix_fmt", "yuv444p"]].concat());
     let said = host_sim(&["track", utf8(&uneven), "--init", "100,100,40,40"]);
     assert_eq!((said.code, said.out.lines().count()), (Some(0), 10), "{}", said.err);
     assert_eq!(size(&uneven), (321, 241));
@@ -432,7 +426,6 @@ fn messages_are_in_peoples_words() {
     host_sim(&["run", &firmware]).refuses(&["firmware.elf is not firmware: expected an ELF file"]);
 }
 
-/// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
 #[test]
 fn the_papers_table_is_printed_whole() {
     let Some(sequence) = recordings("the_papers_table_is_printed_whole", "tld/03_pedestrian1") else { return };

@@ -1,6 +1,7 @@
 //! Long runs and sudden ends: memory stays bounded, and the output written before a full disk, a closed pipe or a kill is complete.
 
-use crate::program::{PROGRAM, host_sim, utf8};
+use crate::missing::{has, has_ffmpeg, skipped};
+use crate::program::{PROGRAM, host_sim, kill, utf8};
 use host_sim::sequence::synthetic;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -246,16 +247,12 @@ fn started(name: &str, process: &Child) -> Option<String> {
 
 #[test]
 fn a_signal_removes_what_is_under_way_and_is_the_exit_code() {
-    let ffmpeg =
-        Command::new("ffmpeg").arg("-version").output().is_ok() && Command::new("pgrep").arg("-V").output().is_ok();
-    if !ffmpeg {
-        let test = "a_signal_removes_what_is_under_way_and_is_the_exit_code";
-        let _ = writeln!(std::io::stderr(), "skipped: {test}, for MP4: no ffmpeg, or no pgrep");
-    }
+    const TEST: &str = "a_signal_removes_what_is_under_way_and_is_the_exit_code";
+    let mp4 = &format!("{TEST}, for MP4");
+    let ffmpeg = has_ffmpeg(mp4) && has(mp4, "pgrep", &["-V"]);
     for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         if signal == "HUP" && ignores_hangup() {
-            let test = "a_signal_removes_what_is_under_way_and_is_the_exit_code";
-            let _ = writeln!(std::io::stderr(), "skipped: {test}, for HUP: this test runs under nohup");
+            skipped(&format!("{TEST}, for HUP"), "this test runs under nohup");
             continue;
         }
         for (option, name) in
@@ -273,15 +270,13 @@ fn a_signal_removes_what_is_under_way_and_is_the_exit_code() {
                 child = started("ffmpeg", &live.process);
                 parts(folder.path()) == 1 && (name != "a.mp4" || child.is_some())
             });
-            let sent = Command::new("kill").args([&format!("-{signal}"), &live.process.id().to_string()]).status();
-            assert!(sent.unwrap().success());
+            assert!(kill(&format!("-{signal}"), &live.process.id().to_string()));
             let output = live.process.wait_with_output().expect("host-sim ends");
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             assert_eq!((output.status.code(), said.as_str()), (Some(code), ""), "{signal}, {name}");
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{signal}, {name}: nothing is left behind");
             if let Some(child) = child {
-                let runs = Command::new("kill").args(["-0", &child]).stderr(Stdio::null()).status();
-                assert!(!runs.unwrap().success(), "{signal}: ffmpeg runs on");
+                assert!(!kill("-0", &child), "{signal}: ffmpeg runs on");
             }
         }
     }
@@ -310,7 +305,7 @@ fn a_hangup_that_is_ignored_stays_so() {
     let frame = synthetic::frames().next().unwrap();
     input.write_all(&[header.as_bytes(), b"FRAME\n", &frame.pixels].concat()).unwrap();
     wait_until("the file under way", || parts(folder.path()) == 1);
-    assert!(Command::new("kill").args(["-HUP", &process.id().to_string()]).status().unwrap().success());
+    assert!(kill("-HUP", &process.id().to_string()));
     std::thread::sleep(Duration::from_millis(100));
     drop(input);
     assert_eq!(process.wait().unwrap().code(), Some(0));

@@ -1,6 +1,8 @@
 //! The program host-sim as its users run it. One test program, so that all of its tests run side by side.
 
 mod browser;
+#[path = "../missing.rs"]
+mod missing;
 mod program;
 
 mod command_line;

@@ -2,9 +2,9 @@
 
 #![allow(dead_code)] // no test needs all of it
 
+use super::missing::runs;
 use serde_json::Value;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 /// The program, built by cargo before these tests.
@@ -58,13 +58,8 @@ pub fn utf8(path: &Path) -> &str {
     path.to_str().expect("test paths are UTF-8")
 }
 
-/// Recordings that are not part of the project, if they are there: `host-sim/README.md` says where the tests expect them.
-pub fn recordings(test: &str, folder: &str) -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
-    let found = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from).join(folder);
-    if !found.is_dir() {
-        // Not `println!`, which is not shown for a test that passes.
-        let _ = writeln!(std::io::stderr(), "skipped: {test}: no {} (set SMR_SEQUENCES)", found.display());
-    }
-    found.is_dir().then_some(found)
+/// Sends a signal, by the shell's own `kill`: not every system has a program for it. `false` if there is no such process.
+#[cfg(unix)]
+pub fn kill(signal: &str, process: &str) -> bool {
+    runs(Command::new("sh").args(["-c", "kill \"$0\" \"$1\"", signal, process]))
 }

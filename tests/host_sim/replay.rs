@@ -1,5 +1,6 @@
 //! Flight records: `host-sim replay` runs what `smr_core::record` writes, also if it is damaged, cut off, appended to, or in a log.
 
+use crate::missing::{has, runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
 use host_sim::emulator::firmware;
 use host_sim::emulator::qemu::Machine;
@@ -12,9 +13,9 @@ use smr_core::similarity::Table;
 use smr_core::{Answer, Frame, Image, Rect, Robust, State, Tracker, robust};
 use std::convert::Infallible;
 use std::fs;
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 type Paper = smr_core::Paper<1024, 65>;
 
@@ -385,15 +386,12 @@ fn a_writer_that_fails_ends_the_record() {
 #[test]
 fn what_the_emulated_chip_recorded_is_replayed() {
     const TEST: &str = "what_the_emulated_chip_recorded_is_replayed";
-    let there =
-        |command: &mut Command| command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|s| s.success());
-    let skip = |why: &str| drop(writeln!(std::io::stderr(), "skipped: {TEST}: {why}"));
-    if !there(Command::new("qemu-system-arm").arg("--version")) {
-        return skip("no qemu-system-arm on the PATH");
+    if !has(TEST, "qemu-system-arm", &["--version"]) {
+        return;
     }
     let cargo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.ci/target-cargo");
-    if !there(Command::new(cargo).args(["thumbv7em-none-eabihf", "--compiler"])) {
-        return skip("no compiler for thumbv7em-none-eabihf (see .ci/target-cargo)");
+    if !runs(Command::new(cargo).args(["thumbv7em-none-eabihf", "--compiler"])) {
+        return skipped(TEST, "no compiler for thumbv7em-none-eabihf (see .ci/target-cargo)");
     }
     let elf = firmware::build("record", Machine::Mps2An386, "").expect("the firmware builds");
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 //!
 //! Small scripts replace QEMU and imitate its failures. `.ci/targets` checks that the real QEMU runs the real firmware.
 
-use crate::program::PROGRAM;
+use crate::program::{PROGRAM, kill};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -131,8 +131,7 @@ fn a_signal_ends_qemu_as_well() {
     while !bench.path("qemu.id").exists() {
         std::thread::sleep(Duration::from_millis(5));
     }
-    let signal = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
-    assert!(signal.success());
+    assert!(kill("-INT", &child.id().to_string()));
     let output = child.wait_with_output().expect("host-sim ends");
     // 128 and the number of SIGINT.
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(130), ""));
@@ -141,8 +140,7 @@ fn a_signal_ends_qemu_as_well() {
 
 fn is_running(bench: &Bench) -> bool {
     let id = fs::read_to_string(bench.path("qemu.id")).expect("the script wrote its process id");
-    let asked = Command::new("kill").args(["-0", id.trim()]).stderr(Stdio::null()).status().expect("kill runs");
-    asked.success()
+    kill("-0", id.trim())
 }
 
 #[test]

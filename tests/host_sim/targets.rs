@@ -1,10 +1,10 @@
 //! Several targets in one pass, and videos that keep what the recording has: colors, times, shape and sound.
 
+use crate::missing::{has, has_ffmpeg};
 use crate::program::{host_sim, utf8};
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// The boxes of `synthetic` in these frames, as they are typed.
 fn boxes(frames: &[usize]) -> Vec<String> {
@@ -76,15 +76,9 @@ fn run(program: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// True if ffmpeg is there.
-fn has_ffmpeg(test: &str) -> bool {
-    let there = ["ffmpeg", "ffprobe"].iter().all(|program| {
-        Command::new(program).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
-    });
-    if !there {
-        let _ = writeln!(std::io::stderr(), "skipped: {test}: no ffmpeg and ffprobe on the PATH");
-    }
-    there
+/// Whether ffmpeg and ffprobe run.
+fn has_both(test: &str) -> bool {
+    has_ffmpeg(test) && has(test, "ffprobe", &["-version"])
 }
 
 /// The times of all frames, in seconds, from the first.
@@ -115,7 +109,7 @@ fn clip(folder: &Path) -> std::path::PathBuf {
 
 #[test]
 fn a_video_keeps_colors_times_shape_and_sound() {
-    if !has_ffmpeg("a_video_keeps_colors_times_shape_and_sound") {
+    if !has_both("a_video_keeps_colors_times_shape_and_sound") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -163,7 +157,7 @@ fn a_video_keeps_colors_times_shape_and_sound() {
 
 #[test]
 fn a_rate_that_is_given_holds() {
-    if !has_ffmpeg("a_rate_that_is_given_holds") {
+    if !has_both("a_rate_that_is_given_holds") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

@@ -3,6 +3,7 @@
 //! `SMR_TRAX_PYTHON` names a Python that has it; the default is `python3`. `.ci/run` makes one in `target/trax-python`; `host-sim/README.md` says how by hand.
 //! If `vot-toolkit` is installed, the tests also run the VOT toolkit.
 
+use crate::missing::{runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
 use serde_json::Value;
 use std::ffi::{OsStr, OsString};
@@ -14,14 +15,12 @@ use std::process::{Command, Output, Stdio};
 /// A Python with these modules. If there is none, a note names the skipped test.
 fn python(test: &str, modules: &str) -> Option<OsString> {
     let python = std::env::var_os("SMR_TRAX_PYTHON").unwrap_or_else(|| "python3".into());
-    let imports = Command::new(&python).args(["-c", &format!("import {modules}")]).stderr(Stdio::null()).status();
-    if !imports.is_ok_and(|status| status.success()) {
+    let has_modules = runs(Command::new(&python).args(["-c", &format!("import {modules}")]));
+    if !has_modules {
         let python = python.to_string_lossy();
-        // Not `println!`, which is not shown for a test that passes.
-        let _ = writeln!(std::io::stderr(), "skipped: {test}: {python} has not all of {modules} (set SMR_TRAX_PYTHON)");
-        return None;
+        skipped(test, format_args!("{python} has not all of {modules} (set SMR_TRAX_PYTHON)"));
     }
-    Some(python)
+    has_modules.then_some(python)
 }
 
 /// The VOT toolkit, at work in `folder`. It must not ask the network for a newer version of itself: nobody listens there.

@@ -2,6 +2,7 @@
 //!
 //! Record it with `SMR_RECORD=1 cargo test -p smr-tests --test crates api`.
 
+use crate::missing::skipped;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -37,8 +38,7 @@ fn listed() -> String {
 #[test]
 fn smr_core_has_the_interface_that_is_listed() {
     if !compiler_is_read() {
-        println!("skipped: interface of smr-core: it is listed by Rust {COMPILER} only");
-        return;
+        return skipped("smr_core_has_the_interface_that_is_listed", format_args!("Rust {COMPILER} lists it"));
     }
     let (file, now) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("api/smr-core.txt"), listed());
     if std::env::var_os("SMR_RECORD").is_some() {

@@ -3,6 +3,8 @@
 mod api;
 mod conformance;
 mod micropython;
+#[path = "../missing.rs"]
+mod missing;
 mod mutants;
 mod paper_rows;
 mod pursuit;

@@ -1,25 +1,15 @@
 //! `Config::paper()` on the paper's recordings, against the boxes of a prototype of the method, frame by frame.
 
+use crate::missing::recordings;
 use host_sim::Paper;
 use host_sim::sequence::{self, OpenOptions, Sequence};
 use smr_core::paper::{Config, Fraction};
 use smr_core::{Rect, State, Tracker};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const RECORDINGS: [&str; 6] =
     ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
-
-/// The recordings are not part of the project: see the README on `SMR_SEQUENCES`.
-fn recordings(test: &str) -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
-    let root = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from);
-    let there = root.join("tld").is_dir() && root.join("paper-rows").is_dir();
-    if !there {
-        println!("skipped: {test}: no tld and paper-rows in {} (set SMR_SEQUENCES)", root.display());
-    }
-    there.then_some(root)
-}
 
 /// A line for each frame: left, top, right, bottom; `None` if the target is lost.
 type Boxes = Vec<Option<[i32; 4]>>;
@@ -53,11 +43,11 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
 
 /// `rows` chooses the set: `larger` is 1 if the first box includes its lower right corner.
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
-    let Some(root) = recordings(test) else { return };
+    let Some(tld) = recordings(test, "tld") else { return };
+    let Some(boxes) = recordings(test, "paper-rows") else { return };
     for name in RECORDINGS {
-        let sequence = sequence::open(&root.join("tld").join(name), &OpenOptions::default()).expect("a recording");
-        let (ours, expected) =
-            (follow(sequence, config, larger), read(&root.join(format!("paper-rows/{name}.{rows}.txt"))));
+        let sequence = sequence::open(&tld.join(name), &OpenOptions::default()).expect("a recording");
+        let (ours, expected) = (follow(sequence, config, larger), read(&boxes.join(format!("{name}.{rows}.txt"))));
         assert_eq!(ours.len(), expected.len(), "{name}: frames");
         // The first row is the given box.
         let differs = (1..ours.len()).find(|&frame| ours[frame] != expected[frame]);

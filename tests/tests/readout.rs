@@ -215,19 +215,9 @@ fn every_format_of_a_camera_gives_the_answers_of_gray_frames() {
 #[test]
 fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
     use host_sim::sequence::{self, OpenOptions};
-    let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
-    let folder = std::env::var_os("SMR_SEQUENCES").map_or(beside, Into::into).join("tld/06_car");
-    if !folder.is_dir() {
-        eprintln!("skipped: every_format_of_a_camera_gives_the_answers_of_a_recording: no {}", folder.display());
-        return;
-    }
-    let opened = match sequence::open(&folder, &OpenOptions::default()) {
-        Ok(opened) => opened,
-        Err(error) => {
-            eprintln!("skipped: every_format_of_a_camera_gives_the_answers_of_a_recording: {error:#}");
-            return;
-        }
-    };
+    let test = "every_format_of_a_camera_gives_the_answers_of_a_recording";
+    let Some(folder) = crate::missing::recordings(test, "tld/06_car") else { return };
+    let opened = sequence::open(&folder, &OpenOptions::default()).unwrap();
     let target = opened.start().unwrap();
     let frames: Vec<_> = opened.frames.take(12).map(Result::unwrap).collect();
     let size = (frames[0].width, frames[0].height);

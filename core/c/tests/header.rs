@@ -1,5 +1,8 @@
 //! `include/smr.h` is current, and its types have the same layout as the library's.
 
+#[path = "../../../tests/missing.rs"]
+mod missing;
+
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
     ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN, STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction,
@@ -79,6 +82,9 @@ fn claim(what: &str, value: usize) -> String {
 
 #[test]
 fn the_header_and_the_library_agree_on_every_size() {
+    if !missing::has_c_compiler("the_header_and_the_library_agree_on_every_size") {
+        return;
+    }
     let mut source = format!("#define SMR_PIXELS {PIXELS}\n#define SMR_SPAN {SPAN}\n");
     source += "#include \"smr.h\"\nint main(void) {\n";
     for (name, size) in [
@@ -147,7 +153,6 @@ fn the_header_and_the_library_agree_on_every_size() {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let file = folder.path().join("sizes.c");
     std::fs::write(&file, &source).expect("the folder can be written");
-    // There is a C compiler: linking this test needed one.
     let output = Command::new("cc")
         .args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I"])
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))

@@ -102,7 +102,6 @@ mod tests {
     use crate::report::canvas::Canvas;
     use crate::sequence::{self, BoundingBox, GrayFrame};
     use std::fs::{self, File};
-    use std::process::{Command, Stdio};
 
     fn plan() -> Plan {
         Plan { rate: Some("25".parse().unwrap()), sound: None, first: 1, patience: Duration::from_secs(60) }
@@ -161,8 +160,7 @@ mod tests {
     fn an_mp4_is_decoded_again() {
         let above = tempfile::tempdir().unwrap();
         let out = above.path().join("film.mp4");
-        if Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_err() {
-            println!("skipped: an_mp4_is_decoded_again: no ffmpeg on the PATH");
+        if !crate::missing::has_ffmpeg("an_mp4_is_decoded_again") {
             return;
         }
         filmed(&out);

@@ -554,17 +554,8 @@ mod y4m_files {
 
 mod videos {
     use super::*;
-    use std::process::{Command, Stdio};
-
-    /// False, with a word about it, where there is no ffmpeg.
-    fn ffmpeg_for(test: &str) -> bool {
-        let there = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
-        if !there {
-            // Not `println!`, which is not shown for a test that passes.
-            let _ = writeln!(std::io::stderr(), "skipped: {test}: no ffmpeg on the PATH");
-        }
-        there
-    }
+    use crate::missing::has_ffmpeg;
+    use std::process::Command;
 
     /// A lossless video of the first frames of the built-in recording. Gray in limited range would lose levels.
     fn encode(folder: &TempDir, frames: usize) -> PathBuf {
@@ -580,7 +571,7 @@ mod videos {
 
     #[test]
     fn a_lossless_video_gives_the_same_pixels() {
-        if !ffmpeg_for("a_lossless_video_gives_the_same_pixels") {
+        if !has_ffmpeg("a_lossless_video_gives_the_same_pixels") {
             return;
         }
         let folder = folder();
@@ -593,7 +584,7 @@ mod videos {
 
     #[test]
     fn a_damaged_video_is_an_error_after_its_frames() {
-        if !ffmpeg_for("a_damaged_video_is_an_error_after_its_frames") {
+        if !has_ffmpeg("a_damaged_video_is_an_error_after_its_frames") {
             return;
         }
         let folder = folder();
@@ -610,7 +601,7 @@ mod videos {
 
     #[test]
     fn what_ffmpeg_cannot_read_is_an_error_at_once() {
-        if !ffmpeg_for("what_ffmpeg_cannot_read_is_an_error_at_once") {
+        if !has_ffmpeg("what_ffmpeg_cannot_read_is_an_error_at_once") {
             return;
         }
         let folder = folder();
@@ -622,7 +613,7 @@ mod videos {
 
     #[test]
     fn frames_of_another_size_are_not_scaled() {
-        if !ffmpeg_for("frames_of_another_size_are_not_scaled") {
+        if !has_ffmpeg("frames_of_another_size_are_not_scaled") {
             return;
         }
         let folder = folder();
@@ -654,7 +645,7 @@ mod videos {
 
     #[test]
     fn a_video_may_be_dropped_half_read() {
-        if !ffmpeg_for("a_video_may_be_dropped_half_read") {
+        if !has_ffmpeg("a_video_may_be_dropped_half_read") {
             return;
         }
         let folder = folder();

@@ -277,8 +277,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     fn no_zombie_is_left() {
         let Ok(ffmpeg) = Ffmpeg::start("ffmpeg", Path::new("missing.mp4"), PATIENCE) else {
-            println!("skipped: no_zombie_is_left: no ffmpeg on the PATH");
-            return;
+            return crate::missing::skipped("no_zombie_is_left", "no ffmpeg on the PATH");
         };
         let process = format!("/proc/{}", ffmpeg.process.id());
         assert!(Path::new(&process).exists());

@@ -14,13 +14,12 @@ macro_rules! for_each_backend {
     (@tests $backend:ident ($($test:ident),*)) => {$(
         #[test]
         fn $test() {
-            use std::io::Write;
             let backend = $crate::kernels::backend::Backend::$backend;
             if backend.is_available() {
                 super::$test(backend);
             } else {
-                // Not `println!`, which is not shown for a test that passes.
-                let _ = writeln!(std::io::stderr(), "skipped: {}::{}: no {backend:?} here", module_path!(), stringify!($test));
+                let test = std::format!("{}::{}", module_path!(), stringify!($test));
+                crate::missing::skipped(&test, std::format_args!("no {backend:?} here"));
             }
         }
     )*};
