@@ -211,6 +211,10 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         self.ticket.change();
         Ok(())
     }
+
+    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
+        saved::reader(&self.config, bytes).map(drop)
+    }
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {

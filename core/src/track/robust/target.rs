@@ -232,6 +232,10 @@ impl Target for Robust {
         self.ticket.change();
         Ok(())
     }
+
+    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
+        state::reader(&self.config, bytes).map(drop)
+    }
 }
 
 impl Steps for Robust {
