@@ -16,7 +16,11 @@ mod firmware {
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
-        let tracker = Tracker::<Robust>::new(black_box(Config::robust()));
+        #[cfg(feature = "refiner")]
+        let config = Config::refined();
+        #[cfg(not(feature = "refiner"))]
+        let config = Config::robust();
+        let tracker = Tracker::<Robust>::new(black_box(config));
         if let Ok(mut tracker) = tracker {
             follow(&mut tracker);
         }

@@ -84,7 +84,7 @@ def trackers(models):
     makers = {
         "smr.Robust": lambda: OfSmr(smr.Robust()),
         # The network of the refiner may have learned from these very recordings.
-        "smr.Robust(refiner=False)": lambda: OfSmr(smr.Robust(refiner=False)),
+        "smr.Robust(robust)": lambda: OfSmr(smr.Robust("robust")),
         "smr.Paper": lambda: OfSmr(smr.Paper()),
     }
     for name in ("CSRT", "KCF", "MIL"):

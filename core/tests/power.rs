@@ -97,6 +97,13 @@ fn saved_between_steps<T: Target>(config: T::Config, work: u32) {
     }
 }
 
+/// With all that is built in.
+fn robust_config() -> robust::Config {
+    let mut config = robust::Config::robust();
+    config.refiner = cfg!(feature = "refiner");
+    config
+}
+
 #[test]
 fn the_papers_target_saved_between_steps() {
     saved_between_steps::<SmallPaper>(small_paper(), 2000);
@@ -104,7 +111,7 @@ fn the_papers_target_saved_between_steps() {
 
 #[test]
 fn the_robust_target_saved_between_steps() {
-    saved_between_steps::<Robust>(robust::Config::robust(), 20_000);
+    saved_between_steps::<Robust>(robust_config(), 20_000);
 }
 
 /// Restores from the bytes in memory after a write was interrupted.
@@ -187,7 +194,7 @@ fn the_papers_target_and_an_older_copy_mixed() {
 
 #[test]
 fn the_robust_target_and_an_older_copy_mixed() {
-    mixed::<Robust>(robust::Config::robust(), 37);
+    mixed::<Robust>(robust_config(), 37);
 }
 
 /// Two copies in flash, the second of them erased and half written: the first one is found, or, if all bytes were written, the second.
@@ -235,7 +242,7 @@ fn one_copy_survives<T: Target>(config: T::Config) {
 #[test]
 fn one_of_two_copies_survives_a_loss_of_power() {
     one_copy_survives::<SmallPaper>(small_paper());
-    one_copy_survives::<Robust>(robust::Config::robust());
+    one_copy_survives::<Robust>(robust_config());
 }
 
 #[test]

@@ -21,7 +21,7 @@ const WORDS = {
   SMR_ERROR_TRUNCATED: "the saved target ends too early",
   SMR_ERROR_DAMAGED: "the saved target is damaged: its checksum is wrong",
   SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",
-  SMR_ERROR_OTHER_CONFIG: "the target was saved with another configuration",
+  SMR_ERROR_OTHER_CONFIG: "the target was saved with another configuration: {} differs",
   SMR_ERROR_SAVED_TOO_LARGE: "the saved target is too large for this tracker",
 };
 
@@ -32,6 +32,12 @@ export class SmrError extends Error {
     this.name = "SmrError";
     this.status = status;
   }
+}
+
+/** That a saved target was refused because of a setting. */
+export function otherSetting(name) {
+  const status = "SMR_ERROR_OTHER_CONFIG";
+  return new SmrError(status, WORDS[status].replace("{}", name));
 }
 
 /** `value`, if it is a whole number from `least` to `most`. */

@@ -91,6 +91,8 @@ export interface PaperOptions {
 
 /** The options of smr_robust_config in smr.h. */
 export interface RobustOptions {
+  /** "refined" (the default) has the refiner, "robust" has not. In firmware: smr_config_refined, smr_config_robust. */
+  preset?: "refined" | "robust";
   reach?: number;
   size?: boolean;
   sweep?: boolean;
@@ -129,7 +131,7 @@ export interface Observer {
 export declare class Tracker<Options = PaperOptions | RobustOptions> {
   private constructor();
   readonly method: "paper" | "robust";
-  readonly preset: "camera" | "paper" | "robust";
+  readonly preset: "camera" | "paper" | "refined" | "robust";
   /** All options, with the numbers of the preset where none was given. */
   readonly options: Required<Omit<Options, "preset">>;
   /** The answer of the last update since the lock; null before it. */

@@ -1,7 +1,7 @@
 // The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly. README.md describes them.
 
 import { CONFIG_SIZE, PAPER_SCALE, TABLE, checkOptions, readOptions, writeOptions } from "./config.js";
-import { SmrError, named, object, whole } from "./errors.js";
+import { SmrError, named, object, otherSetting, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
 import { Memory } from "./memory.js";
 
@@ -15,7 +15,7 @@ export const POOR_QUALITY = 1023;
 
 // By the numbers of `smr_state`.
 const STATES = [State.TRACKING, State.LEAVING, State.UNCERTAIN, State.LOST];
-const CONFIGS = { paper: { camera: "smr_config_camera", paper: "smr_config_paper" }, robust: { robust: "smr_config_robust" } };
+const CONFIGS = { paper: { camera: "smr_config_camera", paper: "smr_config_paper" }, robust: { refined: "smr_config_refined", robust: "smr_config_robust" } };
 
 // The memory of a call, and where things are in it. Sizes are those of smr.h on 32 bits.
 const FRAME = 0; // smr_frame, 44 bytes: width, height, two parts
@@ -117,7 +117,8 @@ export class Smr {
 
   /** A robust tracker. */
   robust(options) {
-    return new Tracker(this.#library, "robust", "robust", undefined, checkOptions(options));
+    const { preset = "refined", ...numbers } = checkOptions(options);
+    return new Tracker(this.#library, "robust", preset, undefined, numbers);
   }
 
   /** The similarities of two pixels by their difference, in units of 1/65535. */
@@ -221,7 +222,7 @@ class Library {
 export class Tracker {
   /** "paper" or "robust". */
   method;
-  /** "camera" or "paper"; "robust" for a robust tracker. */
+  /** "camera" or "paper"; "refined" or "robust" for a robust tracker. */
   preset;
   /** All options, with the numbers of the preset where none was given. */
   options;
@@ -334,11 +335,20 @@ export class Tracker {
     try {
       memory.bytes.set(saved, bytes);
       this.#library.call("smr_restore", this.#at, bytes, saved.length);
+    } catch (error) {
+      throw error.status === "SMR_ERROR_OTHER_CONFIG" ? otherSetting(this.#otherSetting(bytes, saved.length)) : error;
     } finally {
       memory.give(bytes);
     }
     this.answer = null;
     this.#observer?.restored({ saved });
+  }
+
+  // The name of the first setting that differs from those of a saved target.
+  #otherSetting(bytes, size) {
+    const { memory, scratch } = this.#library;
+    this.#library.call("smr_other_setting", this.#at, bytes, size, scratch + NUMBER);
+    return memory.text(memory.view.getUint32(scratch + NUMBER, true));
   }
 
   /** The box and the state of the target: of the last answer, the lock or the saved target. null without a target. */

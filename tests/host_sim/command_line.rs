@@ -334,10 +334,13 @@ fn options_of_another_method_are_refused() {
     for command in commands {
         let refused = |arguments: &[&str], words: &[&str]| host_sim(&[command, arguments].concat()).refuses(words);
         refused(&["--method", "robust", "--window", "9x9"], &["--window", "not of robust"]);
-        refused(&["--method", "robust", "--config", "camera"], &["--config is an option of smr"]);
+        refused(&["--method", "robust", "--config", "camera"], &["--config camera is a preset of smr, not of robust"]);
         refused(&["--method", "robust", "--least-alpha", "3"], &["--least-alpha is an option of smr"]);
         refused(&["--method", "smr", "--without", "size"], &["--without is an option of robust, not of smr"]);
-        refused(&["--config", "robust"], &["--config robust", "use --method robust"]);
+        refused(
+            &["--method", "smr", "--config", "robust"],
+            &["--config robust is a preset of robust, not of smr", "use --method robust"],
+        );
         if command[0] != "check" {
             refused(&["--method", "lk", "--k", "1/2"], &["--k", "not of lk"]);
             refused(&["--method", "sad", "--step", "9"], &["--step is an option of smr, robust, not of sad"]);

@@ -37,7 +37,7 @@ fn small_paper() -> paper::Config {
 }
 
 fn other_robust() -> robust::Config {
-    let mut config = robust::Config::robust();
+    let mut config = robust::Config::refined();
     (config.reach, config.patience, config.learning_rate) = (6, 170, 150);
     config
 }

@@ -31,10 +31,7 @@ impl Vectors for Robust {
     type Expected = Expected;
 
     fn default_config() -> Config {
-        let mut config = Config::robust();
-        // A case says so if it is on.
-        config.refiner = false;
-        config
+        Config::robust()
     }
 
     fn set(config: &mut Config, keyword: &str, words: &mut Words<'_>) -> Option<()> {

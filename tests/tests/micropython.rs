@@ -1,7 +1,7 @@
 //! The exceptions of the module for MicroPython have the words of Rust's errors, and every status of the C interface has an exception.
 
 use smr_core::readout::ReadoutError;
-use smr_core::{ConfigError, ImageError, LockError, RestoreError, UpdateError};
+use smr_core::{ConfigError, ImageError, LockError, RestoreError, Setting, UpdateError};
 use std::collections::{BTreeMap, BTreeSet};
 
 const MODULE: &str = include_str!("../../core/micropython/smr/smr.c");
@@ -12,10 +12,11 @@ const LINE: u16 = 30;
 
 /// Rust's words for each status that a call of the module can return.
 fn rust() -> BTreeMap<&'static str, String> {
-    let words: [(&str, &dyn std::fmt::Display); 21] = [
+    let words: [(&str, &dyn std::fmt::Display); 22] = [
         ("SMR_ERROR_NOTHING_COUNTS", &ConfigError::NothingCounts),
         ("SMR_ERROR_LIMIT_BELOW_WINDOW", &ConfigError::LimitBelowWindow),
         ("SMR_ERROR_CONFIG_OUT_OF_RANGE", &ConfigError::OutOfRange),
+        ("SMR_ERROR_REFINER_NOT_BUILT_IN", &ConfigError::RefinerNotBuiltIn),
         ("SMR_ERROR_FRAME_EMPTY", &ImageError::Empty),
         ("SMR_ERROR_STRIDE_TOO_SMALL", &ImageError::StrideTooSmall),
         ("SMR_ERROR_FRAME_TOO_SHORT", &ImageError::SliceTooShort),
@@ -31,7 +32,7 @@ fn rust() -> BTreeMap<&'static str, String> {
         ("SMR_ERROR_TRUNCATED", &RestoreError::Truncated),
         ("SMR_ERROR_DAMAGED", &RestoreError::Damaged),
         ("SMR_ERROR_OTHER_METHOD", &RestoreError::OtherTracker),
-        ("SMR_ERROR_OTHER_CONFIG", &RestoreError::OtherConfig),
+        ("SMR_ERROR_OTHER_CONFIG", &RestoreError::OtherConfig(Setting::Refiner)),
         ("SMR_ERROR_SAVED_TOO_LARGE", &RestoreError::TooLarge),
         ("SMR_ERROR_LINE_TOO_SHORT", &ReadoutError::LineTooShort(LINE)),
     ];
@@ -70,7 +71,10 @@ fn module() -> BTreeMap<&'static str, String> {
     let full = |status: &str| HEADER.find(&format!("SMR_ERROR_{status} = ")).expect("a status of the header");
     entries
         .map(|(status, words)| {
-            (&HEADER[full(status)..][.."SMR_ERROR_".len() + status.len()], words.replace("%d", &LINE.to_string()))
+            (
+                &HEADER[full(status)..][.."SMR_ERROR_".len() + status.len()],
+                words.replace("%d", &LINE.to_string()).replace("%s", "refiner"),
+            )
         })
         .collect()
 }

@@ -310,7 +310,7 @@ fn the_robust_tracker_holds_at_every_speed() {
         (40.0, 0.5, 18.0),
         (60.0, 0.0, 34.0),
     ] {
-        let worst = sweep::<Robust>(robust::Config::robust(), speed, tilt_per_pan);
+        let worst = sweep::<Robust>(robust::Config::refined(), speed, tilt_per_pan);
         println!(
             "robust: {speed} degrees a second, tilt {tilt_per_pan} of pan: at most {worst:.1} pixels from the centre"
         );

@@ -98,7 +98,7 @@ mod several {
     fn both_are_locked() {
         let pictures = pictures(1);
         let frame = Frame::whole(Image::new(&pictures[0], 320, 240).unwrap());
-        let config = robust::Config::robust();
+        let config = robust::Config::refined();
         let mut targets = [Robust::new(config).unwrap(), Robust::new(config).unwrap()];
         let mut workspace = Box::new(robust::Workspace::new());
         lock_both(&frame, &mut targets, &mut workspace).unwrap();
@@ -161,7 +161,7 @@ mod head {
         let picture: Vec<u8> = (0..120).flat_map(part).copied().collect();
         let (pan, tilt, led) = (Cell::new(0), Cell::new(0), Cell::new(0));
         let (pan_pin, tilt_pin, led_pin) = (Pin(&pan), Pin(&tilt), Pin(&led));
-        let mut tracker = Tracker::<Robust>::new(robust::Config::robust()).unwrap();
+        let mut tracker = Tracker::<Robust>::new(robust::Config::refined()).unwrap();
         let whole = || Frame::whole(Image::new(&picture, 160, 120).unwrap());
         tracker.lock(&whole(), Rect::new(90, 20, 40, 48)).unwrap();
         let mut frames = 0;

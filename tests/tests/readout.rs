@@ -130,7 +130,7 @@ fn compare<T: Target>(config: T::Config) -> (u32, u32) {
 #[test]
 fn what_is_not_asked_for_is_not_read() {
     assert_eq!(compare::<SmallPaper>(paper::Config::camera()), (39 * 29, 0));
-    let (frames, sweeps) = compare::<Robust>(robust::Config::robust());
+    let (frames, sweeps) = compare::<Robust>(robust::Config::refined());
     assert_eq!(frames, 39 * 29);
     assert!(sweeps > 100, "a second window is asked for in {sweeps} frames");
 }
@@ -206,7 +206,7 @@ fn every_format_of_a_camera_gives_the_answers_of_gray_frames() {
     for format in Format::ALL {
         for seed in [1, 5] {
             fed_line_by_line::<SmallPaper>(paper::Config::camera(), &recording(seed), format);
-            fed_line_by_line::<Robust>(robust::Config::robust(), &recording(seed), format);
+            fed_line_by_line::<Robust>(robust::Config::refined(), &recording(seed), format);
         }
     }
 }
@@ -223,6 +223,6 @@ fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
     let size = (frames[0].width, frames[0].height);
     let recording = Recording { size, target, frames: frames.into_iter().map(|frame| frame.pixels).collect() };
     for format in Format::ALL {
-        fed_line_by_line::<Robust>(robust::Config::robust(), &recording, format);
+        fed_line_by_line::<Robust>(robust::Config::refined(), &recording, format);
     }
 }

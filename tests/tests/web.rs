@@ -1,7 +1,7 @@
 //! The errors of the JavaScript module have the words of Rust's errors.
 
 use smr_core::similarity::TableError;
-use smr_core::{ConfigError, ImageError, LockError, RestoreError, UpdateError};
+use smr_core::{ConfigError, ImageError, LockError, RestoreError, Setting, UpdateError};
 use std::collections::BTreeMap;
 
 const MODULE: &str = include_str!("../../core/web/errors.js");
@@ -28,7 +28,7 @@ fn rust() -> BTreeMap<&'static str, String> {
         ("SMR_ERROR_TRUNCATED", &RestoreError::Truncated),
         ("SMR_ERROR_DAMAGED", &RestoreError::Damaged),
         ("SMR_ERROR_OTHER_METHOD", &RestoreError::OtherTracker),
-        ("SMR_ERROR_OTHER_CONFIG", &RestoreError::OtherConfig),
+        ("SMR_ERROR_OTHER_CONFIG", &RestoreError::OtherConfig(Setting::Refiner)),
         ("SMR_ERROR_SAVED_TOO_LARGE", &RestoreError::TooLarge),
     ];
     words.into_iter().map(|(status, words)| (status, words.to_string())).collect()
@@ -37,6 +37,7 @@ fn rust() -> BTreeMap<&'static str, String> {
 #[test]
 fn errors_have_the_words_of_rusts_errors() {
     let lines = MODULE.lines().filter_map(|line| line.trim().strip_suffix("\",")?.split_once(": \""));
-    let module: BTreeMap<&str, String> = lines.map(|(status, words)| (status, words.to_owned())).collect();
+    let module: BTreeMap<&str, String> =
+        lines.map(|(status, words)| (status, words.replace("{}", "refiner"))).collect();
     assert_eq!(module, rust());
 }

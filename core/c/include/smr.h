@@ -21,7 +21,7 @@
  * @endcode
  *
  * There are two trackers, and the configuration chooses one: the paper's (#smr_config_camera, #smr_config_paper) or the robust
- * one (#smr_config_robust). The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
+ * one (#smr_config_robust, #smr_config_refined). The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
  * when the target is not visible, and searches for it then. It takes more memory and time. All calls are the same.
  *
  * - **Errors.** Every call checks its pointers (NULL, alignment) and sizes and returns an #smr_status;
@@ -78,13 +78,13 @@
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
 /** The most bytes that #smr_save writes for the paper's tracker. */
-#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 42)
+#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (12392 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (40384 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
-#define SMR_ROBUST_SAVED_SIZE 12316
+#define SMR_ROBUST_SAVED_SIZE 12342
 
 /** Bytes that #smr_save_copy writes in addition to those of #smr_save. */
 #define SMR_COPY_AROUND 8
@@ -274,7 +274,7 @@ enum smr_status
    */
   SMR_ERROR_DAMAGED = 32,
   /**
-   * The target was saved with another configuration, so answers would differ.
+   * The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of the setting.
    */
   SMR_ERROR_OTHER_CONFIG = 33,
   /**
@@ -305,6 +305,11 @@ enum smr_status
    * A line of the window did not come.
    */
   SMR_ERROR_LINE_MISSING = 40,
+  /**
+   * The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with the feature `refiner`
+   * (core/c/install.sh --refiner).
+   */
+  SMR_ERROR_REFINER_NOT_BUILT_IN = 41,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -601,8 +606,8 @@ typedef struct smr_robust_config {
    */
   uint8_t sweep;
   /**
-   * Else than 0: a small learned network corrects the box. Only in a library that was built with the feature `refiner`, where
-   * #smr_config_robust sets it to 1; without it #smr_init refuses it. It reads more of the frame: see #smr_window.
+   * Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to 1. A library that was
+   * built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see #smr_window.
    */
   uint8_t refiner;
   /**
@@ -630,8 +635,8 @@ typedef struct smr_robust_config {
 } smr_robust_config;
 
 /**
- * Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper or #smr_config_robust first, then change
- * the numbers that you need.
+ * Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or #smr_config_refined first,
+ * then change the numbers that you need.
  */
 typedef struct smr_config {
   /**
@@ -644,7 +649,7 @@ typedef struct smr_config {
    */
   uint8_t plain_loop;
   /**
-   * Only the paper's tracker reads it. #smr_config_robust sets it to 0.
+   * Only the paper's tracker reads it. #smr_config_robust and #smr_config_refined set it to 0.
    */
   struct smr_paper_config paper;
   /**
@@ -947,12 +952,25 @@ smr_status smr_config_paper(struct smr_config *config);
 
 /**
  * Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view, reports
- * when the target is not visible, and searches for it then. It takes more memory and time.
+ * when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in every library;
+ * #smr_config_refined has the refiner as well.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
  */
 smr_status smr_config_robust(struct smr_config *config);
+
+/**
+ * Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a target that comes
+ * nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
+ *
+ * Every library has this call, but #smr_init takes the configuration only in one that was built with the feature `refiner`
+ * (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
+ *
+ * @param config  Memory for the configuration.
+ * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+ */
+smr_status smr_config_refined(struct smr_config *config);
 
 /**
  * The size of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE of the library as it was built.
@@ -1229,7 +1247,7 @@ smr_status smr_saved_size(const struct smr_tracker *tracker,
                           size_t *size);
 
 /**
- * Writes the target to memory: what the tracker remembers of it, and a checksum of the configuration. The bytes are the same on every
+ * Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with. The bytes are the same on every
  * platform.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
@@ -1291,6 +1309,21 @@ smr_status smr_newest_copy(const uint8_t *first,
 smr_status smr_restore(struct smr_tracker *tracker,
                        const uint8_t *bytes,
                        size_t size);
+
+/**
+ * Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the configuration that differs.
+ *
+ * @param tracker  Made by #smr_init.
+ * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
+ * @param size     Bytes there; there may be more than were written.
+ * @param name     Is set to a static string, such as "refiner" or "gate.lost", the field of the configuration; to NULL if no setting
+ *                 differs. Unchanged after an error.
+ * @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
+ */
+smr_status smr_other_setting(const struct smr_tracker *tracker,
+                             const uint8_t *bytes,
+                             size_t size,
+                             const char **name);
 
 /**
  * Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.

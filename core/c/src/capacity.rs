@@ -26,7 +26,7 @@ pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 
 /// `SMR_PAPER_SAVED_SIZE` in the header.
-pub const PAPER_SAVED_SIZE: usize = PIXELS + 42;
+pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
 /// Bytes that the refiner adds to a target. The header leaves room for them, so that it fits the library with and
 /// without the refiner.
@@ -41,7 +41,7 @@ pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
 pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` in the header.
-pub const ROBUST_SAVED_SIZE: usize = 11276 + SAVED_REFINER;
+pub const ROBUST_SAVED_SIZE: usize = 11302 + SAVED_REFINER;
 
 /// `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;

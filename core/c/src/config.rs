@@ -113,8 +113,8 @@ pub struct smr_robust_config {
     pub size: u8,
     /// 0: a lost target is searched only where it was lost. Else: in the whole frame.
     pub sweep: u8,
-    /// Else than 0: a small learned network corrects the box. Only in a library that was built with the feature `refiner`, where
-    /// #smr_config_robust sets it to 1; without it #smr_init refuses it. It reads more of the frame: see #smr_window.
+    /// Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to 1. A library that was
+    /// built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see #smr_window.
     pub refiner: u8,
     /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
     /// through short occlusions, but also to a wrong target.
@@ -130,8 +130,8 @@ pub struct smr_robust_config {
     pub early_rate: u16,
 }
 
-/// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper or #smr_config_robust first, then change
-/// the numbers that you need.
+/// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or #smr_config_refined first,
+/// then change the numbers that you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
@@ -140,7 +140,7 @@ pub struct smr_config {
     /// 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory (external RAM
     /// that the MPU has not made Normal) need it, because unaligned loads of words fault there. The answers are the same.
     pub plain_loop: u8,
-    /// Only the paper's tracker reads it. #smr_config_robust sets it to 0.
+    /// Only the paper's tracker reads it. #smr_config_robust and #smr_config_refined set it to 0.
     pub paper: smr_paper_config,
     /// Only the robust tracker reads it. The other two presets set it to 0.
     pub robust: smr_robust_config,

@@ -84,12 +84,14 @@ pub use frame::{smr_fine_rect, smr_frame, smr_image, smr_part, smr_rect};
 pub use init::{smr_init, smr_target_size, smr_workspace_size};
 pub use inspect::{smr_alpha, smr_early_template, smr_last, smr_quality, smr_template};
 pub use lock::{smr_begin_lock, smr_finish_lock, smr_lock, smr_lock_window};
-pub use preset::{smr_config_camera, smr_config_paper, smr_config_robust};
+pub use preset::{smr_config_camera, smr_config_paper, smr_config_refined, smr_config_robust};
 pub use readout::{
     smr_format, smr_readout, smr_readout_add_window, smr_readout_begin, smr_readout_frame, smr_readout_line,
     smr_readout_lines,
 };
-pub use saved::{smr_newest_copy, smr_restore, smr_save, smr_save_copy, smr_saved_copy, smr_saved_size};
+pub use saved::{
+    smr_newest_copy, smr_other_setting, smr_restore, smr_save, smr_save_copy, smr_saved_copy, smr_saved_size,
+};
 pub use status::{STATUSES, smr_status, smr_status_name};
 pub use table::{smr_table, smr_table_init};
 pub use tracker::smr_tracker;

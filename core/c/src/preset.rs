@@ -42,7 +42,8 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
 }
 
 /// Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view, reports
-/// when the target is not visible, and searches for it then. It takes more memory and time.
+/// when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in every library;
+/// #smr_config_refined has the refiner as well.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -50,6 +51,25 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
 pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe { fill(config, || smr_config::of_robust(method_of::<Robust>(), &robust::Config::robust())) })
+}
+
+/// Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a target that comes
+/// nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
+///
+/// Every library has this call, but #smr_init takes the configuration only in one that was built with the feature `refiner`
+/// (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
+///
+/// @param config  Memory for the configuration.
+/// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_config_refined(config: *mut smr_config) -> smr_status {
+    let refined = || {
+        let mut config = smr_config::of_robust(method_of::<Robust>(), &robust::Config::robust());
+        config.robust.refiner = 1;
+        config
+    };
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { fill(config, refined) })
 }
 
 /// # Safety

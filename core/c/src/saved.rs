@@ -4,8 +4,9 @@ use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_SAVED, smr_status, status_of};
 use crate::tracker::{Known, ask, borrow, smr_tracker};
+use core::ffi::c_char;
 use core::ptr;
-use smr_core::{Target, copies};
+use smr_core::{RestoreError, Target, copies};
 
 impl Known<'_> {
     const fn most_saved_size(&self) -> usize {
@@ -38,6 +39,13 @@ impl Known<'_> {
         }
         Ok(())
     }
+
+    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
+        match self {
+            Self::Paper(target) => target.check_saved(bytes),
+            Self::Robust(target) => target.check_saved(bytes),
+        }
+    }
 }
 
 /// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was built.
@@ -51,7 +59,7 @@ pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut 
     status_of(unsafe { ask(tracker, size, |tracker| Ok(tracker.known().most_saved_size())) })
 }
 
-/// Writes the target to memory: what the tracker remembers of it, and a checksum of the configuration. The bytes are the same on every
+/// Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with. The bytes are the same on every
 /// platform.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
@@ -186,6 +194,34 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
             tracker.known().restore(core::slice::from_raw_parts(bytes, size))?;
             tracker.cancel();
             Ok(())
+        })
+    })
+}
+
+/// Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the configuration that differs.
+///
+/// @param tracker  Made by #smr_init.
+/// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
+/// @param size     Bytes there; there may be more than were written.
+/// @param name     Is set to a static string, such as "refiner" or "gate.lost", the field of the configuration; to NULL if no setting
+///                 differs. Unchanged after an error.
+/// @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_other_setting(
+    tracker: *const smr_tracker,
+    bytes: *const u8,
+    size: usize,
+    name: *mut *const c_char,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller: there are `size` bytes, and nobody writes them.
+    status_of(unsafe {
+        ask(tracker, name, |tracker| {
+            pointer::check_bytes(bytes, size, &tracker.memory())?;
+            match tracker.known().check_saved(core::slice::from_raw_parts(bytes, size)) {
+                Ok(()) => Ok(ptr::null()),
+                Err(RestoreError::OtherConfig(setting)) => Ok(setting.name_with_zero().as_ptr().cast()),
+                Err(error) => Err(error.into()),
+            }
         })
     })
 }

@@ -95,7 +95,7 @@ statuses! {
     SMR_ERROR_TRUNCATED = 31,
     /// The bytes have changed since they were saved: the checksum is wrong.
     SMR_ERROR_DAMAGED = 32,
-    /// The target was saved with another configuration, so answers would differ.
+    /// The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of the setting.
     SMR_ERROR_OTHER_CONFIG = 33,
     /// The saved target is too large for this tracker.
     SMR_ERROR_SAVED_TOO_LARGE = 34,
@@ -111,6 +111,9 @@ statuses! {
     SMR_ERROR_LINE_OUTSIDE_FRAME = 39,
     /// A line of the window did not come.
     SMR_ERROR_LINE_MISSING = 40,
+    /// The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with the feature `refiner`
+    /// (core/c/install.sh --refiner).
+    SMR_ERROR_REFINER_NOT_BUILT_IN = 41,
 }
 
 /// The name of a status, for logs: "SMR_OK" and so on.
@@ -163,7 +166,8 @@ called! {
         ZeroDenominator => SMR_ERROR_ZERO_DENOMINATOR,
         NothingCounts => SMR_ERROR_NOTHING_COUNTS,
         LimitBelowWindow => SMR_ERROR_LIMIT_BELOW_WINDOW,
-        OutOfRange => SMR_ERROR_CONFIG_OUT_OF_RANGE, .._
+        OutOfRange => SMR_ERROR_CONFIG_OUT_OF_RANGE,
+        RefinerNotBuiltIn => SMR_ERROR_REFINER_NOT_BUILT_IN, .._
     }
     LockError {
         BoxEmpty => SMR_ERROR_BOX_EMPTY,
@@ -208,7 +212,7 @@ mod tests {
             let said = unsafe { CStr::from_ptr(smr_status_name(number)) };
             assert_eq!(said.to_bytes_with_nul(), name.as_bytes());
         }
-        for unknown in [-1, 41, i32::MIN, i32::MAX] {
+        for unknown in [-1, 42, i32::MIN, i32::MAX] {
             // SAFETY: it returns a static string.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }

@@ -175,9 +175,11 @@ static void fillings(void)
     EXPECT(smr_config_camera(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_paper(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_robust(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_refined(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_camera((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_config_paper((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_config_robust((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_config_refined((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     HOLD(smr_target_size(several) == 0 && smr_workspace_size(several) == 0); /* not filled */
     HOLD(smr_target_size(NULL) == 0 && smr_workspace_size(NULL) == 0);
 }
@@ -750,7 +752,17 @@ static void saved(void)
     } else {
         config.paper.padding++;
     }
-    EXPECT(smr_restore(tracker_in(&storage, &config), again, written), SMR_ERROR_OTHER_CONFIG);
+    smr_tracker *other = tracker_in(&storage, &config);
+    EXPECT(smr_restore(other, again, written), SMR_ERROR_OTHER_CONFIG);
+    const char *name = "unchanged";
+    EXPECT(smr_other_setting(other, again, written - 1, &name), SMR_ERROR_TRUNCATED);
+    EXPECT(smr_other_setting(other, again, written, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_other_setting(other, NULL, written, &name), SMR_ERROR_NULL);
+    HOLD(strcmp(name, "unchanged") == 0);
+    EXPECT(smr_other_setting(other, again, written, &name), SMR_OK);
+    HOLD(strcmp(name, robust ? "patience" : "padding") == 0);
+    EXPECT(smr_other_setting(good_tracker(), again, written, &name), SMR_OK);
+    HOLD(name == NULL);
     EXPECT(smr_restore(good_tracker(), again, written), SMR_OK);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &second), SMR_OK);
     HOLD(second == written && memcmp(bytes, again, written) == 0);

@@ -43,6 +43,7 @@ static mp_rom_error_text_t words(smr_status status) {
         case SMR_ERROR_NOTHING_COUNTS: return MP_ERROR_TEXT("k and the first threshold must be more than 0, or no pixel counts");
         case SMR_ERROR_LIMIT_BELOW_WINDOW: return MP_ERROR_TEXT("the window's limit is smaller than the window");
         case SMR_ERROR_CONFIG_OUT_OF_RANGE: return MP_ERROR_TEXT("a number of the configuration is outside its range");
+        case SMR_ERROR_REFINER_NOT_BUILT_IN: return MP_ERROR_TEXT("the refiner is on, and this build is without it (feature refiner)");
         case SMR_ERROR_FRAME_EMPTY: return MP_ERROR_TEXT("the image has no pixels: width and height must be at least 1");
         case SMR_ERROR_STRIDE_TOO_SMALL: return MP_ERROR_TEXT("the stride is smaller than the width");
         case SMR_ERROR_FRAME_TOO_SHORT: return MP_ERROR_TEXT("the slice is shorter than (height - 1) * stride + width bytes");
@@ -58,7 +59,7 @@ static mp_rom_error_text_t words(smr_status status) {
         case SMR_ERROR_TRUNCATED: return MP_ERROR_TEXT("the saved target ends too early");
         case SMR_ERROR_DAMAGED: return MP_ERROR_TEXT("the saved target is damaged: its checksum is wrong");
         case SMR_ERROR_OTHER_METHOD: return MP_ERROR_TEXT("the target was saved by the other tracker");
-        case SMR_ERROR_OTHER_CONFIG: return MP_ERROR_TEXT("the target was saved with another configuration");
+        case SMR_ERROR_OTHER_CONFIG: return MP_ERROR_TEXT("the target was saved with another configuration: %s differs");
         case SMR_ERROR_SAVED_TOO_LARGE: return MP_ERROR_TEXT("the saved target is too large for this tracker");
         case SMR_ERROR_LINE_TOO_SHORT: return MP_ERROR_TEXT("line %d has fewer bytes than its format needs");
         // Rust's formats are a type, so it has no words for these.
@@ -76,7 +77,7 @@ static void check_line(smr_status status, uint16_t line) {
     if (text == NULL) {
         mp_raise_msg_varg(&mp_type_RuntimeError, MP_ERROR_TEXT("%s"), smr_status_name(status));
     }
-    // No other text is formatted: the buffer in which MicroPython 1.29 formats is a byte too short for the longest text of the firmware.
+    // Only this text and that of `restore` are formatted: the buffer in which MicroPython 1.29 formats is a byte too short for the longest text of the firmware.
     if (status == SMR_ERROR_LINE_TOO_SHORT) {
         mp_raise_msg_varg(&mp_type_ValueError, text, (int)line);
     }
@@ -236,14 +237,20 @@ static void set_option(smr_config *config, const mp_obj_type_t *type, qstr name,
     mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %q"), type->name, name);
 }
 
-static void set_preset(smr_config *config, mp_obj_t value) {
+static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
     const qstr name = mp_obj_is_str(value) ? mp_obj_str_get_qstr(value) : MP_QSTRnull;
-    if (name == MP_QSTR_camera) {
+    if (is_paper && name == MP_QSTR_camera) {
         check(smr_config_camera(config));
-    } else if (name == MP_QSTR_paper) {
+    } else if (is_paper && name == MP_QSTR_paper) {
         check(smr_config_paper(config));
-    } else {
+    } else if (!is_paper && name == MP_QSTR_robust) {
+        check(smr_config_robust(config));
+    } else if (!is_paper && name == MP_QSTR_refined) {
+        check(smr_config_refined(config));
+    } else if (is_paper) {
         mp_raise_ValueError(MP_ERROR_TEXT("preset must be 'camera' or 'paper'"));
+    } else {
+        mp_raise_ValueError(MP_ERROR_TEXT("preset must be 'robust' or 'refined'"));
     }
 }
 
@@ -252,9 +259,9 @@ static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_ob
     const bool is_paper = type == &smr_type_paper;
     smr_config config;
     check(is_paper ? smr_config_camera(&config) : smr_config_robust(&config));
-    for (size_t i = 0; is_paper && i < count; i++) {
+    for (size_t i = 0; i < count; i++) {
         if (keywords[2 * i] == MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
-            set_preset(&config, keywords[2 * i + 1]);
+            set_preset(&config, is_paper, keywords[2 * i + 1]);
         }
     }
     for (size_t i = 0; i < count; i++) {
@@ -264,7 +271,7 @@ static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_ob
             config.paper.window = radius_of(value);
         } else if (is_paper && name == MP_QSTR_window_limit) {
             config.paper.window_limit = radius_of(value);
-        } else if (!is_paper || name != MP_QSTR_preset) {
+        } else if (name != MP_QSTR_preset) {
             set_option(&config, type, name, value);
         }
     }
@@ -392,7 +399,13 @@ static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
     }
     mp_buffer_info_t bytes;
     mp_get_buffer_raise(args[1], &bytes, MP_BUFFER_READ);
-    check(smr_restore(self->tracker, bytes.buf, bytes.len));
+    const smr_status status = smr_restore(self->tracker, bytes.buf, bytes.len);
+    if (status == SMR_ERROR_OTHER_CONFIG) {
+        const char *setting;
+        check(smr_other_setting(self->tracker, bytes.buf, bytes.len, &setting));
+        mp_raise_msg_varg(&mp_type_ValueError, words(status), setting);
+    }
+    check(status);
     self->width = width > 0 ? width : self->width;
     self->height = height > 0 ? height : self->height;
     return mp_const_none;

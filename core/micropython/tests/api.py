@@ -105,7 +105,10 @@ raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(prese
 raises(ValueError, "reach must be 0 to 255", lambda: smr.Robust(reach=256))
 raises(ValueError, "padding must be 0 to 65535", lambda: smr.Paper(padding=-1))
 raises(TypeError, "Paper has no option reach", lambda: smr.Paper(reach=5))
-raises(TypeError, "Robust has no option preset", lambda: smr.Robust(preset="camera"))
+raises(ValueError, "preset must be 'robust' or 'refined'", lambda: smr.Robust(preset="camera"))
+smr.Robust(preset="robust", reach=5)
+# This module is built without the refiner.
+raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: smr.Robust(preset="refined"))
 raises(TypeError, "", lambda: smr.Paper("camera"))
 raises(TypeError, "", lambda: smr.Paper(window=4))
 raises(ValueError, "", lambda: smr.Paper(window=(4, 2, 1)))
@@ -253,7 +256,9 @@ for kind, other in ((smr.Paper, smr.Robust), (smr.Robust, smr.Paper)):
     raises(ValueError, "the saved target is damaged: its checksum is wrong", lambda: again.restore(saved[:-1] + bytes([saved[-1] ^ 1])))
     raises(ValueError, "the target was saved by the other tracker", lambda: other().restore(saved, WIDTH, HEIGHT))
     changed = smr.Paper(growth=3) if kind is smr.Paper else smr.Robust(patience=9)
-    raises(ValueError, "the target was saved with another configuration", lambda: changed.restore(saved, WIDTH, HEIGHT))
+    setting = "growth" if kind is smr.Paper else "patience"
+    words = "the target was saved with another configuration: %s differs" % setting
+    raises(ValueError, words, lambda: changed.restore(saved, WIDTH, HEIGHT))
     raises(TypeError, "", lambda: again.restore(saved, WIDTH, HEIGHT, 1))
     raises(TypeError, "", lambda: again.restore(5, WIDTH, HEIGHT))
     raises(ValueError, "height must be 0 to 65535", lambda: again.restore(saved, WIDTH, -1))

@@ -114,7 +114,7 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
         Target::Paper(of) => ((*of.config()).into(), options::all(of.config())),
         Target::Robust(of) => ((*of.config()).into(), options::all(of.config())),
     };
-    options.extend(tracker.preset.map(|preset| ("preset".to_owned(), preset.into())));
+    options.insert("preset".to_owned(), tracker.preset.into());
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 

@@ -18,8 +18,8 @@ use std::sync::{Mutex, MutexGuard};
 #[pyclass(frozen, subclass, module = "smr")]
 pub struct Tracker {
     target: Mutex<Target>,
-    /// That the options of `Paper` are changes of.
-    pub preset: Option<&'static str>,
+    /// That the options are changes of.
+    pub preset: &'static str,
 }
 
 /// The tracker of the paper: fast, for a target that keeps its size.
@@ -32,7 +32,8 @@ pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`, `uncertain_below`,
+/// `preset` is "refined" or "robust", which is without the refiner. In firmware: `Config::refined()` and `Config::robust()` in Rust,
+/// `smr_config_refined` and `smr_config_robust` in C. The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`, `uncertain_below`,
 /// `learning_rate`, `early_rate`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
@@ -54,7 +55,7 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 }
 
 impl Tracker {
-    fn new(target: Target, preset: Option<&'static str>) -> Self {
+    fn new(target: Target, preset: &'static str) -> Self {
         Self { target: Mutex::new(target), preset }
     }
 
@@ -125,14 +126,14 @@ impl Tracker {
         Ok(())
     }
 
-    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine. The options are not among them.
+    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with the same preset and options.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.target()?.saved();
         let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. The tracker must have the options of the one that saved it.
+    /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the first one that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
     }
@@ -141,7 +142,7 @@ impl Tracker {
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let options = self.target()?.keywords(py)?;
-        self.preset.map_or(Ok(()), |preset| options.set_item("preset", preset))?;
+        options.set_item("preset", self.preset)?;
         Ok(options)
     }
 
@@ -181,16 +182,23 @@ impl Paper {
             _ => return Err(PyValueError::new_err(format!("preset: expected 'camera' or 'paper', found '{preset}'"))),
         };
         let target = of_range(Target::paper(with(config, options)?), options)?;
-        Ok(PyClassInitializer::from(Tracker::new(target, Some(preset))).add_subclass(Self))
+        Ok(PyClassInitializer::from(Tracker::new(target, preset)).add_subclass(Self))
     }
 }
 
 #[pymethods]
 impl Robust {
     #[new]
-    #[pyo3(signature = (**options))]
-    fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
-        let target = of_range(Target::robust(with(robust::Config::robust(), options)?), options)?;
-        Ok(PyClassInitializer::from(Tracker::new(target, None)).add_subclass(Self))
+    #[pyo3(signature = (preset = "refined", **options))]
+    fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
+        let (preset, config) = match preset {
+            "refined" => ("refined", robust::Config::refined()),
+            "robust" => ("robust", robust::Config::robust()),
+            _ => {
+                return Err(PyValueError::new_err(format!("preset: expected 'refined' or 'robust', found '{preset}'")));
+            }
+        };
+        let target = of_range(Target::robust(with(config, options)?), options)?;
+        Ok(PyClassInitializer::from(Tracker::new(target, preset)).add_subclass(Self))
     }
 }

@@ -1,7 +1,11 @@
 """Every answer is the one of host-sim."""
 
 import copy
+import os
+import pathlib
 import pickle
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -13,6 +17,7 @@ TRACKERS = {
     "robust": (smr.Robust, []),
     "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=False), ["--reach=5", "--patience=200", "--without=sweep"]),
     "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--without=refiner"]),
+    "the preset robust": (lambda: smr.Robust("robust"), ["--config=robust"]),
     "camera": (smr.Paper, ["--method=smr", "--config=camera"]),
     "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=smr", "--k=7/20", "--runner-up-always"]),
 }  # fmt: skip
@@ -127,7 +132,7 @@ def test_lost_targets_are_swept_for_in_color(synthetic):
 
 def test_a_target_goes_on_wherever_it_is_copied(synthetic):
     frames, box = synthetic
-    for make in (smr.Robust, smr.Paper, lambda: smr.Robust(reach=4), lambda: smr.Paper("paper", padding=3)):
+    for make in (smr.Robust, smr.Paper, lambda: smr.Robust("robust", reach=4), lambda: smr.Paper("paper", padding=3)):
         tracker = make()
         tracker.init(frames[0], box)
         for frame in frames[1:10]:
@@ -146,7 +151,7 @@ def test_a_target_goes_on_wherever_it_is_copied(synthetic):
 
 def test_restore_finds_the_tracker(synthetic):
     frames, box = synthetic
-    for make in (smr.Robust, smr.Paper, lambda: smr.Paper("paper")):
+    for make in (smr.Robust, lambda: smr.Robust("robust"), smr.Paper, lambda: smr.Paper("paper")):
         tracker = make()
         tracker.init(frames[0], box)
         restored = smr.restore(tracker.save())
@@ -154,8 +159,36 @@ def test_restore_finds_the_tracker(synthetic):
         assert restored.follow(frames[1]) == tracker.follow(frames[1])
     other = smr.Robust(reach=5)
     other.init(frames[0], box)
-    with pytest.raises(ValueError, match="saved with another configuration"):
+    with pytest.raises(ValueError, match="saved with another configuration: reach differs"):
         smr.restore(other.save())
+    with pytest.raises(ValueError, match="saved with another configuration: refiner differs"):
+        smr.Robust("robust", reach=5).restore(other.save())
+
+
+def test_a_target_goes_on_in_c_and_back(tmp_path):
+    library, compiler = os.environ.get("LIBSMR"), shutil.which("cc")
+    if library is None or compiler is None:
+        pytest.skip("restoring in C: no " + ("library: set LIBSMR" if library is None else "C compiler cc"))
+    source, program = pathlib.Path(__file__).with_name("restore.c"), tmp_path / "restore"
+    include = source.parents[2] / "c" / "include"
+    libraries = ["-lpthread", "-ldl", "-lm"]
+    subprocess.run([compiler, "-std=c99", f"-I{include}", source, library, *libraries, "-o", program], check=True)
+    frame = np.random.default_rng(2).integers(0, 256, (15, 20), np.uint8).repeat(8, axis=0).repeat(8, axis=1)
+    (tmp_path / "frame").write_bytes(frame.tobytes())
+    for preset, words in [("robust", "SMR_OK -"), ("refined", "SMR_ERROR_OTHER_CONFIG refiner")]:
+        tracker = smr.Robust(preset)
+        tracker.init(frame, (40, 30, 40, 40))
+        (tmp_path / "saved").write_bytes(tracker.save())
+        files = [tmp_path / name for name in ("frame", "saved", "new")]
+        said = subprocess.run([program, *files], check=True, capture_output=True, text=True).stdout
+        assert said.strip() == words
+    # The same frame and box: the same bytes as in Python.
+    tracker = smr.Robust("robust")
+    tracker.init(frame, (40, 30, 40, 40))
+    saved = (tmp_path / "new").read_bytes()
+    assert saved == tracker.save()
+    restored = smr.restore(saved)
+    assert restored.options["preset"] == "robust" and restored.follow(frame) == tracker.follow(frame)
 
 
 def test_the_window_moves_along(synthetic):

@@ -84,6 +84,7 @@ def test_options_have_ranges():
         (lambda: smr.Paper(window=(200, 4)), "the window's limit is smaller than the window: {'window'"),
         (lambda: smr.Paper(k=(1, 0)), "denominator of 0"),
         (lambda: smr.Paper("best"), "preset: expected 'camera' or 'paper', found 'best'"),
+        (lambda: smr.Robust("camera"), "preset: expected 'refined' or 'robust', found 'camera'"),
         (lambda: smr.Group(0), "threads: expected 1 or more, found 0"),
     ]:
         with pytest.raises(ValueError, match=words.replace("{", r"\{")):

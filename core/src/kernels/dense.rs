@@ -13,6 +13,10 @@ use super::plain::dense::Layer;
 #[cfg(target_arch = "x86_64")]
 use super::x86::avx2::dense as avx2;
 
+/// Bytes of scratch memory with which a backend is fastest: the DSP extension unpacks two patches of up to 216 inputs, at words. With less it
+/// takes one patch at a time.
+pub(crate) const SPARE: usize = 4 * 216 + 3;
+
 /// Layers by a backend. All backends give the same integers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dense(Backend);
@@ -24,8 +28,11 @@ impl Dense {
     }
 
     /// See [`plain::outputs`]. `patches` has `layer.inputs` numbers for each patch, `out` one for each of its outputs.
+    /// `spare` is scratch memory: see [`SPARE`].
     #[inline(never)] // one copy in flash
-    pub(crate) fn outputs(self, layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+    pub(crate) fn outputs(self, layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
+        #[cfg(not(smr_dsp))]
+        let _ = spare;
         // What a backend does not write must stay.
         #[cfg(feature = "verify")]
         let mut expected: heapless::Vec<i8, 1024> = out.iter().copied().collect();
@@ -34,7 +41,7 @@ impl Dense {
             // SAFETY: `new` has checked that the machine has AVX2.
             Backend::Avx2 => unsafe { avx2::outputs(layer, patches, out) },
             #[cfg(smr_dsp)]
-            Backend::Dsp => dsp::outputs(layer, patches, out),
+            Backend::Dsp => dsp::outputs(layer, patches, spare, out),
             #[cfg(smr_helium)]
             Backend::Helium => helium::outputs(layer, patches, out),
             _ => plain::outputs(layer, patches, out),

@@ -167,7 +167,7 @@ pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 #[cfg(feature = "refiner")]
-pub(crate) use dense::Dense;
+pub(crate) use dense::{Dense, SPARE};
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, PACKED, Packed};
 pub(crate) use levels::{deviation, replace};

@@ -283,9 +283,8 @@ fn follows<T: Target>(target: T::Config, delay_frames: u8) {
 fn the_tracker_is_told_how_far_the_picture_moves() {
     let mut small = paper::Config::camera();
     small.window = paper::Radius { x: 8, y: 8 };
-    // The larger window of the refiner would be cut by the frame's edge.
-    let mut robust = robust::Config::robust();
-    robust.refiner = false;
+    // Without the refiner, whose larger window would be cut by the frame's edge.
+    let robust = robust::Config::robust();
     for delay_frames in [0, 1, 3] {
         follows::<Paper<1024, 161>>(small, delay_frames);
         follows::<Robust>(robust, delay_frames);

@@ -15,6 +15,8 @@ pub enum ConfigError {
     LimitBelowWindow,
     /// A number is outside its documented range.
     OutOfRange,
+    /// The configuration has the refiner on, in a build without the feature `refiner`.
+    RefinerNotBuiltIn,
 }
 
 impl fmt::Display for ConfigError {
@@ -24,6 +26,7 @@ impl fmt::Display for ConfigError {
             Self::NothingCounts => "k and the first threshold must be more than 0, or no pixel counts",
             Self::LimitBelowWindow => "the window's limit is smaller than the window",
             Self::OutOfRange => "a number of the configuration is outside its range",
+            Self::RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
         })
     }
 }

@@ -33,7 +33,7 @@ pub use answer::{Answer, State};
 pub use bound::MostWork;
 pub use error::{ConfigError, LockError, UpdateError};
 pub use quality::Quality;
-pub use saved::{RestoreError, SaveError};
+pub use saved::{RestoreError, SaveError, Setting};
 pub use target::Target;
 pub use tracker::Tracker;
 #[doc(hidden)]

@@ -68,10 +68,11 @@
 use super::checksum::Crc;
 use super::paper::Paper;
 use super::robust::Robust;
-use super::saved::Kind;
+use super::saved::{Kind, Setting};
 use super::update::{SEAL, Seal};
 use super::{Answer, Target, paper, robust};
 use crate::image::{Frame, Image, Rect};
+use crate::similarity::Table;
 
 /// The version of the bytes.
 pub const VERSION: u16 = 1;
@@ -136,7 +137,7 @@ impl<const PIXELS: usize, const SPAN: usize> Recorded for Paper<PIXELS, SPAN> {
     const TRACKER: u8 = Kind::Paper as u8;
 
     fn numbers(config: &paper::Config, add: impl FnMut(u16), _: &Seal) {
-        paper::numbers(config, add);
+        each_number(config.table, &paper::numbers(config), add);
     }
 }
 
@@ -144,8 +145,14 @@ impl Recorded for Robust {
     const TRACKER: u8 = Kind::Robust as u8;
 
     fn numbers(config: &robust::Config, add: impl FnMut(u16), _: &Seal) {
-        robust::numbers(config, add);
+        each_number(config.table, &robust::numbers(config), add);
     }
+}
+
+/// The entries of the table, then the other numbers. That of the refiner only if it is on: records without it are those of builds that lack it.
+fn each_number(table: &Table, numbers: &[(Setting, u16)], add: impl FnMut(u16)) {
+    let numbers = numbers.iter().filter(|&&number| number != (Setting::Refiner, 0)).map(|&(_, number)| number);
+    table.entries().iter().copied().chain(numbers).for_each(add);
 }
 
 /// Writes a record; see the [module](self).

@@ -5,22 +5,28 @@
 //! | 0 to 2 | `SMR` |
 //! | 3 | the tracker: `P` or `R` |
 //! | 4, 5 | version of this format |
-//! | 6 to 9 | checksum of the configuration |
+//! | 6 to 9 | checksum of the table of similarities |
 //! | 10 to 13 | length of all bytes |
+//! | then 2 each | the other numbers of the configuration: 26 of `P`, 13 of `R`, in the order of their `numbers` |
 //! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
-//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). The configuration itself is not saved: it refers to a
-//! table by its address, and firmware has its configuration anyway.
+//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). The configuration is there to be compared: a target goes on
+//! only with the settings that it was saved with, and a refusal names the first one that differs. The table is a checksum, because it has
+//! 512 bytes.
 
 use super::checksum::Crc;
+use crate::similarity::Table;
 use core::fmt;
 
 const MAGIC: [u8; 3] = *b"SMR";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 const HEAD: usize = 14;
-/// Bytes other than the state of the tracker.
-pub(super) const AROUND: usize = HEAD + 4;
+
+/// Bytes other than the state of a tracker with so many `numbers` in its configuration.
+pub(super) const fn around(numbers: usize) -> usize {
+    HEAD + 2 * numbers + 4
+}
 
 /// The tracker that wrote the bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -30,20 +36,23 @@ pub(super) enum Kind {
     Robust = b'R',
 }
 
-/// The checksum of the numbers of a configuration that answers depend on.
-pub(super) struct ConfigSum(Crc);
+/// The part of a configuration that answers depend on.
+pub(super) struct Settings<'a> {
+    pub(super) table: &'a Table,
+    pub(super) numbers: &'a [(Setting, u16)],
+}
 
-impl ConfigSum {
-    pub(super) const fn new() -> Self {
-        Self(Crc::new())
+impl Settings<'_> {
+    /// Calls `add` with the entries of the table, then with the other numbers.
+    pub(super) fn each(&self, add: impl FnMut(u16)) {
+        let numbers = self.numbers.iter().map(|&(_, number)| number);
+        self.table.entries().iter().copied().chain(numbers).for_each(add);
     }
 
-    pub(super) fn add(&mut self, number: u16) {
-        self.0.update(&number.to_le_bytes());
-    }
-
-    pub(super) fn finish(self) -> u32 {
-        self.0.finish()
+    fn table_sum(&self) -> u32 {
+        let mut sum = Crc::new();
+        self.table.entries().iter().for_each(|entry| sum.update(&entry.to_le_bytes()));
+        sum.finish()
     }
 }
 
@@ -55,14 +64,20 @@ pub(super) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     /// For a target of `size` bytes in all. Writes nothing if `bytes` is too small.
-    pub(super) fn new(bytes: &'a mut [u8], size: usize, kind: Kind, config: u32) -> Result<Self, SaveError> {
+    pub(super) fn new(
+        bytes: &'a mut [u8],
+        size: usize,
+        kind: Kind,
+        settings: &Settings<'_>,
+    ) -> Result<Self, SaveError> {
         let bytes = bytes.get_mut(..size).ok_or(SaveError::BufferTooSmall)?;
         let mut writer = Self { bytes, at: 0 };
         writer.put(&MAGIC);
         writer.put(&[kind as u8]);
         writer.u16(VERSION);
-        writer.u32(config);
+        writer.u32(settings.table_sum());
         writer.u32(u32::try_from(size).unwrap_or(u32::MAX));
+        settings.numbers.iter().for_each(|&(_, number)| writer.u16(number));
         Ok(writer)
     }
 
@@ -103,11 +118,11 @@ impl<'a> Writer<'a> {
 pub(super) fn whole_length(bytes: &[u8]) -> Option<usize> {
     let mut head = Reader { bytes };
     let (magic, _tracker, version) = (head.take::<3>()?, head.u8()?, head.u16()?);
-    let (_config, length) = (head.u32()?, head.u32()?);
+    let (_table, length) = (head.u32()?, head.u32()?);
     let length = usize::try_from(length).ok()?;
     let body = bytes.get(..length.checked_sub(4)?)?;
     let sum = Reader { bytes: bytes.get(length - 4..)? }.u32()?;
-    (magic == MAGIC && version == VERSION && length >= AROUND && sum == Crc::of(body)).then_some(length)
+    (magic == MAGIC && version == VERSION && length >= around(0) && sum == Crc::of(body)).then_some(length)
 }
 
 /// Reads a saved target, number by number; `None` at the end of the bytes.
@@ -117,7 +132,7 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// A reader of the state of a tracker of this `kind`, if everything around the state is valid.
-    pub(super) fn new(bytes: &'a [u8], kind: Kind, config: u32) -> Result<Self, RestoreError> {
+    pub(super) fn new(bytes: &'a [u8], kind: Kind, settings: &Settings<'_>) -> Result<Self, RestoreError> {
         let mut head = Reader { bytes };
         if head.take::<3>() != Some(MAGIC) {
             return Err(RestoreError::NotSaved);
@@ -126,10 +141,10 @@ impl<'a> Reader<'a> {
         if head.u16().ok_or(RestoreError::Truncated)? != VERSION {
             return Err(RestoreError::OtherVersion);
         }
-        let (saved_config, length) = (head.u32(), head.u32());
-        let (Some(saved_config), Some(length)) = (saved_config, length) else { return Err(RestoreError::Truncated) };
+        let (table, length) = (head.u32(), head.u32());
+        let (Some(table), Some(length)) = (table, length) else { return Err(RestoreError::Truncated) };
         let length = usize::try_from(length).unwrap_or(usize::MAX);
-        if length < AROUND {
+        if length < around(0) {
             return Err(RestoreError::Damaged);
         }
         let all = bytes.get(..length).ok_or(RestoreError::Truncated)?;
@@ -140,10 +155,16 @@ impl<'a> Reader<'a> {
         if tracker != kind as u8 {
             return Err(RestoreError::OtherTracker);
         }
-        if saved_config != config {
-            return Err(RestoreError::OtherConfig);
+        if table != settings.table_sum() {
+            return Err(RestoreError::OtherConfig(Setting::Table));
         }
-        Ok(Self { bytes: body.get(HEAD..).unwrap_or_default() })
+        let mut state = Self { bytes: body.get(HEAD..).unwrap_or_default() };
+        for &(setting, number) in settings.numbers {
+            if state.u16().ok_or(RestoreError::Damaged)? != number {
+                return Err(RestoreError::OtherConfig(setting));
+            }
+        }
+        Ok(state)
     }
 
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
@@ -225,8 +246,8 @@ pub enum RestoreError {
     Damaged,
     /// The other tracker saved the target.
     OtherTracker,
-    /// The target was saved with another configuration, so answers would differ.
-    OtherConfig,
+    /// The target was saved with another configuration, so answers would differ. The first setting that differs.
+    OtherConfig(Setting),
     /// The template has more pixels, or the window more offsets, than this tracker has room for.
     TooLarge,
 }
@@ -234,15 +255,112 @@ pub enum RestoreError {
 impl fmt::Display for RestoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::OtherConfig(setting) => {
+                return write!(f, "the target was saved with another configuration: {setting} differs");
+            }
             Self::NotSaved => "these are not the bytes of a saved target",
             Self::OtherVersion => "the target was saved by another version",
             Self::Truncated => "the saved target ends too early",
             Self::Damaged => "the saved target is damaged: its checksum is wrong",
             Self::OtherTracker => "the target was saved by the other tracker",
-            Self::OtherConfig => "the target was saved with another configuration",
             Self::TooLarge => "the saved target is too large for this tracker",
         })
     }
 }
 
 impl core::error::Error for RestoreError {}
+
+/// Defines the settings and their names.
+macro_rules! settings {
+    ($($(#[doc = $text:literal])+ $setting:ident = $name:literal,)+) => {
+        /// A setting of either tracker's configuration that answers depend on.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[non_exhaustive]
+        pub enum Setting {
+            $($(#[doc = $text])+ $setting,)+
+        }
+
+        impl Setting {
+            /// The name of its field in the configuration.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$setting => $name,)+
+                }
+            }
+
+            /// The name with a zero at its end, for C.
+            #[doc(hidden)]
+            #[must_use]
+            pub const fn name_with_zero(self) -> &'static str {
+                match self {
+                    $(Self::$setting => concat!($name, "\0"),)+
+                }
+            }
+        }
+    };
+}
+
+settings! {
+    /// The table of similarities, of both trackers.
+    Table = "table",
+    /// k of the paper's tracker.
+    K = "k",
+    /// The ratio of its gate for a target that is tracked.
+    GateTracking = "gate.tracking",
+    /// The ratio for a target that leaves the frame.
+    GateLeaving = "gate.leaving",
+    /// The ratio for a target that returns.
+    GateReturning = "gate.returning",
+    /// The ratio for a lost target.
+    GateLost = "gate.lost",
+    /// The lead over the runner-up that is always enough.
+    GateLead = "gate.lead",
+    /// The least similarity matching ratio.
+    GateLeastRatio = "gate.least_ratio",
+    /// alpha before the first update.
+    FirstThreshold = "first_threshold",
+    /// The least alpha.
+    LeastThreshold = "least_threshold",
+    /// The border around the frame.
+    Padding = "padding",
+    /// The search window.
+    Window = "window",
+    /// The growth of the window.
+    Growth = "growth",
+    /// The largest window.
+    WindowLimit = "window_limit",
+    /// How far the runner-up is from the peak.
+    Neighbourhood = "neighbourhood",
+    /// When the runner-up is searched.
+    RunnerUp = "runner_up",
+    /// Where the template is updated.
+    UpdateZone = "update_zone",
+    /// Whether the robust tracker's box follows the size.
+    Size = "size",
+    /// Whether it searches the whole frame.
+    Sweep = "sweep",
+    /// A part that only the feature `unstable` leaves out.
+    Parts = "parts",
+    /// The radius of its window.
+    Reach = "reach",
+    /// How slowly the confidence changes.
+    Patience = "patience",
+    /// Where lost begins.
+    LostBelow = "lost_below",
+    /// Where uncertain begins.
+    UncertainBelow = "uncertain_below",
+    /// How fast the filter learns.
+    LearningRate = "learning_rate",
+    /// How fast the early template learns.
+    EarlyRate = "early_rate",
+    /// Whether the refiner corrects the box.
+    Refiner = "refiner",
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -153,8 +153,7 @@ pub trait Target: Steps {
 
     /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`].
     ///
-    /// The bytes are the same on every platform. They hold the templates, the track and a checksum of the configuration, but not
-    /// the configuration itself.
+    /// The bytes are the same on every platform. They hold the templates, the track, and the numbers of the configuration to compare with.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.
@@ -166,6 +165,13 @@ pub trait Target: Steps {
     /// [`RestoreError`] if the bytes are damaged, of another kind, or saved with another configuration. The target is then
     /// unchanged.
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError>;
+
+    /// Whether the bytes are whole and were saved with this configuration.
+    ///
+    /// # Errors
+    /// As [`Target::restore`].
+    #[doc(hidden)]
+    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError>;
 
     /// Finds the target in the next frame.
     ///

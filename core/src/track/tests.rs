@@ -3,9 +3,16 @@
 
 use belonging::whoever_moves_whatever_is_under_way_goes_on_with_its_own_target;
 
-use super::{Answer, LockError, RestoreError, SaveError, State, Target, Tracker, UpdateError, paper, robust};
+use super::checksum::Crc;
+use super::record::Recorder;
+use super::update::Steps;
+use super::{
+    Answer, ConfigError, LockError, RestoreError, SaveError, Setting, State, Target, Tracker, UpdateError, paper,
+    robust,
+};
+use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
-use std::{boxed::Box, vec, vec::Vec};
+use std::{boxed::Box, collections::BTreeSet, format, string::ToString, vec, vec::Vec};
 
 mod belonging;
 
@@ -86,7 +93,7 @@ fn saved<T: Target>(target: &T) -> Vec<u8> {
     bytes
 }
 
-/// Runs every test for both trackers.
+/// Runs every test for both trackers, and for the robust one with its refiner where it is built in.
 macro_rules! for_both {
     ($($name:ident),* $(,)?) => {
         mod paper_tracker {
@@ -94,6 +101,10 @@ macro_rules! for_both {
         }
         mod robust_tracker {
             $(#[test] fn $name() { super::$name::<super::Robust>(super::robust::Config::robust()); })*
+        }
+        #[cfg(feature = "refiner")]
+        mod refined_tracker {
+            $(#[test] fn $name() { super::$name::<super::Robust>(super::robust::Config::refined()); })*
         }
     };
 }
@@ -495,9 +506,6 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     let bytes = saved(locked::<SmallPaper>(small_paper()).target());
     let mut robust = Robust::new(robust::Config::robust()).unwrap();
     assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
-    let mut other = small_paper();
-    other.k = paper::Fraction::new(7, 20);
-    assert_eq!(SmallPaper::new(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig));
     // Backend and pruning do not matter.
     let mut slow = small_paper();
     (slow.backend, slow.pruning) = (Some(crate::similarity::Backend::Scalar), false);
@@ -506,6 +514,144 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(Paper::<1024, 33>::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
     let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
     assert_eq!(SmallPaper::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
+}
+
+/// Saves a target with `config`, and restores it with each of the `changes`: all settings, each by its name.
+fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[(&str, fn(&mut T::Config))]) {
+    let bytes = saved(locked::<T>(config).target());
+    for (name, change) in changes {
+        let mut other = config;
+        change(&mut other);
+        let mut target = T::new(other).unwrap();
+        let Err(refusal @ RestoreError::OtherConfig(setting)) = target.restore(&bytes) else { panic!("{name}") };
+        assert_eq!((setting.name(), target.check_saved(&bytes)), (*name, Err(refusal)));
+        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(*name));
+        let text = format!("the target was saved with another configuration: {name} differs");
+        assert_eq!(refusal.to_string(), text);
+    }
+    let names: BTreeSet<&str> = settings.iter().map(|setting| setting.name()).collect();
+    assert_eq!(changes.iter().map(|(name, _)| *name).collect::<BTreeSet<_>>(), names);
+}
+
+static OTHER_TABLE: Table = match Table::new(100) {
+    Ok(table) => table,
+    Err(_) => panic!("in range"),
+};
+
+#[test]
+fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
+    let numbers = paper::numbers(&small_paper()).map(|(setting, _)| setting);
+    let settings: Vec<_> = numbers.into_iter().chain([Setting::Table]).collect();
+    refusals_name::<SmallPaper>(
+        small_paper(),
+        &settings,
+        &[
+            ("table", |of| of.table = &OTHER_TABLE),
+            ("k", |of| of.k.numerator += 1),
+            ("k", |of| of.k.denominator += 1),
+            ("gate.tracking", |of| of.gate.tracking.numerator += 1),
+            ("gate.tracking", |of| of.gate.tracking.denominator += 1),
+            ("gate.leaving", |of| of.gate.leaving.numerator += 1),
+            ("gate.leaving", |of| of.gate.leaving.denominator += 1),
+            ("gate.returning", |of| of.gate.returning.numerator += 1),
+            ("gate.returning", |of| of.gate.returning.denominator += 1),
+            ("gate.lost", |of| of.gate.lost.numerator += 1),
+            ("gate.lost", |of| of.gate.lost.denominator += 1),
+            ("gate.lead", |of| of.gate.lead -= 1),
+            ("gate.least_ratio", |of| of.gate.least_ratio += 1),
+            ("first_threshold", |of| of.first_threshold += 1),
+            ("least_threshold", |of| of.least_threshold += 1),
+            ("padding", |of| of.padding += 1),
+            ("window", |of| of.window.x -= 1),
+            ("window", |of| of.window.y -= 1),
+            ("growth", |of| of.growth += 1),
+            ("window_limit", |of| of.window_limit.x -= 1),
+            ("window_limit", |of| of.window_limit.y -= 1),
+            ("neighbourhood", |of| of.neighbourhood += 1),
+            ("runner_up", |of| of.runner_up = paper::RunnerUp::Always),
+            ("update_zone", |of| of.update_zone.left += 1),
+            ("update_zone", |of| of.update_zone.top += 1),
+            ("update_zone", |of| of.update_zone.right += 1),
+            ("update_zone", |of| of.update_zone.bottom += 1),
+        ],
+    );
+}
+
+#[test]
+fn a_refusal_names_the_setting_of_the_robust_tracker_that_differs() {
+    let numbers = robust::numbers(&robust::Config::robust()).map(|(setting, _)| setting);
+    // A part is left out, and the refiner switched on, with their features only.
+    let left_out = |setting: &Setting| match setting {
+        Setting::Parts => !cfg!(feature = "unstable"),
+        Setting::Refiner => !cfg!(feature = "refiner"),
+        _ => false,
+    };
+    let settings: Vec<_> = numbers.into_iter().chain([Setting::Table]).filter(|setting| !left_out(setting)).collect();
+    refusals_name::<Robust>(
+        robust::Config::robust(),
+        &settings,
+        &[
+            ("table", |of| of.table = &OTHER_TABLE),
+            ("size", |of| of.size = false),
+            ("sweep", |of| of.sweep = false),
+            #[cfg(feature = "unstable")]
+            ("parts", |of| *of = crate::unstable::without(*of, robust::config::Part::GatedLearning)),
+            ("reach", |of| of.reach -= 1),
+            ("patience", |of| of.patience += 1),
+            ("lost_below", |of| of.lost_below += 1),
+            ("uncertain_below", |of| of.uncertain_below += 1),
+            ("learning_rate", |of| of.learning_rate += 1),
+            ("early_rate", |of| of.early_rate += 1),
+            #[cfg(feature = "refiner")]
+            ("refiner", |of| *of = robust::Config::refined()),
+        ],
+    );
+}
+
+/// Two settings differ: the first one in the order of the bytes is named.
+#[test]
+fn a_refusal_names_the_first_of_several() {
+    let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
+    let mut other = robust::Config::robust();
+    (other.reach, other.early_rate) = (5, 9);
+    assert_eq!(Robust::new(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig(Setting::Reach)));
+}
+
+#[test]
+fn the_preset_robust_is_the_same_in_every_build() {
+    let mut config = robust::Config::robust();
+    assert!(!config.refiner && robust::Config::default() == config);
+    config.refiner = true;
+    if cfg!(feature = "refiner") {
+        assert_eq!(config.check(), Ok(()));
+        #[cfg(feature = "refiner")]
+        assert_eq!(config, robust::Config::refined());
+    } else {
+        assert_eq!(config.check(), Err(ConfigError::RefinerNotBuiltIn));
+        config.reach = 9;
+        assert_eq!(config.check(), Err(ConfigError::OutOfRange));
+    }
+}
+
+/// Everything that a user can see of the preset `robust`, as one checksum: a build with the refiner and one without have the same.
+#[test]
+fn the_preset_robust_answers_the_same_in_every_build() {
+    let mut sum = Crc::new();
+    let mut tracker = Tracker::<Robust>::new(robust::Config::robust()).unwrap();
+    let mut recorder = Recorder::begin(tracker.target(), |bytes| -> Result<(), ()> { Ok(sum.update(bytes)) }).unwrap();
+    let frames = frames();
+    tracker.lock(&whole(&frames[0]), TARGET).unwrap();
+    recorder.lock(tracker.target(), &whole(&frames[0]), TARGET).unwrap();
+    let mut works = vec![];
+    for pixels in &frames[1..] {
+        recorder.window(tracker.target(), &whole(pixels)).unwrap();
+        recorder.answer(&tracker.update(&whole(pixels)).unwrap()).unwrap();
+        works.push(Robust::work(tracker.workspace()));
+        recorder.restored(&saved(tracker.target())).unwrap();
+    }
+    let most = robust::Config::robust().most_work();
+    assert_eq!((most.update, most.lock, most.beyond_a_step), (6_418_044, 50_455_281, 128_000));
+    assert_eq!((works.iter().sum::<u32>(), sum.finish()), (138_638_480, 3_909_856_722));
 }
 
 /// A target holds no scratch memory.

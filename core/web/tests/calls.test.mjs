@@ -164,10 +164,14 @@ test("a freed tracker refuses every call, and can be freed again", () => {
 
 test("a saved target of the other tracker or of other options is refused", () => {
   const [paper, robust] = [locked("paper"), locked("robust")];
+  const refusal = (setting) => ({
+    status: "SMR_ERROR_OTHER_CONFIG", message: `the target was saved with another configuration: ${setting} differs`,
+  });
   assert.throws(() => paper.restore(robust.save()), { status: "SMR_ERROR_OTHER_METHOD" });
   assert.throws(() => robust.restore(paper.save()), { status: "SMR_ERROR_OTHER_METHOD" });
-  assert.throws(() => smr.robust({ reach: 7 }).restore(robust.save()), { status: "SMR_ERROR_OTHER_CONFIG" });
-  assert.throws(() => smr.paper({ scale: 40 }).restore(paper.save()), { status: "SMR_ERROR_OTHER_CONFIG" });
+  assert.throws(() => smr.robust({ reach: 7 }).restore(robust.save()), refusal("reach"));
+  assert.throws(() => smr.robust({ preset: "robust" }).restore(robust.save()), refusal("refiner"));
+  assert.throws(() => smr.paper({ scale: 40 }).restore(paper.save()), refusal("table"));
 });
 
 test("each option has its place", () => {
@@ -188,6 +192,9 @@ test("each option has its place", () => {
   }
   assert.equal(smr.paper({ preset: "camera" }).options.leastThreshold, 10);
   assert.equal(smr.paper({ preset: "paper" }).options.leastThreshold, 0);
+  assert.deepEqual([smr.robust(), smr.robust({ preset: "robust" })].map(({ preset, options }) => [preset, options.refiner]), [
+    ["refined", true], ["robust", false],
+  ]);
 });
 
 test("a tracker tells what it knows", () => {

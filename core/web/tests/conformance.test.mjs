@@ -36,7 +36,7 @@ const VECTORS = {
   robust: {
     // Cases name the refiner only if it is on.
     files: { "robust.txt": 85, "refiner.txt": 15 },
-    preset: { refiner: false },
+    preset: { preset: "robust" },
     // Without the response and the weights, which the C interface does not give. All later answers depend on them.
     expected: ([x, y, width, height, state, confidence, ratio, , scale, found, template]) => [
       +x, +y, +width, +height, state, +confidence, +ratio, +scale, found === "1", template,

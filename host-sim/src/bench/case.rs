@@ -113,7 +113,7 @@ pub fn offsets(radius: Radius) -> u32 {
 
 /// A robust tracker without a target. Its window is its own.
 pub fn robust(backend: Backend) -> Result<Box<Tracker<Robust>>> {
-    let mut config = robust::Config::robust();
+    let mut config = robust::Config::refined();
     config.backend = Some(backend);
     Ok(Box::new(Tracker::new(config)?))
 }

@@ -180,7 +180,7 @@ mod tests {
 
     /// The reference's numbers, with the parts that are in `config`.
     fn numbers(config: &Config) -> Numbers {
-        let mut numbers = Numbers::robust();
+        let mut numbers = Numbers::refined();
         let parts = &mut numbers.parts;
         parts.velocity = has(config, Part::Velocity);
         parts.distance_penalty = has(config, Part::DistancePenalty);
@@ -208,7 +208,7 @@ mod tests {
     fn built_in_recordings_hold_with_all_parts_and_without_each() {
         let all: Change<Config> = ("nothing", |_| ());
         for (without, change) in [all].into_iter().chain(WITHOUT) {
-            let mut config = Config::robust();
+            let mut config = Config::refined();
             change(&mut config);
             for name in CHECKED {
                 let report = checked(name, config, numbers(&config), 12);
@@ -235,7 +235,7 @@ mod tests {
             ("early rate", |config| config.early_rate = 128, |numbers| numbers.early_rate = 0.125),
         ];
         for (what, change, same) in others {
-            let (mut config, mut numbers) = (Config::robust(), Numbers::robust());
+            let (mut config, mut numbers) = (Config::refined(), Numbers::refined());
             change(&mut config);
             same(&mut numbers);
             for name in CHECKED {
@@ -285,13 +285,12 @@ mod tests {
             ("parts.distance_penalty", |numbers| numbers.parts.distance_penalty = false),
             ("parts.size", |numbers| numbers.parts.size = false),
         ];
-        noticed(&others, |numbers| checked(CHECKED[0], Config::robust(), numbers, 40));
+        noticed(&others, |numbers| checked(CHECKED[0], Config::refined(), numbers, 40));
         // The refiner reads more of the frame than the scale search, which then changes no window.
         let scale_reach: [Change<Numbers>; 1] = [("scale_reach", |numbers| numbers.scale_reach = 0)];
         noticed(&scale_reach, |mut numbers| {
-            let mut config = Config::robust();
-            (config.refiner, numbers.parts.refiner) = (false, false);
-            checked(CHECKED[0], config, numbers, 40)
+            numbers.parts.refiner = false;
+            checked(CHECKED[0], Config::robust(), numbers, 40)
         });
     }
 
@@ -300,7 +299,7 @@ mod tests {
     fn other_numbers_of_places_and_sizes_are_noticed() {
         let others: [Change<Numbers>; 2] =
             [("coarse_step", |numbers| numbers.coarse_step = 1), ("scale_gain", |numbers| numbers.scale_gain = 128.0)];
-        assert_eq!(jumping(Numbers::robust()).violation, None);
+        assert_eq!(jumping(Numbers::refined()).violation, None);
         noticed(&others, jumping);
     }
 
@@ -321,7 +320,7 @@ mod tests {
         };
         let jumps = [(43, 45), (41, 50), (48, 47), (45, 41), (52, 44), (47, 49), (53, 43), (50, 50), (44, 46)];
         let grows = (33..43).map(|side| frame((44, 46), side));
-        let check = lock("jumping", numbers, Config::robust(), &frame((40, 40), 32), Rect::new(40, 40, 32, 32));
+        let check = lock("jumping", numbers, Config::refined(), &frame((40, 40), 32), Rect::new(40, 40, 32, 32));
         through(check, jumps.map(|at| frame(at, 32)).into_iter().chain(grows))
     }
 
@@ -337,12 +336,12 @@ mod tests {
         ];
         let frame = |step: usize| GrayFrame { width: 240, height: 160, pixels: tiles(240, 160, |x, y| (x + step, y)) };
         let report = |numbers: Numbers, target: Rect| {
-            let check = lock("bounds", numbers, Config::robust(), &frame(0), target);
+            let check = lock("bounds", numbers, Config::refined(), &frame(0), target);
             through(check, std::iter::once(frame(1)))
         };
         let [small, long, large] = [Rect::new(100, 20, 6, 3), Rect::new(10, 15, 220, 4), Rect::new(10, 10, 200, 140)];
         for target in [small, long, large] {
-            assert_eq!(report(Numbers::robust(), target).violation, None);
+            assert_eq!(report(Numbers::refined(), target).violation, None);
         }
         noticed(&others[..2], |numbers| report(numbers, small));
         noticed(&others[2..3], |numbers| report(numbers, long));
@@ -377,10 +376,10 @@ mod tests {
             frame
         };
         let report = |numbers: Numbers| {
-            let check = lock("cut off", numbers, Config::robust(), &still(0), Rect::new(14, 14, 32, 32));
+            let check = lock("cut off", numbers, Config::refined(), &still(0), Rect::new(14, 14, 32, 32));
             through(check, [still(0), cut_off(still(0)), cut_off(still(0)), still(0)].into_iter())
         };
-        assert_eq!(report(Numbers::robust()).violation, None);
+        assert_eq!(report(Numbers::refined()).violation, None);
         noticed(&others, report);
     }
 
@@ -388,7 +387,7 @@ mod tests {
     #[test]
     fn a_lost_target_that_comes_back_where_it_is_followed_holds() {
         let hidden = [0; 5].into_iter().chain([28; 8]).chain([0; 8]);
-        let check = lock("still", Numbers::robust(), Config::robust(), &still(0), Rect::new(14, 14, 32, 32));
+        let check = lock("still", Numbers::refined(), Config::refined(), &still(0), Rect::new(14, 14, 32, 32));
         let Report { violation, counts, .. } = through(check, hidden.map(still));
         assert_eq!((violation, counts.found_again), (None, 0));
         assert!(counts.lost > 0 && counts.swept > 0 && counts.lost < 8, "{counts:?}");
@@ -413,7 +412,7 @@ mod tests {
 
     fn noticed(others: &[Change<Numbers>], report: impl Fn(Numbers) -> Report) {
         let unnoticed = |&&(_, change): &&Change<Numbers>| {
-            let mut numbers = Numbers::robust();
+            let mut numbers = Numbers::refined();
             change(&mut numbers);
             report(numbers).violation.is_none()
         };
@@ -423,7 +422,7 @@ mod tests {
 
     #[test]
     fn a_target_that_is_lost_swept_for_and_found_again_holds() {
-        let report = hidden(Numbers::robust());
+        let report = hidden(Numbers::refined());
         assert_eq!(report.violation, None);
         let Counts { lost, swept, found_again, .. } = report.counts;
         assert!(lost > 0 && swept >= lost && found_again > 0, "{report:?}");
@@ -443,7 +442,7 @@ mod tests {
             GrayFrame { width: 240, height: 160, pixels }
         };
         let target = Rect::new(30, 40, 32, 32);
-        let check = lock("hidden", numbers, Config::robust(), &frame(Some((30, 40))), target);
+        let check = lock("hidden", numbers, Config::refined(), &frame(Some((30, 40))), target);
         let there = (0..5).map(|step| Some((30 + step, 40)));
         through(check, there.chain([None; 8]).chain([Some((190, 120)); 16]).map(frame))
     }

@@ -40,7 +40,7 @@ impl Ablate {
 /// The paper's tracker, the robust one, and the robust one without each of its parts.
 fn variants() -> Vec<Variant> {
     let robust = |config: robust::Config| Variant::new(MethodKind::Robust, &config.into());
-    let whole = robust::Config::robust();
+    let whole = robust::Config::refined();
     let without = Part::value_variants().iter().map(|&part| {
         let mut config = whole;
         part.leave_out(&mut config);

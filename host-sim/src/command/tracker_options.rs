@@ -15,18 +15,28 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-/// The preset that `smr` starts from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+/// The presets of both trackers, with the names that they have in every language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The paper's, to the letter
-    #[default]
+    /// smr: the paper's, to the letter
     Paper,
-    /// For cameras: a bounded window, the template updated up to the edge
+    /// smr: for cameras: a bounded window, the template updated up to the edge
     Camera,
-    /// Not a preset: here to be refused in words.
-    #[value(hide = true)]
+    /// robust: without the refiner. In firmware: Config::robust(), smr_config_robust
     Robust,
+    /// robust: with the refiner. In firmware: Config::refined(), smr_config_refined
+    Refined,
+}
+
+impl Preset {
+    /// The method that has it.
+    const fn method(self) -> MethodKind {
+        match self {
+            Self::Paper | Self::Camera => MethodKind::Smr,
+            Self::Robust | Self::Refined => MethodKind::Robust,
+        }
+    }
 }
 
 /// Where the usual value is not wanted. Each option says in brackets which methods take it, if that is not smr alone.
@@ -34,9 +44,9 @@ pub enum Preset {
 #[serde(rename_all = "kebab-case")]
 #[command(next_help_heading = "Tracker (options of smr, if not said otherwise)")]
 pub struct TrackerOptions {
-    /// The preset that smr starts from
-    #[arg(long, value_enum, default_value = "paper")]
-    config: Preset,
+    /// The preset to start from [smr, robust] [default: paper; of robust: refined]
+    #[arg(long, value_enum, value_name = "PRESET")]
+    config: Option<Preset>,
     /// Search window to each side, in pixels [all but robust] [default: 60x50]
     #[arg(long, value_name = "XxY")]
     window: Option<Pair>,
@@ -109,7 +119,7 @@ fn taken_by(option: &str) -> &'static [MethodKind] {
         "without" | "reach" | "patience" | "lost-below" | "uncertain-below" | "learning-rate" | "early-rate" => {
             &[Robust]
         }
-        "backend" | "step" => &[Smr, Robust],
+        "config" | "backend" | "step" => &[Smr, Robust],
         _ => &[Smr],
     }
 }
@@ -206,7 +216,7 @@ impl TrackerOptions {
     /// All that is given, as it stands in JSON.
     fn given(&self) -> Map<String, Value> {
         let Ok(Value::Object(mut given)) = serde_json::to_value(self) else { return Map::new() };
-        let defaults = [json!(null), json!(false), json!([]), json!("paper")];
+        let defaults = [json!(null), json!(false), json!([]), json!("paper"), json!("refined")];
         given.retain(|_, value| !defaults.contains(value));
         given
     }
@@ -218,17 +228,21 @@ impl TrackerOptions {
 
     /// What is given of the options that `method` takes, as it stands in JSON.
     fn options_of(&self, method: MethodKind) -> Map<String, Value> {
-        self.given().into_iter().filter(|(option, _)| taken_by(option).contains(&method)).collect()
+        let of_another = self.config.is_some_and(|preset| preset.method() != method);
+        let takes = |option: &str| taken_by(option).contains(&method) && !(option == "config" && of_another);
+        self.given().into_iter().filter(|(option, _)| takes(option)).collect()
     }
 
     /// Errors: An option that none of `methods` takes.
     fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
-        if self.config == Preset::Robust {
-            bail!("--config robust: the robust tracker is a method of its own: use --method robust");
+        let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+        if let Some(preset) = self.config.filter(|preset| !methods.contains(&preset.method())) {
+            let (value, method) = (preset.to_possible_value(), preset.method().name());
+            let name = value.as_ref().map_or("", |value| value.get_name());
+            bail!("--config {name} is a preset of {method}, not of {}: use --method {method}", names(methods));
         }
         let taken = |option: &str| methods.iter().any(|method| taken_by(option).contains(method));
         if let Some(option) = self.given().keys().find(|option| !taken(option)) {
-            let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
             let taking = taken_by(option);
             bail!(
                 "--{option} is an option of {}, not of {}: use --method {}",
@@ -248,7 +262,7 @@ impl TrackerOptions {
 
     /// The configuration of the paper's tracker with the options put in.
     fn paper(&self) -> Result<Config> {
-        let mut config = if self.config == Preset::Camera { Config::camera() } else { Config::paper() };
+        let mut config = if self.config == Some(Preset::Camera) { Config::camera() } else { Config::paper() };
         let radius = |Pair(x, y): Pair| Radius { x, y };
         config.window = self.window.map_or(config.window, radius);
         config.window_limit = self.window_limit.map_or(config.window_limit, radius);
@@ -293,7 +307,8 @@ impl TrackerOptions {
 
     /// The robust tracker's configuration with the options put in.
     fn robust(&self) -> Result<robust::Config> {
-        let mut config = robust::Config::robust();
+        let plain = self.config == Some(Preset::Robust);
+        let mut config = if plain { robust::Config::robust() } else { robust::Config::refined() };
         self.without.iter().for_each(|part| part.leave_out(&mut config));
         config.backend = self.backend;
         config.reach = self.reach.unwrap_or(config.reach);
@@ -311,7 +326,8 @@ impl TrackerOptions {
 
     /// The same for its reference, which keeps its own copy of the numbers.
     pub fn robust_reference_numbers(&self) -> reference::Numbers {
-        let mut numbers = reference::Numbers::robust();
+        let mut numbers = reference::Numbers::refined();
+        numbers.parts.refiner = self.config != Some(Preset::Robust);
         for part in &self.without {
             *part.of(&mut numbers.parts) = false;
         }
@@ -326,7 +342,7 @@ impl TrackerOptions {
 
     /// The same for the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
-        let mut numbers = if self.config == Preset::Camera { Numbers::camera() } else { Numbers::paper() };
+        let mut numbers = if self.config == Some(Preset::Camera) { Numbers::camera() } else { Numbers::paper() };
         let radius = |Pair(x, y): Pair| (x.into(), y.into());
         numbers.window = self.window.map_or(numbers.window, radius);
         numbers.window_limit = self.window_limit.map(radius).or(numbers.window_limit);

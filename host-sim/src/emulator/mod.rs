@@ -200,12 +200,7 @@ impl<T: Target> Follows for Tracker<T> {
 fn tracker(method: CoreKind, radius: u16) -> Result<Box<dyn Follows>> {
     Ok(match method {
         CoreKind::Smr => Box::new(Tracker::<Paper>::new(paper::Config::camera_within(radius))?),
-        CoreKind::Robust => {
-            // The firmware is built without the refiner.
-            let mut config = robust::Config::robust();
-            config.refiner = false;
-            Box::new(Tracker::<Robust>::new(config)?)
-        }
+        CoreKind::Robust => Box::new(Tracker::<Robust>::new(robust::Config::robust())?),
     })
 }
 

@@ -19,7 +19,7 @@ pub struct Configs {
 
 impl From<Config> for Configs {
     fn from(paper: Config) -> Self {
-        Self { paper, robust: robust::Config::robust(), step: u32::MAX }
+        Self { paper, robust: robust::Config::refined(), step: u32::MAX }
     }
 }
 

@@ -119,7 +119,7 @@ impl Shown for Tracker<Robust> {
             rows,
         };
         let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
-        let numbers = Numbers::robust();
+        let numbers = Numbers::refined();
         let seen = lattice.sample(&numbers, &picture);
         let lit = relit(&numbers, &early, &seen);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them

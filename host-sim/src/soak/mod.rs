@@ -103,7 +103,7 @@ impl Soaked for crate::Paper {
 
 impl Soaked for Robust {
     fn fastest() -> robust::Config {
-        robust::Config::robust()
+        robust::Config::refined()
     }
 
     fn plain() -> robust::Config {
@@ -113,7 +113,7 @@ impl Soaked for Robust {
     }
 
     fn numbers() -> reference::Numbers {
-        reference::Numbers::robust()
+        reference::Numbers::refined()
     }
 }
 

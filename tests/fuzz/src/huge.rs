@@ -34,7 +34,7 @@ fn side(u: &mut Unstructured<'_>, most: u16) -> Result<u16> {
 }
 
 fn follow(u: &mut Unstructured<'_>, frame: &Frame<'_>) -> Result<()> {
-    let mut config = Config::robust();
+    let mut config = Config::refined();
     (config.reach, config.size, config.sweep) = (u.int_in_range(4..=8)?, u.arbitrary()?, u.arbitrary()?);
     let (most, bounds) = (config.most_work(), frame.bounds());
     let (width, height) = (side(u, bounds.width)?, side(u, bounds.height)?);

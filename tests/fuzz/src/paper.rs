@@ -42,7 +42,7 @@ fn radius(u: &mut Unstructured<'_>, range: std::ops::RangeInclusive<u16>) -> Res
 }
 
 impl Fuzzed for Small {
-    const SIZE_AT: usize = 26;
+    const SIZE_AT: usize = 78;
     const PACE: usize = 0;
 
     fn configuration(u: &mut Unstructured<'_>, extent: &Extent) -> Result<Config> {

@@ -169,7 +169,7 @@ pub(crate) fn vectors(bytes: &[u8]) {
     if !text.len().is_multiple_of(8) {
         return;
     }
-    let mut robust = Box::new(Tracker::new(smr_core::robust::Config::robust()).expect("a configuration"));
+    let mut robust = Box::new(Tracker::new(smr_core::robust::Config::refined()).expect("a configuration"));
     let _ = smr_tests::follow::<smr_core::Robust>(&mut robust, text, &mut buffer, |tracker, frame| {
         tracker.update(frame).ok()
     });

@@ -10,11 +10,11 @@ use smr_core::similarity::Backend;
 use std::sync::LazyLock;
 
 impl Fuzzed for Robust {
-    const SIZE_AT: usize = 14;
+    const SIZE_AT: usize = 40;
     const PACE: usize = 1;
 
     fn configuration(u: &mut Unstructured<'_>, _: &Extent) -> Result<Config> {
-        let mut config = Config::robust();
+        let mut config = Config::refined();
         config.reach = if u.ratio(1, 8)? { u.arbitrary()? } else { u.int_in_range(4..=5)? };
         config.backend = paper::backend(u)?;
         let what: u8 = u.arbitrary()?;
@@ -41,7 +41,7 @@ impl Fuzzed for Robust {
     }
 
     fn usual() -> Config {
-        let mut config = Config::robust();
+        let mut config = Config::refined();
         config.reach = 4;
         config
     }

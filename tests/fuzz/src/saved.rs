@@ -57,8 +57,8 @@ pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
 
 /// A few bytes, a number, or the length.
 fn change(u: &mut Unstructured<'_>, saved: &mut Vec<u8>) -> Result<()> {
-    // Mostly in the track, which comes first.
-    let end = if u.arbitrary()? { 80.min(saved.len()) } else { saved.len() };
+    // Mostly in the configuration and the track, which come first.
+    let end = if u.arbitrary()? { 100.min(saved.len()) } else { saved.len() };
     let at = u.choose_index(end.max(1))?;
     match u.int_in_range(0..=5_u8)? {
         0 => saved.truncate(at),

@@ -19,12 +19,12 @@ __all__ = [
 
 
 def restore(saved: bytes) -> Tracker:
-    """A tracker with the target that `Tracker.save` wrote, for trackers with usual options.
+    """A tracker with the target that `Tracker.save` wrote, for trackers of any preset without other options.
 
-    A saved target does not hold the options. For a tracker with other options call `restore` of a tracker that has them.
+    For a tracker with other options call `restore` of a tracker that has them. The error names the first one that differs.
     """
     error = None
-    for tracker in (Robust(), Paper(), Paper(preset="paper")):
+    for tracker in (Robust(), Robust("robust"), Paper(), Paper("paper")):
         try:
             tracker.restore(saved)
             return tracker

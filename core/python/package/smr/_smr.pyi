@@ -47,6 +47,7 @@ class Paper(Tracker):
 class Robust(Tracker):
     def __new__(
         cls,
+        preset: Literal["refined", "robust"] = "refined",
         *,
         reach: int = ...,
         size: bool = ...,

@@ -3,7 +3,7 @@
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
 use crate::kernels::backend::Backend;
-use crate::kernels::dense::Dense;
+use crate::kernels::dense::{Dense, SPARE};
 use crate::kernels::plain::dense::Layer;
 use std::vec::Vec;
 
@@ -54,11 +54,13 @@ fn same(backend: Backend, layer: Layer<'_>, patches: &[i8]) {
     let count = patches.len() / layer.inputs;
     let mut memories = [(); 2].map(|()| Guarded::with_room(1 << 14));
     let [for_weights, for_patches] = &mut memories;
-    for side in [Side::After, Side::Before] {
+    // Any place of the scratch memory, and none.
+    let mut spare = std::vec![77; SPARE + 1];
+    for (side, room) in [(Side::After, 0..SPARE), (Side::Before, 1..SPARE + 1), (Side::After, 0..0)] {
         let weights = guarded(for_weights, layer.weights, side);
         let near = guarded(for_patches, patches, side);
         let mut out = std::vec![55; count * layer.biases.len()];
-        Dense::new(backend).outputs(Layer { weights, ..layer }, near, &mut out);
+        Dense::new(backend).outputs(Layer { weights, ..layer }, near, &mut spare[room], &mut out);
         assert_eq!(
             out,
             expected(layer, patches),
@@ -112,8 +114,8 @@ fn wrong_lengths(backend: Backend) {
         let weights = guarded(&mut memory, &numbers[..weights], Side::After);
         let layer = Layer { inputs, weights, biases: &[[1, 0, 0, 0]; 2], shift: 11 };
         let (mut given, mut wanted) = ([9; 7], [9; 7]);
-        Dense::new(backend).outputs(layer, &numbers[..patches], &mut given);
-        Dense::new(Backend::Scalar).outputs(layer, &numbers[..patches], &mut wanted);
+        Dense::new(backend).outputs(layer, &numbers[..patches], &mut [0; SPARE], &mut given);
+        Dense::new(Backend::Scalar).outputs(layer, &numbers[..patches], &mut [], &mut wanted);
         assert_eq!(given, wanted, "{backend:?}: {inputs} inputs, {patches} numbers");
     }
 }

@@ -1,7 +1,7 @@
 //! The layers of a small network at extreme values and in all shapes (features `verify` and `refiner`).
 
 use super::super::backend::Backend;
-use super::super::dense::Dense;
+use super::super::dense::{Dense, SPARE};
 use super::super::plain::dense::Layer;
 use super::filter::Noise;
 
@@ -40,17 +40,17 @@ pub(super) fn layers(noise: &mut Noise) {
             let none = [[0; 4]; 24];
             for (biases, shift) in [(&*biases, 20), (&*biases, 21), (&none, 0), (&none, 9), (&none, 13)] {
                 let biases = biases.get(..outputs).unwrap_or_default();
-                let mut out = [0; 256];
+                let (mut out, spare) = ([0; 256], &mut [0; SPARE]);
                 let out = out.get_mut(..count * outputs).unwrap_or_default();
                 let dense = Dense::new(Backend::best());
-                dense.outputs(Layer { inputs, weights: &weights, biases, shift }, &patches, out);
+                dense.outputs(Layer { inputs, weights: &weights, biases, shift }, &patches, spare, out);
                 // A weight, an input or an output is missing.
                 let short = Layer { inputs, weights: weights.get(1..).unwrap_or_default(), biases, shift };
-                dense.outputs(short, &patches, out);
+                dense.outputs(short, &patches, spare, out);
                 let layer = Layer { weights: &weights, ..short };
-                dense.outputs(layer, patches.get(1..).unwrap_or_default(), out);
+                dense.outputs(layer, patches.get(1..).unwrap_or_default(), spare, out);
                 out.fill(0);
-                dense.outputs(layer, &patches, out.get_mut(1..).unwrap_or_default());
+                dense.outputs(layer, &patches, &mut [], out.get_mut(1..).unwrap_or_default());
             }
         }
     }

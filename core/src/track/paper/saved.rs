@@ -1,18 +1,20 @@
 //! A target of the paper's tracker as bytes: track, threshold, template.
 
-use super::config::{Config, Fraction, RunnerUp};
+use super::config::{Config, RunnerUp};
 use super::gate::Track;
 use super::template::Template;
 use crate::image::Rect;
-use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
+use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
 use crate::track::{Quality, RestoreError, SaveError, State};
 
+/// Numbers of the configuration but the table.
+const NUMBERS: usize = 26;
 /// Bytes of the track and of the threshold.
 const TRACK: usize = 24;
 
 /// The bytes of a target with a template of `pixels` pixels.
 pub(super) const fn size(pixels: usize) -> usize {
-    AROUND + TRACK + pixels
+    around(NUMBERS) + TRACK + pixels
 }
 
 pub(super) fn saved_size(track: Option<&Track>) -> Result<usize, SaveError> {
@@ -25,7 +27,7 @@ pub(super) fn save<const PIXELS: usize>(
     bytes: &mut [u8],
 ) -> Result<usize, SaveError> {
     let (Some(track), Some(image)) = (track, template.image()) else { return Err(SaveError::NotLocked) };
-    let mut to = Writer::new(bytes, saved_size(Some(track))?, Kind::Paper, sum(config))?;
+    let mut to = Writer::new(bytes, saved_size(Some(track))?, Kind::Paper, &settings(config, &numbers(config)))?;
     to.i32(track.target.x);
     to.i32(track.target.y);
     for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
@@ -40,6 +42,11 @@ pub(super) fn save<const PIXELS: usize>(
     Ok(to.finish())
 }
 
+/// A reader of the state, if the configuration is the one that the target was saved with.
+pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, RestoreError> {
+    Reader::new(bytes, Kind::Paper, &settings(config, &numbers(config)))
+}
+
 /// Restores the template and returns the track. If it fails, the template is unchanged.
 pub(super) fn restore<const PIXELS: usize>(
     config: &Config,
@@ -47,7 +54,7 @@ pub(super) fn restore<const PIXELS: usize>(
     span: usize,
     bytes: &[u8],
 ) -> Result<Track, RestoreError> {
-    let mut from = Reader::new(bytes, Kind::Paper, sum(config))?;
+    let mut from = reader(config, bytes)?;
     let (track, threshold) = track(&mut from, config.padding).ok_or(RestoreError::Damaged)?;
     track.check_room(PIXELS, span, config).map_err(|_| RestoreError::TooLarge)?;
     let area = usize::try_from(track.target.area()).unwrap_or(usize::MAX);
@@ -75,26 +82,40 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))
 }
 
-/// The checksum of [`numbers`].
-fn sum(config: &Config) -> u32 {
-    let mut sum = ConfigSum::new();
-    numbers(config, |number| sum.add(number));
-    sum.finish()
+pub(super) const fn settings<'a>(config: &Config, numbers: &'a [(Setting, u16)]) -> Settings<'a> {
+    Settings { table: config.table, numbers }
 }
 
-/// The numbers that answers depend on: all but backend and pruning.
-pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
-    config.table.entries().iter().for_each(|&entry| add(entry));
-    let gate = &config.gate;
-    for Fraction { numerator, denominator } in [config.k, gate.tracking, gate.leaving, gate.returning, gate.lost] {
-        add(numerator);
-        add(denominator);
-    }
-    let (window, limit, zone) = (config.window, config.window_limit, config.update_zone);
-    let always = u16::from(config.runner_up == RunnerUp::Always);
-    let rest = [gate.lead, gate.least_ratio, config.first_threshold.into(), config.least_threshold.into()];
-    let reach = [config.padding, window.x, window.y, config.growth, limit.x, limit.y, config.neighbourhood, always];
-    for number in rest.into_iter().chain(reach).chain([zone.left, zone.top, zone.right, zone.bottom]) {
-        add(number);
-    }
+/// The numbers that answers depend on: all but the table, backend and pruning.
+#[inline(never)] // one copy in flash
+pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
+    let Config { k, gate, window, window_limit: limit, update_zone: zone, .. } = config;
+    [
+        (Setting::K, k.numerator),
+        (Setting::K, k.denominator),
+        (Setting::GateTracking, gate.tracking.numerator),
+        (Setting::GateTracking, gate.tracking.denominator),
+        (Setting::GateLeaving, gate.leaving.numerator),
+        (Setting::GateLeaving, gate.leaving.denominator),
+        (Setting::GateReturning, gate.returning.numerator),
+        (Setting::GateReturning, gate.returning.denominator),
+        (Setting::GateLost, gate.lost.numerator),
+        (Setting::GateLost, gate.lost.denominator),
+        (Setting::GateLead, gate.lead),
+        (Setting::GateLeastRatio, gate.least_ratio),
+        (Setting::FirstThreshold, config.first_threshold as u16),
+        (Setting::LeastThreshold, config.least_threshold as u16),
+        (Setting::Padding, config.padding),
+        (Setting::Window, window.x),
+        (Setting::Window, window.y),
+        (Setting::Growth, config.growth),
+        (Setting::WindowLimit, limit.x),
+        (Setting::WindowLimit, limit.y),
+        (Setting::Neighbourhood, config.neighbourhood),
+        (Setting::RunnerUp, matches!(config.runner_up, RunnerUp::Always) as u16),
+        (Setting::UpdateZone, zone.left),
+        (Setting::UpdateZone, zone.top),
+        (Setting::UpdateZone, zone.right),
+        (Setting::UpdateZone, zone.bottom),
+    ]
 }

@@ -211,13 +211,18 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         self.locking = Locking::NOTHING;
         Ok(())
     }
+
+    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
+        saved::reader(&self.config, bytes).map(drop)
+    }
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
 
     fn identify(&self, owner: &mut Owner, _: &Seal) {
-        saved::numbers(&self.config, |number| owner.add(number.into()));
+        let numbers = saved::numbers(&self.config);
+        saved::settings(&self.config, &numbers).each(|number| owner.add(number.into()));
         self.locking.identify(owner);
         if let Some(track) = &self.track {
             track.identify(owner);

@@ -4,7 +4,8 @@ use super::constants::REACH;
 use crate::similarity::{Backend, Table};
 use crate::track::ConfigError;
 
-/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, and change what you need.
+/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, or the same with the refiner
+/// (`Config::refined`), and change what you need.
 ///
 /// ```
 /// use smr_core::{Robust, Target, robust::Config};
@@ -30,8 +31,9 @@ pub struct Config {
     pub size: bool,
     /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
     pub sweep: bool,
-    /// Whether a small learned network corrects the answered box (feature `refiner`). With it the box keeps to a target that comes nearer,
-    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). Without the feature, [`Config::check`] refuses it.
+    /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer, turns or changes its
+    /// shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a build without the feature `refiner`,
+    /// [`Config::check`] refuses it.
     pub refiner: bool,
     /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher value holds on to the
     /// target for longer: through short occlusions, but also through errors.
@@ -73,7 +75,7 @@ pub enum Part {
 }
 
 impl Config {
-    /// The values that were best on many recordings, with the refiner if it is built in (feature `refiner`).
+    /// The values that were best on many recordings, without the refiner: the same in every build.
     #[must_use]
     pub const fn robust() -> Self {
         Self {
@@ -82,7 +84,7 @@ impl Config {
             reach: 8,
             size: true,
             sweep: true,
-            refiner: cfg!(feature = "refiner"),
+            refiner: false,
             patience: 179,
             lost_below: 19_200,
             uncertain_below: 32_500,
@@ -90,6 +92,13 @@ impl Config {
             early_rate: 1,
             parts: Parts { velocity: true, distance_penalty: true, verification: true, gated_learning: true },
         }
+    }
+
+    /// [`Config::robust`] with the refiner.
+    #[cfg(feature = "refiner")]
+    #[must_use]
+    pub const fn refined() -> Self {
+        Self { refiner: true, ..Self::robust() }
     }
 
     /// The same without a part.
@@ -120,7 +129,7 @@ impl Config {
     /// Checks the numbers, as [`Target::new`](crate::Target::new) does.
     ///
     /// # Errors
-    /// [`ConfigError::OutOfRange`].
+    /// [`ConfigError::OutOfRange`], or [`ConfigError::RefinerNotBuiltIn`].
     ///
     /// ```
     /// use smr_core::{ConfigError, robust::Config};
@@ -132,8 +141,13 @@ impl Config {
         let reach = 4 <= self.reach && self.reach as u16 <= REACH;
         let states = self.lost_below <= self.uncertain_below;
         let rates = self.learning_rate <= 256 && self.early_rate <= 1024;
-        let built_in = !self.refiner || cfg!(feature = "refiner");
-        if reach && states && rates && built_in { Ok(()) } else { Err(ConfigError::OutOfRange) }
+        if !(reach && states && rates) {
+            Err(ConfigError::OutOfRange)
+        } else if self.refiner && !cfg!(feature = "refiner") {
+            Err(ConfigError::RefinerNotBuiltIn)
+        } else {
+            Ok(())
+        }
     }
 
     /// Offsets on an axis of the search.

@@ -15,7 +15,7 @@ use super::scale;
 use super::template::Template;
 use crate::correlation::Filter;
 use crate::image::{FineRect, Rect};
-use crate::track::saved::{AROUND, ConfigSum, Kind, Reader, Writer};
+use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
 use crate::track::update::Owner;
 use crate::track::{Quality, RestoreError, SaveError};
 #[cfg(feature = "refiner")]
@@ -168,6 +168,8 @@ impl Memory {
     }
 }
 
+/// Numbers of the configuration but the table.
+const NUMBERS: usize = 13;
 /// Bytes of a saved track.
 const TRACK: usize = 58;
 /// Bytes of what the refiner remembers: the correction and the first frame's target.
@@ -176,19 +178,19 @@ const REFINER: usize = 16 + FIRST;
 #[cfg(not(feature = "refiner"))]
 const REFINER: usize = 0;
 /// The most bytes of a saved target.
-pub(super) const SAVED_SIZE: usize = AROUND + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + REFINER;
+pub(super) const SAVED_SIZE: usize = around(NUMBERS) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + REFINER;
 
 impl Memory {
     /// Bytes of the saved form.
     pub(super) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
         let refiner = if config.refiner { REFINER } else { 0 };
-        let size = AROUND + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
+        let size = around(NUMBERS) + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
     }
 
     pub(super) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
         let track = self.track.ok_or(SaveError::NotLocked)?;
-        let mut to = Writer::new(bytes, self.saved_size(config)?, Kind::Robust, checksum(config))?;
+        let mut to = Writer::new(bytes, self.saved_size(config)?, Kind::Robust, &settings(config, &numbers(config)))?;
         for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
             to.u16(side);
         }
@@ -214,7 +216,7 @@ impl Memory {
 
     /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
     pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), RestoreError> {
-        let mut from = Reader::new(bytes, Kind::Robust, checksum(config))?;
+        let mut from = reader(config, bytes)?;
         #[cfg_attr(not(feature = "refiner"), allow(unused_mut))]
         let mut track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
         let count = track.grid.weights();
@@ -236,7 +238,10 @@ impl Memory {
             if first.iter().any(|&input| input > 127) {
                 return Err(RestoreError::Damaged);
             }
-            self.first = first.iter().map(|input| input.cast_signed()).collect();
+            self.first.clear();
+            // Cannot fail: there is room for all.
+            let _ = self.first.resize_default(FIRST);
+            self.first.iter_mut().zip(first).for_each(|(to, input)| *to = input.cast_signed());
         }
         self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
         self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
@@ -279,28 +284,34 @@ fn read_correction(from: &mut Reader<'_>) -> Option<Correction> {
     Correction::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
 }
 
-/// The checksum of the configuration.
-fn checksum(config: &Config) -> u32 {
-    let mut sum = ConfigSum::new();
-    numbers(config, |number| sum.add(number));
-    sum.finish()
+/// A reader of the state, if the configuration is the one that the target was saved with.
+pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, RestoreError> {
+    Reader::new(bytes, Kind::Robust, &settings(config, &numbers(config)))
 }
 
-/// All numbers of the configuration that answers depend on. The refiner adds one only if it is on: so what was saved or recorded without it
-/// stays as it is.
-pub(in crate::track) fn numbers(config: &Config, mut add: impl FnMut(u16)) {
-    config.table.entries().iter().for_each(|&entry| add(entry));
+pub(super) const fn settings<'a>(config: &Config, numbers: &'a [(Setting, u16)]) -> Settings<'a> {
+    Settings { table: config.table, numbers }
+}
+
+/// The numbers that answers depend on: all but the table and the backend. The refiner comes last: a flight record names it only if it is on.
+#[inline(never)] // one copy in flash
+pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
     let Parts { velocity, distance_penalty, verification, gated_learning } = config.parts;
-    for part in [config.size, config.sweep, velocity, distance_penalty, verification, gated_learning] {
-        add(part.into());
-    }
-    let Config { reach, patience, lost_below, uncertain_below, learning_rate, early_rate, .. } = *config;
-    for number in [reach.into(), patience.into(), lost_below, uncertain_below, learning_rate, early_rate] {
-        add(number);
-    }
-    if config.refiner {
-        add(1);
-    }
+    [
+        (Setting::Size, config.size as u16),
+        (Setting::Sweep, config.sweep as u16),
+        (Setting::Parts, velocity as u16),
+        (Setting::Parts, distance_penalty as u16),
+        (Setting::Parts, verification as u16),
+        (Setting::Parts, gated_learning as u16),
+        (Setting::Reach, config.reach as u16),
+        (Setting::Patience, config.patience as u16),
+        (Setting::LostBelow, config.lost_below),
+        (Setting::UncertainBelow, config.uncertain_below),
+        (Setting::LearningRate, config.learning_rate),
+        (Setting::EarlyRate, config.early_rate),
+        (Setting::Refiner, config.refiner as u16),
+    ]
 }
 
 #[cfg(test)]

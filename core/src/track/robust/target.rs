@@ -232,13 +232,18 @@ impl Target for Robust {
         self.locking = Locking::NOTHING;
         Ok(())
     }
+
+    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
+        state::reader(&self.config, bytes).map(drop)
+    }
 }
 
 impl Steps for Robust {
     type Workspace = Workspace;
 
     fn identify(&self, owner: &mut Owner, _: &Seal) {
-        state::numbers(&self.config, |number| owner.add(number.into()));
+        let numbers = state::numbers(&self.config);
+        state::settings(&self.config, &numbers).each(|number| owner.add(number.into()));
         self.locking.identify(owner);
         self.memory.identify(owner);
     }

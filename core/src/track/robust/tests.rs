@@ -8,6 +8,11 @@ use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;
 use std::{boxed::Box, vec, vec::Vec};
 
+/// All that is built in.
+fn most_parts() -> Config {
+    Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }
+}
+
 /// Noise, different in each frame.
 fn noise(pixels: usize, frame: u32) -> Vec<u8> {
     let byte = |at: u32| ((at ^ frame << 20).wrapping_mul(2_654_435_761) >> 13) as u8;
@@ -28,7 +33,7 @@ struct Both {
 
 impl Both {
     fn lock(width: u16, height: u16, first: &[u8], target: Rect) -> Self {
-        let [mut whole, mut part] = [(); 2].map(|()| Box::new(Tracker::<Robust>::new(Config::robust()).unwrap()));
+        let [mut whole, mut part] = [(); 2].map(|()| Box::new(Tracker::<Robust>::new(most_parts()).unwrap()));
         let frame = self::whole(first, width, height);
         whole.lock(&frame, target).unwrap();
         let window = whole.lock_window(frame.bounds(), target);
@@ -110,11 +115,11 @@ fn a_step_does_no_more_than_it_promises() {
     ] {
         let pixels = usize::from(width) * usize::from(height);
         let (first, other) = (noise(pixels, 0), noise(pixels, 1));
-        let mut tracker = Box::new(Tracker::<Robust>::new(Config::robust()).unwrap());
+        let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
         tracker.lock(&whole(&first, width, height), target).unwrap();
         for (number, pixels) in [&first, &other, &other, &other, &other, &other, &other, &first].into_iter().enumerate()
         {
-            let most = Config::robust().most_work().beyond_a_step;
+            let most = most_parts().most_work().beyond_a_step;
             for asked in [0, 1, 20_000] {
                 let frame = whole(pixels, width, height);
                 let mut update = tracker.begin(&frame).unwrap();
@@ -155,7 +160,7 @@ fn a_target_of_any_size_costs_about_the_same() {
         work
     };
     let work = |pixels: &[u8], size: (u16, u16), target: Rect| {
-        let mut config = Config::robust();
+        let mut config = most_parts();
         work_of(config, pixels, size, target);
         // The refiner runs only where the early template gives no exact place and size.
         config.refiner = false;
@@ -222,10 +227,10 @@ fn most_done(config: Config) -> [u64; 3] {
 fn the_most_work_is_nearly_done() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
     for config in [
-        Config::robust(),
-        Config { reach: 4, ..Config::robust() },
-        Config { size: false, ..Config::robust() },
-        Config { sweep: false, ..Config::robust() },
+        most_parts(),
+        Config { reach: 4, ..most_parts() },
+        Config { size: false, ..most_parts() },
+        Config { sweep: false, ..most_parts() },
     ] {
         let most = config.most_work();
         let both = most_done(config).into_iter().zip(most_done(lost(config))).map(|(learns, looks)| learns.max(looks));
@@ -303,7 +308,7 @@ fn what_is_not_asked_for_is_not_read() {
 fn every_reach_follows() {
     let mut before = (0, 0);
     for reach in 4..=8 {
-        let config = Config { reach, ..Config::robust() };
+        let config = Config { reach, ..most_parts() };
         let mut tracker = Box::new(Tracker::<Robust>::new(config).unwrap());
         tracker.lock(&whole(&scene(Some((100, 90)), 100), 320, 240), Rect::new(100, 90, 40, 40)).unwrap();
         let mut after = (0, 0);
@@ -417,7 +422,7 @@ fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
 fn a_covered_lens_is_lost_and_teaches_nothing() {
     for (kind, name) in ["dark", "bright", "textured", "smooth", "noisy"].into_iter().enumerate() {
         for level in [0, 255, 128] {
-            let mut tracker = Box::new(Tracker::<Robust>::new(Config::robust()).unwrap());
+            let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
             let update =
                 |tracker: &mut Tracker<Robust>, pixels: &[u8]| tracker.update(&whole(pixels, 160, 120)).unwrap();
             tracker.lock(&whole(&on_ground(kind, 0), 160, 120), Rect::new(40, 30, 40, 40)).unwrap();

@@ -192,7 +192,7 @@ mod tests {
     fn half_a_step_mixes_two_pixels_and_a_step_of_two_takes_means() {
         let frame = Picture { pixels: &[10, 20, 40, 60], width: 4, height: 1 };
         let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, step_down: step, columns, rows: 1 };
-        let row = |x: f64, step: f64, columns: i64| row(x, step, columns).sample(&Numbers::robust(), &frame).pixels;
+        let row = |x: f64, step: f64, columns: i64| row(x, step, columns).sample(&Numbers::refined(), &frame).pixels;
         assert_eq!(row(0.5, 0.5, 3), [10.0, 15.0, 20.0]);
         assert_eq!(row(1.5, 2.0, 2), [15.0, 50.0]);
         assert_eq!(row(9.0, 1.0, 2), [60.0, 60.0]);
@@ -208,13 +208,13 @@ mod tests {
         // Only the second and the fourth of each four columns, and the last row.
         let frame = Picture { pixels: &[9, 10, 9, 20, 9, 30, 9, 50], width: 8, height: 1 };
         let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, step_down: 4.0, columns: 2, rows: 1 };
-        assert_eq!(lattice.sample(&Numbers::robust(), &frame).pixels, [15.0, 40.0]);
+        assert_eq!(lattice.sample(&Numbers::refined(), &frame).pixels, [15.0, 40.0]);
     }
 
     #[test]
     fn large_and_small_boxes_have_templates_of_about_as_many_pixels() {
         let shape = |width, height| {
-            let Shape { columns, rows, across, down, step } = Shape::new(&Numbers::robust(), width, height);
+            let Shape { columns, rows, across, down, step } = Shape::new(&Numbers::refined(), width, height);
             (columns, rows, across, down, step)
         };
         assert_eq!(shape(80, 80), (40, 40, 14, 14, 2.0));

@@ -102,8 +102,8 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// The preset, with all parts.
-    pub fn robust() -> Self {
+    /// The preset `refined`: all parts.
+    pub fn refined() -> Self {
         Self {
             parts: Parts {
                 velocity: true,

@@ -7,18 +7,13 @@
 use crate::kernels::plain::dense as plain;
 use crate::kernels::plain::dense::Layer;
 use core::arch::asm;
-use core::mem::MaybeUninit;
 use core::ptr;
 
-/// The most inputs of a patch of which two are computed at a time: those of the refiner's largest layer with several patches.
-const MOST: usize = 216;
 /// Outputs at a time.
 const OUTPUTS: usize = 2;
-/// Two patches, unpacked: four words for four inputs of both.
-type Room = [[u32; 4]; MOST / 4];
 
 /// See [`plain::outputs`].
-pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
     let Layer { inputs, weights, biases, shift } = layer;
     let count = biases.len();
     let rows = |length: usize, of: usize| length.checked_div(of).unwrap_or(0);
@@ -27,13 +22,15 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
         return plain::outputs(layer, patches, out);
     }
-    let mut room = MaybeUninit::<Room>::uninit();
+    // Two patches, unpacked: four words for four inputs of both.
+    // SAFETY: any bytes are words.
+    let (_, room, _) = unsafe { spare.align_to_mut::<[u32; 4]>() };
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
     while left > 0 {
         let last = to.wrapping_add(count - OUTPUTS);
         let mut run = Run { biases: biases.as_ptr(), from, apart: 0, out: to, shift, last };
-        if left > 1 && inputs <= MOST {
-            // SAFETY: there are two patches of `inputs` bytes, and the room is for `MOST` inputs.
+        if left > 1 && inputs <= 4 * room.len() {
+            // SAFETY: there are two patches of `inputs` bytes, and the room is for them.
             unsafe { unpack(from, inputs, room.as_mut_ptr().cast()) };
             (run.from, run.apart) = (room.as_ptr().cast(), count);
         }

@@ -19,7 +19,7 @@
 
 use super::super::cost::units;
 use super::crop::{FIRST, MEAN, SIDE};
-use crate::kernels::{Dense, Layer, rolled};
+use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::UnderWay;
 
 /// The network's estimate of a box: centre to the right and down, logarithms of width and height, in units of 1/4096.
@@ -116,10 +116,11 @@ pub(in super::super) const WORK: u32 = {
     sum as u32
 };
 
-/// Scratch memory: the patches of a row, and two layers of inputs, which take turns. The present crop lies where patches are made later.
+/// Scratch memory: the patches of a row, two layers of inputs, which take turns, and what the kernels need. The present crop lies where
+/// patches are made later.
 const PATCHES: usize = 1152;
 const INPUTS: usize = 2592;
-pub(in super::super) const ROOM: usize = PATCHES + 2 * INPUTS;
+pub(in super::super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
 #[allow(clippy::indexing_slicing)] // at compile time
 const _: () = {
     let mut number = 0;
@@ -150,7 +151,7 @@ impl Layers {
     #[inline(never)] // one copy in flash
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], work: &mut UnderWay) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
-        if let Some((present, [inputs, _])) = regions(scratch) {
+        if let Some((present, [inputs, _], _)) = regions(scratch) {
             inputs.fill(MEAN);
             let (pairs, _) = inputs.as_chunks_mut::<2>();
             let rows = pairs.chunks_mut(first_layer.across()).skip(1);
@@ -168,7 +169,7 @@ impl Layers {
     /// A row of a convolution, or both full layers; their outputs after the last unit.
     #[inline(never)] // one copy in flash
     pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
-        let Some((patches, [even, odd])) = regions(scratch) else { return Some([0; 4]) };
+        let Some((patches, [even, odd], spare)) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
             return Some(full(dense, even, work));
         };
@@ -180,7 +181,7 @@ impl Layers {
             outputs.fill(0);
         }
         let (patches, outputs) = (patches.get(..count), outputs.get_mut(from..from + row));
-        dense.outputs(layer, patches.unwrap_or_default(), outputs.unwrap_or_default());
+        dense.outputs(layer, patches.unwrap_or_default(), spare, outputs.unwrap_or_default());
         work.spend(units(count * (layer.biases.len() + 1)));
         self.row += 1;
         if self.row == convolution.side {
@@ -196,11 +197,12 @@ impl Layers {
     }
 }
 
-/// The patches, and the two layers of inputs.
-fn regions(scratch: &mut [i8]) -> Option<(&mut [i8], [&mut [i8]; 2])> {
+/// The patches, the two layers of inputs, and the rest.
+fn regions(scratch: &mut [i8]) -> Option<(&mut [i8], [&mut [i8]; 2], &mut [i8])> {
     let (patches, inputs) = scratch.split_at_mut_checked(PATCHES)?;
-    let (even, odd) = inputs.split_at_mut_checked(INPUTS)?;
-    Some((patches, [even, odd.get_mut(..INPUTS)?]))
+    let (even, inputs) = inputs.split_at_mut_checked(INPUTS)?;
+    let (odd, spare) = inputs.split_at_mut_checked(INPUTS)?;
+    Some((patches, [even, odd], spare))
 }
 
 /// The inputs of each output of a row, one after the other. Returns their number.
@@ -228,7 +230,7 @@ fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
 fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
     let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
     let number = CONVOLUTIONS.len();
-    dense.outputs(layer(number, FULL_SHIFT), inputs.get(..count).unwrap_or_default(), &mut hidden);
+    dense.outputs(layer(number, FULL_SHIFT), inputs.get(..count).unwrap_or_default(), &mut [], &mut hidden);
     work.spend(units(outputs * (count + last)));
     let [right, down, width, height, ..] = Dense::sums::<6>(layer(number + 1, 0), &hidden);
     [right, down, width, height]

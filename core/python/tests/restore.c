@@ -1,0 +1,45 @@
+/* What the C library does with a target that Python saved: restore FRAME SAVED NEW. Restores SAVED with the preset robust and prints the name of
+ * the status and of the setting that differs; then locks on FRAME, 160x120 gray pixels, and writes the saved target to NEW. */
+#include <stdio.h>
+
+#include "smr.h"
+
+static smr_robust_target storage;
+static smr_robust_workspace workspace;
+static unsigned char pixels[160 * 120], bytes[SMR_ROBUST_SAVED_SIZE];
+
+static size_t contents(const char *name, unsigned char *to, size_t room)
+{
+    FILE *file = fopen(name, "rb");
+    const size_t size = file == NULL ? 0 : fread(to, 1, room, file);
+    if (file != NULL) {
+        fclose(file);
+    }
+    return size;
+}
+
+int main(int count, char **names)
+{
+    smr_config config;
+    smr_tracker *tracker;
+    smr_frame frame = {160, 120, {{pixels, sizeof pixels, 160, 160, 120, 0, 0}}};
+    smr_rect box = {40, 30, 40, 40};
+    const char *setting = NULL;
+    size_t size;
+    FILE *file;
+    if (count != 4 || contents(names[1], pixels, sizeof pixels) != sizeof pixels) {
+        return 2;
+    }
+    if (smr_config_robust(&config) != SMR_OK || smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker) != SMR_OK) {
+        return 1;
+    }
+    size = contents(names[2], bytes, sizeof bytes);
+    smr_status status = smr_restore(tracker, bytes, size);
+    smr_other_setting(tracker, bytes, size, &setting);
+    printf("%s %s\n", smr_status_name(status), setting == NULL ? "-" : setting);
+    if (smr_lock(tracker, &frame, &box) != SMR_OK || smr_save(tracker, bytes, sizeof bytes, &size) != SMR_OK) {
+        return 1;
+    }
+    file = fopen(names[3], "wb");
+    return file == NULL || fwrite(bytes, 1, size, file) != size || fclose(file) != 0;
+}
