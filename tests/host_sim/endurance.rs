@@ -1,7 +1,7 @@
 //! Long runs and sudden ends: memory stays bounded, and the output written before a full disk, a closed pipe or a kill is complete.
 
 use crate::program::{PROGRAM, host_sim, utf8};
-use host_sim::sequence::synthetic;
+use smr_recordings::synthetic;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;

@@ -2,9 +2,9 @@
 //! the READMEs speak of: `clip.mp4`, `video.mp4`, `sequences`, a flight record. A line that is not run stands in `NOT_RUN`, with the reason.
 
 use crate::program::{PROGRAM, host_sim, utf8};
-use host_sim::sequence::synthetic;
 use smr_core::record::Recorder;
 use smr_core::{Robust, Tracker, robust};
+use smr_recordings::synthetic;
 use std::convert::Infallible;
 use std::fs;
 use std::io::Write;

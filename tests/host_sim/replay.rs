@@ -3,13 +3,13 @@
 use crate::program::{PROGRAM, host_sim, utf8};
 use host_sim::emulator::firmware;
 use host_sim::emulator::qemu::Machine;
-use host_sim::evaluate::CoreKind;
 use host_sim::replay::{Report, replay};
-use host_sim::sequence::synthetic;
 use smr_core::paper::{self, Fraction, Radius};
 use smr_core::record::{Recorded, Recorder};
 use smr_core::similarity::Table;
 use smr_core::{Answer, Frame, Image, Rect, Robust, State, Tracker, robust};
+use smr_evaluation::CoreKind;
+use smr_recordings::synthetic;
 use std::convert::Infallible;
 use std::fs;
 use std::io::{Cursor, Write};

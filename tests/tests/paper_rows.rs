@@ -1,9 +1,9 @@
 //! `Config::paper()` on the paper's recordings, against the boxes of a prototype of the method, frame by frame.
 
-use host_sim::Paper;
-use host_sim::sequence::{self, OpenOptions, Sequence};
 use smr_core::paper::{Config, Fraction};
 use smr_core::{Rect, State, Tracker};
+use smr_evaluation::Paper;
+use smr_recordings::{OpenOptions, Sequence};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,8 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(root) = recordings(test) else { return };
     for name in RECORDINGS {
-        let sequence = sequence::open(&root.join("tld").join(name), &OpenOptions::default()).expect("a recording");
+        let sequence =
+            smr_recordings::open(&root.join("tld").join(name), &OpenOptions::default()).expect("a recording");
         let (ours, expected) =
             (follow(sequence, config, larger), read(&root.join(format!("paper-rows/{name}.{rows}.txt"))));
         assert_eq!(ours.len(), expected.len(), "{name}: frames");

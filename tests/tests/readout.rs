@@ -214,14 +214,14 @@ fn every_format_of_a_camera_gives_the_answers_of_gray_frames() {
 /// The same with a recording of a real camera.
 #[test]
 fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
-    use host_sim::sequence::{self, OpenOptions};
+    use smr_recordings::OpenOptions;
     let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
     let folder = std::env::var_os("SMR_SEQUENCES").map_or(beside, Into::into).join("tld/06_car");
     if !folder.is_dir() {
         eprintln!("skipped: every_format_of_a_camera_gives_the_answers_of_a_recording: no {}", folder.display());
         return;
     }
-    let opened = match sequence::open(&folder, &OpenOptions::default()) {
+    let opened = match smr_recordings::open(&folder, &OpenOptions::default()) {
         Ok(opened) => opened,
         Err(error) => {
             eprintln!("skipped: every_format_of_a_camera_gives_the_answers_of_a_recording: {error:#}");
