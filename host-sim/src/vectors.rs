@@ -5,7 +5,7 @@
 
 pub mod robust;
 
-use crate::reference::{Decision, Numbers, Reference, Step};
+use smr_reference::{Decision, Numbers, Reference, Step};
 use std::fmt::Write;
 
 /// Frames of one size, and how the tracker is set up to follow a box through them.
@@ -157,7 +157,7 @@ impl Case {
         let (x, y, width, height) = self.target;
         line(format!("\ncase {}", self.name));
         line(format!("size {} {}", self.size.0, self.size.1));
-        self.numbers.lines().into_iter().for_each(&mut line);
+        lines(&self.numbers).into_iter().for_each(&mut line);
         line(format!("lock {x} {y} {width} {height} {}", hex(&self.frames[0])));
         let mut reference = Reference::lock(self.numbers.clone(), &self.frames[0], self.size, self.target);
         for frame in &self.frames[1..] {
@@ -168,46 +168,44 @@ impl Case {
     }
 }
 
-impl Numbers {
-    /// The configuration of a case, a line a number.
-    fn lines(&self) -> Vec<String> {
-        let Self {
-            scale,
-            k,
-            first_alpha,
-            padding,
-            window,
-            growth,
-            window_limit,
-            neighbourhood,
-            zone,
-            least_alpha,
-            gate,
-            runner_up_always,
-        } = self;
-        let ratio = |(numerator, denominator): (f64, f64)| format!("{numerator} {denominator}");
-        let margins = |(left, top, right, bottom): (i64, i64, i64, i64)| format!("{left} {top} {right} {bottom}");
-        let window_limit = window_limit.unwrap_or((u16::MAX.into(), u16::MAX.into()));
-        vec![
-            format!("scale {scale}"),
-            format!("k {}", ratio(*k)),
-            format!("first_threshold {}", first_alpha.ceil()),
-            format!("least_threshold {}", least_alpha.ceil()),
-            format!("padding {padding}"),
-            format!("window {} {}", window.0, window.1),
-            format!("growth {growth}"),
-            format!("window_limit {} {}", window_limit.0, window_limit.1),
-            format!("neighbourhood {neighbourhood}"),
-            format!("update_zone {}", margins(*zone)),
-            format!("gate_tracking {}", ratio(gate.tracking)),
-            format!("gate_leaving {}", ratio(gate.border)),
-            format!("gate_returning {}", ratio(gate.been_at_border)),
-            format!("gate_lost {}", ratio(gate.lost)),
-            format!("gate_lead {}", gate.lead),
-            format!("gate_least_ratio {}", gate.least_ratio),
-            format!("runner_up_always {}", u8::from(*runner_up_always)),
-        ]
-    }
+/// The configuration of a case, a line a number.
+fn lines(numbers: &Numbers) -> Vec<String> {
+    let Numbers {
+        scale,
+        k,
+        first_alpha,
+        padding,
+        window,
+        growth,
+        window_limit,
+        neighbourhood,
+        zone,
+        least_alpha,
+        gate,
+        runner_up_always,
+    } = numbers;
+    let ratio = |(numerator, denominator): (f64, f64)| format!("{numerator} {denominator}");
+    let margins = |(left, top, right, bottom): (i64, i64, i64, i64)| format!("{left} {top} {right} {bottom}");
+    let window_limit = window_limit.unwrap_or((u16::MAX.into(), u16::MAX.into()));
+    vec![
+        format!("scale {scale}"),
+        format!("k {}", ratio(*k)),
+        format!("first_threshold {}", first_alpha.ceil()),
+        format!("least_threshold {}", least_alpha.ceil()),
+        format!("padding {padding}"),
+        format!("window {} {}", window.0, window.1),
+        format!("growth {growth}"),
+        format!("window_limit {} {}", window_limit.0, window_limit.1),
+        format!("neighbourhood {neighbourhood}"),
+        format!("update_zone {}", margins(*zone)),
+        format!("gate_tracking {}", ratio(gate.tracking)),
+        format!("gate_leaving {}", ratio(gate.border)),
+        format!("gate_returning {}", ratio(gate.been_at_border)),
+        format!("gate_lost {}", ratio(gate.lost)),
+        format!("gate_lead {}", gate.lead),
+        format!("gate_least_ratio {}", gate.least_ratio),
+        format!("runner_up_always {}", u8::from(*runner_up_always)),
+    ]
 }
 
 fn answer(step: &Step, area: i64, template: &[f64]) -> String {

@@ -2,7 +2,7 @@
 
 use crate::missing::{has, has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
-use host_sim::sequence::synthetic;
+use smr_recordings::synthetic;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;

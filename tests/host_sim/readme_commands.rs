@@ -3,9 +3,9 @@
 
 use crate::missing::{has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
-use host_sim::sequence::synthetic;
 use smr_core::record::Recorder;
 use smr_core::{Robust, Tracker, robust};
+use smr_recordings::synthetic;
 use std::convert::Infallible;
 use std::fs;
 use std::path::Path;

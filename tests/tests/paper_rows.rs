@@ -1,10 +1,10 @@
 //! `Config::paper()` on the paper's recordings, against the boxes of a prototype of the method, frame by frame.
 
 use crate::missing::recordings;
-use host_sim::Paper;
-use host_sim::sequence::{self, OpenOptions, Sequence};
 use smr_core::paper::{Config, Fraction};
 use smr_core::{Rect, State, Tracker};
+use smr_evaluation::Paper;
+use smr_recordings::{OpenOptions, Sequence};
 use std::fs;
 use std::path::Path;
 
@@ -46,7 +46,7 @@ fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(tld) = recordings(test, "tld") else { return };
     let Some(boxes) = recordings(test, "paper-rows") else { return };
     for name in RECORDINGS {
-        let sequence = sequence::open(&tld.join(name), &OpenOptions::default()).expect("a recording");
+        let sequence = smr_recordings::open(&tld.join(name), &OpenOptions::default()).expect("a recording");
         let (ours, expected) = (follow(sequence, config, larger), read(&boxes.join(format!("{name}.{rows}.txt"))));
         assert_eq!(ours.len(), expected.len(), "{name}: frames");
         // The first row is the given box.

@@ -214,10 +214,10 @@ fn every_format_of_a_camera_gives_the_answers_of_gray_frames() {
 /// The same with a recording of a real camera.
 #[test]
 fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
-    use host_sim::sequence::{self, OpenOptions};
+    use smr_recordings::OpenOptions;
     let test = "every_format_of_a_camera_gives_the_answers_of_a_recording";
     let Some(folder) = crate::missing::recordings(test, "tld/06_car") else { return };
-    let opened = sequence::open(&folder, &OpenOptions::default()).unwrap();
+    let opened = smr_recordings::open(&folder, &OpenOptions::default()).unwrap();
     let target = opened.start().unwrap();
     let frames: Vec<_> = opened.frames.take(12).map(Result::unwrap).collect();
     let size = (frames[0].width, frames[0].height);

@@ -4,21 +4,21 @@ use crate::answer::to_python;
 use crate::options;
 use crate::target::{Target, refused};
 use crate::tracker::{Tracker, bounding_box};
-use host_sim::evaluate::robustness::{self, Starts};
-use host_sim::evaluate::{Configs, Score, TableName, Variant};
-use host_sim::sequence::{self, BoundingBox, Frames, OpenOptions, Sequence};
-use host_sim::words;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::Target as _;
+use smr_evaluation::robustness::{self, Starts};
+use smr_evaluation::{Configs, Score, TableName, Variant};
+use smr_recordings::words;
+use smr_recordings::{BoundingBox, Frames, OpenOptions, Sequence};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 fn open(path: &Path) -> anyhow::Result<Sequence> {
-    sequence::open(path, &OpenOptions::default())
+    smr_recordings::open(path, &OpenOptions::default())
 }
 
 type Four = (f64, f64, f64, f64);
@@ -104,7 +104,7 @@ impl GrayFrames {
 /// The recordings in folders, as host-sim finds them.
 #[pyfunction]
 pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
-    host_sim::command::recordings(&paths).map_err(refused)
+    smr_recordings::recordings(&paths).map_err(refused)
 }
 
 /// What is measured: a tracker of this configuration, under this name.

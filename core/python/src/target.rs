@@ -2,17 +2,17 @@
 
 use crate::frame::Pixels;
 use crate::options;
-use host_sim::evaluate::{MethodKind, Refused};
-use host_sim::words;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, paper, robust};
+use smr_evaluation::{MethodKind, Refused};
+use smr_recordings::words;
 use std::cell::RefCell;
 
 /// As large as host-sim follows it.
-type Paper = host_sim::Paper;
-type PaperWorkspace = paper::Workspace<{ host_sim::MOST_PIXELS }, { host_sim::MOST_OFFSETS }>;
+type Paper = smr_evaluation::Paper;
+type PaperWorkspace = paper::Workspace<{ smr_evaluation::MOST_PIXELS }, { smr_evaluation::MOST_OFFSETS }>;
 
 /// A target, on the heap.
 pub enum Target {

@@ -4,11 +4,11 @@ use crate::answer;
 use crate::frame::Borrowed;
 use crate::options::{of_range, with};
 use crate::target::{Target, each, refused};
-use host_sim::sequence::BoundingBox;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use smr_core::{Answer, Rect, State, Target as _, paper, robust};
+use smr_recordings::BoundingBox;
 use std::sync::{Mutex, MutexGuard};
 
 /// Follows one target. `Paper` and `Robust` are its kinds.

@@ -1,10 +1,10 @@
 //! What the benches search: the built-in recording, so every run and every machine has the same pixels.
 
-use host_sim::sequence::GrayFrame;
-use host_sim::sequence::synthetic::{self, HEIGHT, WIDTH};
 use smr_core::paper::{Config, Radius};
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Paper, Rect, Tracker};
+use smr_recordings::GrayFrame;
+use smr_recordings::synthetic::{self, HEIGHT, WIDTH};
 
 /// Room for a template of 64x64 pixels and a window of +-16, as on a microcontroller.
 pub type Small = Tracker<Paper<4096, 33>>;

@@ -5,13 +5,13 @@ use crate::emulator::Recording;
 use crate::emulator::firmware;
 use crate::emulator::protocol::TooBig;
 use crate::emulator::qemu::{Qemu, Setup};
-use crate::evaluate::{CoreKind, Origin};
-use crate::output::Exchange;
-use crate::sequence::Sequence;
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::{Serialize, Serializer};
 use smr_core::similarity::Backend;
+use smr_evaluation::{CoreKind, Origin};
+use smr_recordings::Sequence;
+use smr_recordings::output::Exchange;
 use std::process::Stdio;
 
 /// What was measured on a board.

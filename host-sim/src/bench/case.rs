@@ -1,12 +1,12 @@
 //! What is timed: one search of one template in one frame of a recording.
 
-use crate::Paper;
-use crate::evaluate::truth_of;
-use crate::sequence::{GrayFrame, Sequence};
 use anyhow::{Context, Result};
 use smr_core::paper::{Config, Radius};
 use smr_core::similarity::Backend;
 use smr_core::{Image, Rect, Robust, Target, Tracker, robust};
+use smr_evaluation::Paper;
+use smr_evaluation::truth_of;
+use smr_recordings::{GrayFrame, Sequence};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -165,7 +165,7 @@ fn along(target: i32, target_size: u16, size: u16, radius: u16, frame: u16) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sequence::{OpenOptions, open, synthetic};
+    use smr_recordings::{OpenOptions, open, synthetic};
 
     #[test]
     fn the_template_is_centred_where_there_is_room() {
@@ -198,5 +198,28 @@ mod tests {
         .unwrap();
         assert_eq!(numbers, [3, 63, 123], "in frame 181 the target is outside the picture");
         assert_eq!(numbers.len(), expected);
+    }
+
+    fn noise() -> Sequence {
+        open("noise".as_ref(), &OpenOptions::default()).unwrap()
+    }
+
+    /// What the recording `noise` is there for, in both windows that `host-sim bench` has by itself.
+    #[test]
+    fn in_noise_there_is_room_in_every_frame_and_nothing_is_excluded() {
+        assert_eq!(count(&noise(), 1).unwrap(), 60);
+        triples(noise(), 20, |triple| {
+            for radius in [Radius { x: 16, y: 16 }, Radius { x: 60, y: 50 }] {
+                let case = Case::new(triple, Size::Of(64, 64), radius)?.expect("there is room");
+                let mut tracker = case.tracker(Backend::best(), true)?;
+                case.prepare(&mut tracker)?;
+                let frame = case.frame();
+                let mut update = tracker.begin(&frame)?;
+                while !update.step(u32::MAX) {}
+                assert!(u64::from(update.work()) >= case.comparisons(), "{} of {}", update.work(), case.comparisons());
+            }
+            Ok(())
+        })
+        .unwrap();
     }
 }

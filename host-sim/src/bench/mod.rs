@@ -3,6 +3,7 @@
 //! - [`case`]: what is timed, searches in frames of recordings.
 //! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
+//! - [`diagram`]: these as a diagram.
 //! - [`boards`]: instructions of an update in QEMU.
 //! - [`goal`], [`goals`]: the goals, and whether they are reached.
 //! - [`window`]: the times of a window's searches, summed up.
@@ -13,6 +14,7 @@
 
 pub mod boards;
 pub mod case;
+pub mod diagram;
 pub mod goal;
 pub mod goals;
 pub mod opencv;
@@ -23,13 +25,13 @@ pub mod speeds;
 pub mod table;
 pub mod window;
 
-use crate::clock::Patience;
-use crate::evaluate::CoreKind;
-use crate::sequence::Sequence;
 use anyhow::{Context, Result};
 use case::Size;
 use searches::{Searches, Way};
 use smr_core::paper::Radius;
+use smr_evaluation::CoreKind;
+use smr_evaluation::clock::Patience;
+use smr_recordings::Sequence;
 use speeds::Speeds;
 use std::time::Duration;
 

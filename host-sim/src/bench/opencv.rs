@@ -1,12 +1,12 @@
 //! OpenCV's `matchTemplate` and its tracker CSRT on the same searches, where `python3` has OpenCV.
 
-use crate::clock::Patience;
-use crate::ending::Process;
-use crate::output::Exchange;
-use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use smr_core::Rect;
+use smr_evaluation::clock::Patience;
+use smr_recordings::GrayFrame;
+use smr_recordings::cleanup::Process;
+use smr_recordings::output::Exchange;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::Path;

@@ -5,8 +5,8 @@ use super::goal::{Goal, STATED_FOR};
 use super::speeds::Speed;
 use super::window::Window;
 use super::{Bench, opencv};
-use crate::evaluate::MethodKind;
 use serde::Serialize;
+use smr_evaluation::MethodKind;
 use std::time::Duration;
 
 /// All measurements of a run.

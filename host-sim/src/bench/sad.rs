@@ -4,7 +4,7 @@
 //! `vpsadbw`, 32 pixels at a time. It shares no code with smr-core's kernels, so that its time does not change when they do.
 //! Both compare every pixel of every offset.
 
-use crate::sequence::GrayFrame;
+use smr_recordings::GrayFrame;
 
 /// A way to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,7 +155,7 @@ mod psadbw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sequence::synthetic;
+    use smr_recordings::synthetic;
 
     #[test]
     fn all_ways_find_the_place_that_was_cut_out() {

@@ -3,12 +3,12 @@
 use super::case::{self, Case, Size, Triple};
 use super::opencv::{Followed, Search};
 use super::sad::Sad;
-use crate::clock::{Budget, Patience, shortest, timed};
-use crate::evaluate::CoreKind;
 use anyhow::{Result, ensure};
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Target, Tracker};
+use smr_evaluation::CoreKind;
+use smr_evaluation::clock::{Budget, Patience, shortest, timed};
 use std::fmt;
 use std::time::Duration;
 
@@ -214,7 +214,7 @@ fn difference(answers: &[(Way, Answer)]) -> Option<String> {
 mod tests {
     use super::*;
     use crate::bench::case::triples;
-    use crate::sequence::{OpenOptions, open, synthetic};
+    use smr_recordings::{OpenOptions, open, synthetic};
 
     #[test]
     fn every_way_is_timed_in_every_case_and_all_agree() {
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn answers_that_differ_are_noticed() {
-        let mut tracker = Tracker::<crate::Paper>::new(smr_core::paper::Config::paper()).unwrap();
+        let mut tracker = Tracker::<smr_evaluation::Paper>::new(smr_core::paper::Config::paper()).unwrap();
         let frame = synthetic::frame(0);
         tracker.lock(&frame.frame(), smr_core::Rect::new(36, 24, 24, 28)).unwrap();
         let answer = tracker.update(&frame.frame()).unwrap();

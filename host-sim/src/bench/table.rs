@@ -5,9 +5,9 @@ use super::goal::STATED_FOR;
 use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use super::window::{Row, Window};
-use crate::evaluate::{NOTHING, aligned, cell, header};
 use crate::spread::Spread;
 use smr_core::paper::Radius;
+use smr_evaluation::{NOTHING, aligned, cell, header};
 
 /// Everything that was measured, table by table.
 pub fn text(report: &Report) -> String {
@@ -155,8 +155,8 @@ mod tests {
     use crate::bench::sad::Sad;
     use crate::bench::searches::Way;
     use crate::bench::window::Ratio;
-    use crate::evaluate::{MethodKind, Origin};
     use smr_core::similarity::Backend;
+    use smr_evaluation::{MethodKind, Origin};
 
     fn report() -> Report {
         let plain = Way::Sad(Sad::Plain);

@@ -3,10 +3,10 @@
 pub mod paper;
 pub mod robust;
 
-use crate::sequence::GrayFrame;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use smr_core::{Answer, Frame, Rect, Target, Tracker, UpdateError};
+use smr_recordings::GrayFrame;
 
 /// A tracker of smr-core that can be set beside its reference.
 pub trait Checked: Target {

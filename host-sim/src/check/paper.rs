@@ -9,14 +9,14 @@
 //!    lead of that offset over core's may not exceed twice the bound.
 
 use super::{Checked, Mismatch, Sides, differs};
-use crate::Paper;
-use crate::reference::{Decision, Numbers, Reference, Step};
-use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use smr_core::search::{Found, Window};
 use smr_core::{Answer, Rect, State};
+use smr_evaluation::Paper;
+use smr_recordings::GrayFrame;
+use smr_reference::{Decision, Numbers, Reference, Step};
 
 /// What was compared.
 #[derive(Clone, Debug, Default, Serialize)]

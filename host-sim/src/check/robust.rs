@@ -5,12 +5,12 @@
 //! and the ratio at the place, the confidence, the state, the scale and the box.
 
 use super::{Checked, Mismatch, Sides, differs};
-use crate::reference::robust::{Decision, Numbers, Reference, Step};
-use crate::sequence::GrayFrame;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_core::robust::{CHANNELS, REACH};
 use smr_core::{Answer, Frame, Image, Rect, Robust, State, Target, Tracker, unstable};
+use smr_recordings::GrayFrame;
+use smr_reference::robust::{Decision, Numbers, Reference, Step};
 
 /// What was compared.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -44,7 +44,7 @@ impl Checked for Robust {
     type Counts = Counts;
 
     fn reference(numbers: Numbers, first: &[u8], size: (i64, i64), target: (i64, i64, i64, i64)) -> Reference {
-        Reference::lock(numbers, first, size, target)
+        Reference::lock(numbers, unstable::REFINER_WEIGHTS, first, size, target)
     }
 
     fn locked(core: &Self, reference: &Reference) -> Option<Mismatch> {
@@ -148,9 +148,9 @@ fn state(decision: Decision) -> State {
 mod tests {
     use super::*;
     use crate::check::{self, Check};
-    use crate::sequence::{self, CHECKED, OpenOptions};
     use smr_core::robust::Config;
     use smr_core::unstable::{Part, has, without};
+    use smr_recordings::{CHECKED, OpenOptions};
     use std::path::Path;
 
     type Report = check::Report<Counts>;
@@ -172,7 +172,7 @@ mod tests {
 
     /// The check of the first frames of a built-in recording.
     fn checked(name: &str, config: Config, numbers: Numbers, frames: usize) -> Report {
-        let mut sequence = sequence::open(Path::new(name), &OpenOptions::default()).unwrap();
+        let mut sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
         let first = sequence.frames.next().unwrap().unwrap();
         through(lock(name, numbers, config, &first, target), sequence.frames.take(frames).map(Result::unwrap))

@@ -5,11 +5,11 @@ use super::recording_options::RecordingOptions;
 use super::table_options::TableOptions;
 use super::tracker_options::Part;
 use super::{Outcome, robustness};
-use crate::evaluate::robustness::{Starts, TABLES};
-use crate::evaluate::{MethodKind, Variant};
 use anyhow::Result;
 use clap::ValueEnum;
 use smr_core::{paper, robust};
+use smr_evaluation::robustness::{Starts, TABLES};
+use smr_evaluation::{MethodKind, Variant};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 

@@ -1,12 +1,12 @@
 //! What `host-sim track` prints of a target in a frame: a line of text, of CSV or of JSON.
 
-use crate::evaluate::{Evidence, Origin, Report, name_of};
-use crate::sequence::BoundingBox;
-use crate::sequence::boxes::Form;
 use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
 use smr_core::{Quality, Rect};
+use smr_evaluation::{Evidence, Origin, Report, name_of};
+use smr_recordings::BoundingBox;
+use smr_recordings::boxes::Form;
 
 /// What a line holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -160,8 +160,8 @@ fn rounded(ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::{Configs, MethodKind, Variant};
     use smr_core::{State, paper};
+    use smr_evaluation::{Configs, MethodKind, Variant};
 
     fn printer(format: Option<Format>, method: MethodKind) -> Printer {
         let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();

@@ -9,16 +9,16 @@ use super::{Outcome, progress, tell};
 use crate::bench::boards::{self, Figures};
 use crate::bench::case::{self, Size};
 use crate::bench::report::Report;
-use crate::bench::{Bench as Run, Settings, goals, table};
-use crate::clock::{Patience, timed};
+use crate::bench::{self, Bench as Run, Settings, goals, table};
 use crate::emulator::qemu::Machine;
-use crate::evaluate::{self, CoreKind, MethodKind, Variant};
-use crate::output::Output;
-use crate::report::{diagram, speeds};
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use smr_core::paper::{Config, Radius};
+use smr_evaluation::clock::{Patience, timed};
+use smr_evaluation::{CoreKind, MethodKind, Variant};
+use smr_pages::report::diagram;
+use smr_recordings::output::Output;
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
@@ -96,7 +96,7 @@ impl Bench {
         let mut report = Report::new(&run, boards, Some(time));
         report.goals = goals::all(&report);
         if let (Some(mut plot), Some(form)) = (plot, form) {
-            plot.write(&form.draw(&speeds::marks(&report.speeds))?)?;
+            plot.write(&form.draw(&bench::diagram::marks(&report.speeds))?)?;
             plot.finish()?;
         }
         tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
@@ -174,7 +174,7 @@ impl Bench {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build().context("no threads")?;
         let one = |path: &PathBuf| {
             let variant = Variant::new(MethodKind::Smr, &Config::paper().into());
-            evaluate::evaluate(self.recording.open(path)?, &[variant], &[], || ()).map(|_| ())
+            smr_evaluation::evaluate(self.recording.open(path)?, &[variant], &[], || ()).map(|_| ())
         };
         pool.install(|| paths.par_iter().map(one).collect())
     }

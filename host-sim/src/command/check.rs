@@ -3,20 +3,20 @@
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, say};
-use crate::Paper;
 use crate::check::{self, Checked, Violation, paper, robust};
-use crate::evaluate::{CoreKind, Origin, lock};
-use crate::sequence::{self};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use smr_core::Robust;
+use smr_evaluation::Paper;
+use smr_evaluation::{CoreKind, Origin, lock};
+use smr_recordings;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// The recordings; `synthetic`, `periodic` and `border` if none is given
-    #[arg(value_name = "SEQ", default_values = sequence::CHECKED)]
+    #[arg(value_name = "SEQ", default_values = smr_recordings::CHECKED)]
     sequences: Vec<PathBuf>,
     /// Which tracker
     #[arg(long, value_enum, default_value = "smr")]

@@ -3,10 +3,10 @@
 use super::places::Places;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, tell};
-use crate::export::{Format, Writer, Written, is_whole};
-use crate::sequence::{BoundingBox, Sequence};
 use anyhow::{Result, bail, ensure};
 use serde::Serialize;
+use smr_pages::export::{Format, Writer, Written, is_whole};
+use smr_recordings::{BoundingBox, Sequence};
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -2,9 +2,9 @@
 
 use super::places::Places;
 use super::{Command, HostSim, Outcome, say};
-use crate::sequence::synthetic;
 use anyhow::Result;
 use clap::Parser;
+use smr_recordings::synthetic;
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::PathBuf;

@@ -7,17 +7,17 @@ use super::robustness::{self, end, say_what_failed};
 use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress};
-use crate::evaluate::robustness::{Former, Robustness, Starts, TABLES};
-use crate::evaluate::{self, Evaluation, MethodKind, Results, TableName, Variant, published};
-use crate::evaluate::{covered, faults};
-use crate::output::Output;
-use crate::report::calibration;
-use crate::report::diagram::Form;
-use crate::sequence::fault::{Fault, Faults};
-use crate::sequence::{self, OpenOptions, Resize, Sequence, slow, synthetic};
 use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use smr_evaluation::robustness::{Former, Robustness, Starts, TABLES};
+use smr_evaluation::{Evaluation, MethodKind, Results, TableName, Variant, published};
+use smr_evaluation::{covered, faults};
+use smr_pages::report::calibration;
+use smr_pages::report::diagram::Form;
+use smr_recordings::fault::{Fault, Faults};
+use smr_recordings::output::Output;
+use smr_recordings::{OpenOptions, Resize, Sequence, slow, synthetic};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -271,7 +271,7 @@ impl Eval {
         let name = &sequence.name;
         let first = sequence.frames.next().with_context(|| format!("{name} holds no frame"))??;
         let mut other =
-            sequence::open(other, &OpenOptions::default())?.resized(Resize::To(first.width, first.height))?;
+            smr_recordings::open(other, &OpenOptions::default())?.resized(Resize::To(first.width, first.height))?;
         let other = other.frames.next().with_context(|| format!("{} holds no frame", other.name))??;
         sequence.frames = Box::new(std::iter::once(Ok(first)).chain(sequence.frames));
         covered::measure(sequence, &other, variants)
@@ -302,8 +302,8 @@ impl Eval {
             sequence.name = format!("{} {frames}", sequence.name);
         }
         bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
-        let files = if compare { evaluate::result_files(path)? } else { Vec::new() };
-        evaluate::evaluate(sequence, variants, &files, || bar.inc(1))
+        let files = if compare { smr_evaluation::result_files(path)? } else { Vec::new() };
+        smr_evaluation::evaluate(sequence, variants, &files, || bar.inc(1))
     }
 }
 

@@ -1,11 +1,11 @@
 //! The answers of trackers as a film: what of each is drawn over its frame.
 
-use crate::evaluate::{Report, name_of};
-use crate::export::{self, AMBER, GREEN, Overlay, Plan, RED, TARGETS, WHITE};
-use crate::report::Color;
-use crate::sequence::{BoundingBox, ColorFrames, GrayFrame};
 use anyhow::Result;
 use smr_core::State;
+use smr_evaluation::{Report, name_of};
+use smr_pages::export::{self, AMBER, GREEN, Overlay, Plan, RED, TARGETS, WHITE};
+use smr_pages::report::Color;
+use smr_recordings::{BoundingBox, ColorFrames, GrayFrame};
 use std::path::Path;
 
 /// A film under way.

@@ -23,7 +23,6 @@ mod progress;
 #[cfg(feature = "emulator")]
 mod qemu_options;
 mod recording_options;
-mod recordings;
 mod replay;
 mod report;
 mod robustness;
@@ -39,17 +38,16 @@ mod tracker_options;
 mod trax;
 mod vectors;
 
-use crate::evaluate::Refused;
-use crate::output::print;
-use crate::{ending, words};
 use anyhow::{Context, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(not(all(feature = "bench", feature = "manual")))]
 use not_built::NotBuilt;
 use places::Places;
-pub use recordings::recordings;
 use serde::Serialize;
+use smr_evaluation::Refused;
+use smr_recordings::output::print;
+use smr_recordings::{cleanup, words};
 use std::error::Error;
 use std::io::{self, ErrorKind, StdoutLock, Write};
 use std::path::PathBuf;
@@ -235,7 +233,7 @@ pub enum Outcome {
 
 /// Runs what the command line of this process says.
 pub fn run() -> ExitCode {
-    if let Err(error) = ending::heed_signals().context("cannot wait for signals") {
+    if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, "");
     }
     let arguments = match settings::arguments(std::env::args_os().collect()) {
@@ -289,7 +287,7 @@ fn told(error: &anyhow::Error, command: &str) -> String {
 }
 
 fn refused(error: &anyhow::Error, command: &str) -> ExitCode {
-    ending::yield_to_signal();
+    cleanup::yield_to_signal();
     eprintln!("error: {}", told(error, command));
     ExitCode::from(2)
 }
@@ -298,7 +296,7 @@ impl HostSim {
     /// Runs the command, which is called `name`. Errors are one line on standard error: what, where, what was expected.
     fn run(self, name: &str) -> ExitCode {
         let done = self.places().check().and_then(|()| each!(self.command, command => command.run()));
-        ending::yield_to_signal();
+        cleanup::yield_to_signal();
         match done {
             Ok(Outcome::Holds) => ExitCode::SUCCESS,
             Ok(Outcome::CheckFailed) => ExitCode::from(1),

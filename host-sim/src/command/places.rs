@@ -1,6 +1,5 @@
 //! What a command reads and writes: no two outputs are one file, and none of them is an input.
 
-use crate::sequence;
 use anyhow::{Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -84,7 +83,8 @@ fn is_part(file: &Path, path: &Path) -> bool {
     let beside = file.parent() == Some(folder);
     file.is_file()
         && file.starts_with(folder)
-        && (sequence::is_of_boxes(&file) && (beside || path.is_dir()) || path.is_dir() && sequence::is_of_frames(&file))
+        && (smr_recordings::is_of_boxes(&file) && (beside || path.is_dir())
+            || path.is_dir() && smr_recordings::is_of_frames(&file))
 }
 
 #[cfg(test)]

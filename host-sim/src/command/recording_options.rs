@@ -1,13 +1,13 @@
 //! How recordings are opened, the same for every command that reads them.
 
 use super::number::whole;
-use super::recordings::recordings;
 use super::tracker_options::Pair;
-use crate::sequence::{
-    self, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence, Start, Target,
-};
 use anyhow::{Result, bail, ensure};
 use clap::Args;
+use smr_recordings::recordings;
+use smr_recordings::{
+    self, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence, Start, Target,
+};
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -120,7 +120,7 @@ impl RecordingOptions {
             lenient: self.lenient,
             ffmpeg_patience: Some(self.ffmpeg_patience()),
         };
-        let mut sequence = sequence::open(path, &options)?;
+        let mut sequence = smr_recordings::open(path, &options)?;
         if let Some(part) = self.frames {
             if let Some(length) = sequence.length.filter(|&length| part.first() > length) {
                 bail!(

@@ -2,10 +2,10 @@
 
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, told};
-use crate::ending;
-use crate::evaluate::Variant;
-use crate::evaluate::robustness::{self, Progress, Robustness, Starts};
 use anyhow::{Error, Result, bail};
+use smr_evaluation::Variant;
+use smr_evaluation::robustness::{self, Progress, Robustness, Starts};
+use smr_recordings::cleanup;
 use std::path::{Path, PathBuf};
 
 /// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
@@ -36,7 +36,7 @@ pub fn measure(
 /// One line on standard error for everything that could not be measured; how many there are.
 pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command: &str) -> usize {
     let say = |error: &Error| {
-        ending::yield_to_signal();
+        cleanup::yield_to_signal();
         eprintln!("error: {}", told(error, command));
     };
     errors.into_iter().map(say).count()

@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::qemu_options::QemuOptions;
 use crate::emulator::qemu::Qemu;
-use crate::input;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
+use smr_recordings::input;
 use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::process::Stdio;

@@ -9,10 +9,10 @@
 //! ```
 
 use super::{HostSim, bad_value};
-use crate::input;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command, CommandFactory};
+use smr_recordings::input;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use toml::{Table, Value};

@@ -3,13 +3,13 @@
 use super::number::from;
 use super::places::Places;
 use super::{Outcome, progress, say, tell};
-use crate::evaluate::{CoreKind, Origin};
-use crate::export::{Format, Writer};
 use crate::soak::video::Video;
 use crate::soak::{self, Report, Settings, peak_memory};
 use anyhow::{Result, ensure};
 use serde::Serialize;
 use serde_json::Map;
+use smr_evaluation::{CoreKind, Origin};
+use smr_pages::export::{Format, Writer};
 use std::io::{self, Write};
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};

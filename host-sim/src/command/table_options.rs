@@ -1,8 +1,8 @@
 //! How a command that measures prints its tables: in words, as JSON, or as CSV.
 
 use super::tell;
-use crate::evaluate::{Layout, TableName, Tables};
 use anyhow::{Context, Result, ensure};
+use smr_evaluation::{Layout, TableName, Tables};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]

@@ -1,8 +1,6 @@
 //! The numbers of the methods on the command line, the same for every command that runs a tracker.
 
 use super::number::whole;
-use crate::evaluate::{Configs, MethodKind, Variant};
-use crate::reference::{Numbers, robust as reference};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde::{Serialize, Serializer};
@@ -11,6 +9,8 @@ use smr_core::paper::{Config, Fraction, Radius, RunnerUp};
 use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
 use smr_core::unstable::{self, without};
+use smr_evaluation::{Configs, MethodKind, Variant};
+use smr_reference::{Numbers, robust as reference};
 use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;

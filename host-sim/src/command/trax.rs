@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::number::whole;
 use super::tracker_options::TrackerOptions;
-use crate::evaluate::MethodKind;
 use crate::trax::{PROTOCOLS, Server, serve};
 use anyhow::Result;
+use smr_evaluation::MethodKind;
 use std::io::{stdin, stdout};
 
 #[derive(Debug, clap::Args)]

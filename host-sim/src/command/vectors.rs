@@ -2,9 +2,10 @@
 
 use super::Outcome;
 use super::places::Places;
-use crate::evaluate::CoreKind;
-use crate::{output, vectors};
+use crate::vectors;
 use anyhow::{Result, bail};
+use smr_evaluation::CoreKind;
+use smr_recordings::output;
 use std::io::Write;
 use std::path::PathBuf;
 

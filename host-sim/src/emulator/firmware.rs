@@ -1,12 +1,12 @@
 //! The firmware as a file: how it is built, and what it takes of a chip.
 
 use super::qemu::Machine;
-use crate::ending::Process;
-use crate::input;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use object::elf::{SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
 use object::read::elf::{ElfFile32, SectionHeader};
 use serde::Serialize;
+use smr_recordings::cleanup::Process;
+use smr_recordings::input;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 

@@ -1,10 +1,10 @@
 //! What host and firmware tell each other, byte by byte: `core/examples/replay/main.rs` describes it.
 
-use crate::evaluate::CoreKind;
 use crate::replay::answered;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, FineRect, Rect, Target, Tracker};
+use smr_evaluation::CoreKind;
 use std::fmt;
 
 const VERSION: u32 = 4;

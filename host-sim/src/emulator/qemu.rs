@@ -1,9 +1,9 @@
 //! QEMU as a process: started with firmware, watched, and ended whatever happens.
 
-use crate::ending::Process;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 use smr_core::similarity::Backend;
+use smr_recordings::cleanup::Process;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::process::{ChildStdout, Command, ExitStatus, Stdio};

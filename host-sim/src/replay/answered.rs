@@ -1,8 +1,8 @@
 //! An answer as it is compared, with the names that people read: that of a record, and that of firmware.
 
-use crate::evaluate::name_of;
 use anyhow::{Context, Result};
 use smr_core::{Answer, FineRect, State};
+use smr_evaluation::name_of;
 
 /// Every value of an answer, by the name that people read.
 pub fn values(answer: &Answer) -> [(&'static str, String); 8] {

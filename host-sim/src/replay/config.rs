@@ -14,7 +14,7 @@ pub trait Configured: Recorded {
     fn configuration(numbers: &[u16]) -> Result<Self::Config>;
 }
 
-impl Configured for crate::Paper {
+impl Configured for smr_evaluation::Paper {
     fn configuration(numbers: &[u16]) -> Result<paper::Config> {
         let mut config = paper::Config::paper();
         config.table = table(numbers)?;

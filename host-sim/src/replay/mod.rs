@@ -8,7 +8,6 @@ pub mod answered;
 pub mod config;
 pub mod entries;
 
-use crate::evaluate::name_of;
 use answered::described;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use config::Configured;
@@ -16,6 +15,7 @@ use entries::{Entries, Entry, Next};
 use serde::Serialize;
 use smr_core::record::{Recorded, Tag, VERSION};
 use smr_core::{Answer, FineRect, Frame, Image, Rect, Robust, State, Target, Tracker};
+use smr_evaluation::name_of;
 use std::io::Read;
 
 /// What a record holds, and whether it was answered alike.
@@ -195,9 +195,9 @@ fn begin(holds: &[u8]) -> Result<(Box<dyn Runs>, &'static str)> {
     let [tracker, _] = from.take()?;
     let numbers: Vec<u16> = from.0.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
     match tracker {
-        crate::Paper::TRACKER => Ok((run::<crate::Paper>(&numbers)?, "smr")),
+        smr_evaluation::Paper::TRACKER => Ok((run::<smr_evaluation::Paper>(&numbers)?, "smr")),
         Robust::TRACKER => Ok((run::<Robust>(&numbers)?, "robust")),
-        other => bail!("tracker {other}: expected {} or {}", crate::Paper::TRACKER, Robust::TRACKER),
+        other => bail!("tracker {other}: expected {} or {}", smr_evaluation::Paper::TRACKER, Robust::TRACKER),
     }
 }
 

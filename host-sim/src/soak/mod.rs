@@ -8,16 +8,16 @@
 pub mod video;
 
 use crate::check::{Check, Checked, Violation};
-use crate::evaluate::CoreKind;
-use crate::reference::{Numbers, robust as reference};
-use crate::sequence::GrayFrame;
-use crate::sequence::synthetic::Random;
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Frame, Rect, Robust, Target, Tracker, paper, robust};
+use smr_evaluation::CoreKind;
+use smr_recordings::GrayFrame;
+use smr_recordings::synthetic::Random;
+use smr_reference::{Numbers, robust as reference};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use video::Video;
@@ -82,7 +82,7 @@ trait Soaked: Checked + 'static {
 const WINDOW: Radius = Radius { x: 12, y: 10 };
 const LIMIT: Radius = Radius { x: 18, y: 16 };
 
-impl Soaked for crate::Paper {
+impl Soaked for smr_evaluation::Paper {
     fn fastest() -> paper::Config {
         let mut config = paper::Config::camera();
         (config.window, config.window_limit) = (WINDOW, LIMIT);
@@ -121,7 +121,7 @@ impl Soaked for Robust {
 /// Errors: A tracker refuses what it must take.
 pub fn soak(settings: Settings, progress: impl Fn(u64) + Sync) -> Result<Report> {
     match settings.method {
-        CoreKind::Smr => sessions::<crate::Paper>(settings, progress),
+        CoreKind::Smr => sessions::<smr_evaluation::Paper>(settings, progress),
         CoreKind::Robust => sessions::<Robust>(settings, progress),
     }
 }
@@ -322,8 +322,8 @@ mod tests {
     #[test]
     fn another_answer_is_a_difference() {
         let settings = Settings { method: CoreKind::Smr, frames: SESSION, reference_every: 0, seed: 5 };
-        let mut session = Session::<crate::Paper>::new(settings, 0).unwrap();
-        let mut other = crate::Paper::plain();
+        let mut session = Session::<smr_evaluation::Paper>::new(settings, 0).unwrap();
+        let mut other = smr_evaluation::Paper::plain();
         other.first_threshold = 40;
         *session.plain = Tracker::new(other).unwrap();
         let (first, target) = session.video.first();

@@ -1,10 +1,10 @@
 //! Video without end: a textured target on a textured ground, with all that happens to one, and faults of the camera. The same for
 //! the same seed.
 
-use crate::sequence::GrayFrame;
-use crate::sequence::fault::Fault;
-use crate::sequence::synthetic::Random;
 use smr_core::Rect;
+use smr_recordings::GrayFrame;
+use smr_recordings::fault::Fault;
+use smr_recordings::synthetic::Random;
 
 /// Width and height of a frame in pixels.
 pub const WIDTH: u16 = 160;

@@ -1,9 +1,9 @@
 //! An image of the protocol as a frame: `file:///path`, `image:WIDTH;HEIGHT;FORMAT;BASE64` or `data:image/png;BASE64`.
 
-use crate::sequence::{self, GrayFrame};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use smr_recordings::GrayFrame;
 use std::path::Path;
 
 /// Reads or decodes the image.
@@ -24,7 +24,7 @@ pub(super) fn frame(text: &str) -> Result<GrayFrame> {
             _ => text,
         },
     };
-    sequence::read_picture(Path::new(path))
+    smr_recordings::read_picture(Path::new(path))
 }
 
 fn pixels(text: &str) -> Result<GrayFrame> {
@@ -44,7 +44,7 @@ fn pixels(text: &str) -> Result<GrayFrame> {
         1 => data,
         // The low byte is first, as on the machines that such clients run on.
         2 => data.chunks_exact(2).map(|pixel| pixel[1]).collect(),
-        _ => data.as_chunks().0.iter().map(|&rgb| sequence::luma(rgb)).collect(),
+        _ => data.as_chunks().0.iter().map(|&rgb| smr_recordings::luma(rgb)).collect(),
     };
     Ok(GrayFrame { width, height, pixels })
 }
@@ -57,7 +57,7 @@ fn side(text: &str) -> Result<u16> {
 fn picture(text: &str) -> Result<GrayFrame> {
     let (_, data) = text.split_once(';').context("expected image/png or image/jpeg, a semicolon and BASE64")?;
     // As it is written in general, not in this protocol.
-    sequence::decode_picture(&decoded(data.strip_prefix("base64,").unwrap_or(data))?)
+    smr_recordings::decode_picture(&decoded(data.strip_prefix("base64,").unwrap_or(data))?)
 }
 
 fn decoded(text: &str) -> Result<Vec<u8>> {
@@ -74,7 +74,7 @@ mod tests {
     }
 
     fn png() -> Vec<u8> {
-        crate::export::png(&small()).unwrap()
+        smr_pages::export::png(&small()).unwrap()
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! A region of the protocol as a box, and back.
 
-use crate::sequence::{BoundingBox, boxes};
 use anyhow::{Context, Result};
 use smr_core::Rect;
+use smr_recordings::{BoundingBox, boxes};
 
 /// The box of a rectangle, or around a polygon.
 pub(super) fn parse(text: &str) -> Result<BoundingBox> {

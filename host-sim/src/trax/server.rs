@@ -2,10 +2,10 @@
 
 use super::message::Message;
 use super::{image, region};
-use crate::evaluate::{Method, Report, lock};
-use crate::sequence::{BoundingBox, GrayFrame};
-use crate::words;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
+use smr_evaluation::{Method, Report, lock};
+use smr_recordings::words;
+use smr_recordings::{BoundingBox, GrayFrame};
 use std::io::{BufRead, Read, Write};
 use std::ops::RangeInclusive;
 

@@ -3,11 +3,11 @@
 //! instruction set and language to the same answers.
 
 use super::{hash, hex, pixels};
-use crate::evaluate::name_of;
 use smr_core::robust::Config;
 use smr_core::similarity::Backend;
 use smr_core::unstable::weights;
 use smr_core::{Answer, Frame, Image, Rect, Robust, Tracker};
+use smr_evaluation::name_of;
 
 /// Frames of one size, and what the tracker that follows a box through them consists of.
 struct Case {

@@ -1,11 +1,11 @@
 //! Every reader of host-sim: an error or the content, and never a panic.
 
 use host_sim::command::settings;
-use host_sim::evaluate::robustness::Former;
-use host_sim::evaluate::{Method, MethodKind, Report};
-use host_sim::sequence::{self, BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
 use host_sim::trax::{PROTOCOLS, Server, serve};
 use smr_core::{Frame, Rect, Tracker};
+use smr_evaluation::robustness::Former;
+use smr_evaluation::{Method, MethodKind, Report};
+use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,14 +42,14 @@ fn check(sequence: anyhow::Result<Sequence>) {
 fn recording(name: &str, bytes: &[u8], size: Option<(u16, u16)>) {
     as_file(name, bytes, |file| {
         for lenient in [false, true] {
-            check(sequence::open(file, &OpenOptions { size, lenient, ..OpenOptions::default() }));
+            check(smr_recordings::open(file, &OpenOptions { size, lenient, ..OpenOptions::default() }));
         }
     });
 }
 
 /// PNM, PNG and JPEG, detected by their first bytes.
 pub(crate) fn picture(bytes: &[u8]) {
-    let Ok(frame) = sequence::decode_picture(bytes) else { return };
+    let Ok(frame) = smr_recordings::decode_picture(bytes) else { return };
     assert_eq!(frame.pixels.len(), usize::from(frame.width) * usize::from(frame.height));
     let _ = frame.frame();
 }
@@ -84,7 +84,7 @@ pub(crate) fn boxes(bytes: &[u8]) {
     as_file("1.pgm", b"P5 2 1 255\n\x03\xFF", |picture| {
         let folder = picture.parent().expect("it is in a folder");
         as_file(name, text, |file| {
-            check(sequence::open(folder, &OpenOptions::default()));
+            check(smr_recordings::open(folder, &OpenOptions::default()));
             for read in [boxes::read_tld, boxes::read_otb, boxes::read_vot] {
                 let Ok(entries) = read(file) else { continue };
                 for entry in entries.into_iter().flatten() {

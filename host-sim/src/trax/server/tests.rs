@@ -1,12 +1,12 @@
 //! Sessions as clients lead them, and as no client should.
 
 use super::*;
-use crate::evaluate::MethodKind;
-use crate::sequence::synthetic;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use proptest::prelude::*;
 use smr_core::paper;
+use smr_evaluation::MethodKind;
+use smr_recordings::synthetic;
 
 /// What the client gets back, and how the session ended.
 fn session(kind: MethodKind, protocol: u8, lines: &[u8]) -> (Vec<Message>, Result<()>) {
@@ -40,7 +40,7 @@ fn names(messages: &[Message]) -> Vec<&str> {
 fn both_trackers_follow_in_every_version() {
     for kind in [MethodKind::Smr, MethodKind::Robust] {
         let configs = paper::Config::camera().into();
-        let mut run = crate::evaluate::Run::new(kind.build(&configs).unwrap(), target().to_rect().unwrap());
+        let mut run = smr_evaluation::Run::new(kind.build(&configs).unwrap(), target().to_rect().unwrap());
         let expected: Vec<_> = synthetic::frames().take(4).map(|frame| run.step(&frame).unwrap()).collect();
         let frame = |index| Message::new("frame").argument(picture(index)).line();
         let rest: String = (1..4).map(frame).chain([Message::new("quit").line()]).collect();

@@ -1,0 +1,202 @@
+//! What all trackers that can be run here have in common: the trait [`Method`], their names, and what they report of a frame.
+
+use anyhow::Result;
+use clap::ValueEnum;
+use serde::Serialize;
+use smr_core::{Answer, Frame, Image, Quality, Rect, State};
+use smr_recordings::BoundingBox;
+
+/// A tracker that follows one box.
+pub trait Method {
+    /// Which one it is.
+    fn kind(&self) -> MethodKind;
+
+    /// Starts on the target in `target`.
+    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()>;
+
+    /// Looks for the target in the next frame.
+    fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
+
+    /// How well the target can be told from what lies beside it; `None` before the first lock, and from the baselines.
+    fn quality(&self) -> Option<Quality> {
+        None
+    }
+
+    /// What a baseline will compare the next frame with; `None` before the first lock, and from smr-core's trackers, which show more than
+    /// that: see `report`.
+    fn template(&self) -> Option<Image<'_>> {
+        None
+    }
+}
+
+/// What a method says about one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report {
+    /// The target's box, to fractions of a pixel; `None` when it is lost.
+    pub target: Option<BoundingBox>,
+    /// The same in whole pixels.
+    pub bbox: Option<Rect>,
+    pub state: State,
+    /// What smr-core decided on; `None` in the frame that was locked on, and from the baselines.
+    pub evidence: Option<Evidence>,
+    /// The work that the answer took, at most, in units of [`Update::step`](smr_core::Update::step); `None` from the baselines.
+    pub work: Option<u32>,
+}
+
+/// The figures behind an answer of smr-core, with 1.0 as 1.0: see [`Answer`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Evidence {
+    pub confidence: f64,
+    pub ratio: f64,
+    pub runner_up_ratio: Option<f64>,
+    /// In gray levels, rounded up, as the tracker uses it.
+    pub alpha: Option<u16>,
+    pub scale: f64,
+    pub found_again: bool,
+}
+
+impl Report {
+    /// The frame that was locked on: the box is the one that was given.
+    pub fn locked(target: Rect) -> Self {
+        Self::of_baseline(target.into(), true)
+    }
+
+    /// What a baseline knows: its best box, inside the frame or not.
+    pub(super) fn of_baseline(target: BoundingBox, inside: bool) -> Self {
+        let state = if inside { State::Tracking } else { State::Leaving };
+        Self { target: Some(target), bbox: target.to_rect(), state, evidence: None, work: None }
+    }
+}
+
+impl From<Answer> for Report {
+    fn from(answer: Answer) -> Self {
+        let Answer { state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = answer;
+        let evidence = Evidence {
+            confidence: of_one(confidence),
+            ratio: of_one(ratio),
+            runner_up_ratio: runner_up_ratio.map(of_one),
+            alpha,
+            scale: f64::from(scale) / 65536.0,
+            found_again,
+        };
+        let believed = state != State::Lost;
+        let (target, bbox) = (believed.then_some(answer.fine.into()), believed.then_some(answer.bbox));
+        Self { target, bbox, state, evidence: Some(evidence), work: None }
+    }
+}
+
+/// A ratio with 1.0 as 1.0.
+fn of_one(ratio: u16) -> f64 {
+    f64::from(ratio) / f64::from(u16::MAX)
+}
+
+/// A state as it is printed everywhere.
+pub const fn name_of(state: State) -> &'static str {
+    match state {
+        State::Tracking => "tracking",
+        State::Leaving => "leaving",
+        State::Uncertain => "uncertain",
+        State::Lost => "lost",
+    }
+}
+
+/// The methods that there are, under their names on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodKind {
+    /// The Similarity Matching Ratio, as in the paper
+    Smr,
+    /// Beyond the paper: holds when light, size and view change
+    Robust,
+    /// The sum of absolute differences
+    Sad,
+    /// The sum of squared differences
+    Ssd,
+    /// Zero-mean normalised cross-correlation
+    Ncc,
+    /// Lucas-Kanade: translation, with an image pyramid
+    Lk,
+}
+
+impl MethodKind {
+    /// As in results, and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Smr => "smr",
+            Self::Robust => "robust",
+            Self::Sad => "sad",
+            Self::Ssd => "ssd",
+            Self::Ncc => "ncc",
+            Self::Lk => "lk",
+        }
+    }
+
+    /// True for the two trackers of smr-core.
+    pub const fn is_core(self) -> bool {
+        matches!(self, Self::Smr | Self::Robust)
+    }
+
+    /// The states that it can be in, the best one first.
+    pub const fn states(self) -> &'static [State] {
+        match self {
+            Self::Smr => &[State::Tracking, State::Leaving, State::Lost],
+            Self::Robust => &[State::Tracking, State::Uncertain, State::Lost],
+            Self::Sad | Self::Ssd | Self::Ncc | Self::Lk => &[State::Tracking, State::Leaving],
+        }
+    }
+}
+
+/// The two trackers of smr-core, for commands that the baselines are not for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum CoreKind {
+    /// The Similarity Matching Ratio, as in the paper
+    #[default]
+    Smr,
+    /// Beyond the paper: holds when light, size and view change
+    Robust,
+}
+
+impl From<CoreKind> for MethodKind {
+    fn from(method: CoreKind) -> Self {
+        match method {
+            CoreKind::Smr => Self::Smr,
+            CoreKind::Robust => Self::Robust,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_core::FineRect;
+
+    #[test]
+    fn an_answer_is_finer_than_a_pixel_and_a_lost_one_is_none() {
+        let fine = FineRect { x: -384, y: 128, width: 2560, height: 1 };
+        let answer = |state| Answer {
+            fine,
+            bbox: Rect::new(-1, 1, 10, 1),
+            state,
+            confidence: u16::MAX,
+            ratio: 0,
+            runner_up_ratio: None,
+            alpha: None,
+            scale: 1 << 15,
+            found_again: false,
+        };
+        let report = Report::from(answer(State::Uncertain));
+        let expected = BoundingBox { x: -1.5, y: 0.5, width: 10.0, height: 1.0 / 256.0 };
+        assert_eq!((report.target, name_of(report.state)), (Some(expected), "uncertain"));
+        let evidence = report.evidence.unwrap();
+        assert_eq!((evidence.confidence, evidence.ratio, evidence.scale), (1.0, 0.0, 0.5));
+        assert_eq!(report.bbox, Some(Rect::new(-1, 1, 10, 1)));
+        let lost = Report::from(answer(State::Lost));
+        assert_eq!((lost.target, lost.bbox), (None, None));
+    }
+
+    #[test]
+    fn names_are_those_of_the_command_line() {
+        for &kind in MethodKind::value_variants() {
+            assert_eq!(MethodKind::from_str(kind.name(), false), Ok(kind));
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The figures of OTB: Wu, Lim, Yang, *Online Object Tracking: A Benchmark*, CVPR 2013, one run from the first frame.
+//!
+//! Over the frames in which the target is visible, on the boxes as they were answered:
+//!
+//! - success at a threshold: the fraction of frames with IoU > threshold; the AUC is the mean of the success at
+//!   0, 0.05, ... 1
+//! - precision at a distance: the fraction of frames in which the centres of answer and truth are at most so far apart; it
+//!   is quoted at 20 pixels
+//!
+//! A frame without an answer is in neither. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the
+//! benchmark's own code.
+
+use super::Trajectory;
+use serde::Serialize;
+use smr_recordings::BoundingBox;
+
+/// Steps between the thresholds of the success curve, which has one point more.
+pub const STEPS: usize = 20;
+
+/// The distance in pixels that precision is quoted at.
+pub const NEAR: usize = 20;
+
+/// The largest distance of the precision curve, in pixels.
+pub const FARTHEST: usize = 50;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Otb {
+    /// The area under the success curve; 0 if the target is never visible.
+    pub otb_auc: f64,
+    /// The precision at 20 pixels; 0 if the target is never visible.
+    pub otb_precision: f64,
+}
+
+impl Otb {
+    /// Of trajectories of the same length.
+    pub(super) fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
+        let counts = Counts::new(answers, truth);
+        let passed: u32 = counts.above.iter().sum();
+        Self {
+            otb_auc: counts.per_frame(passed) / counts.above.len() as f64,
+            otb_precision: counts.per_frame(counts.within[NEAR]),
+        }
+    }
+}
+
+/// The two curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// At 0, 1/20, ... 1.
+    pub success: Vec<f64>,
+    /// At 0, 1, ... 50 pixels.
+    pub precision: Vec<f64>,
+}
+
+impl Curves {
+    /// Of trajectories of the same length.
+    pub fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
+        let counts = Counts::new(answers, truth);
+        let curve = |of: &[u32]| of.iter().map(|&count| counts.per_frame(count)).collect();
+        Self { success: curve(&counts.above), precision: curve(&counts.within) }
+    }
+
+    /// The mean over recordings, each counting the same; `None` of none.
+    pub fn mean(of: &[&Self]) -> Option<Self> {
+        let mean = |curve: fn(&Self) -> &Vec<f64>| {
+            let at = |point: usize| of.iter().map(|one| curve(one)[point]).sum::<f64>() / of.len() as f64;
+            (0..of.first().map_or(0, |first| curve(first).len())).map(at).collect()
+        };
+        (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })
+    }
+
+    /// The area under the success curve.
+    pub fn auc(&self) -> f64 {
+        area(&self.success)
+    }
+
+    /// The area under the precision curve, up to 50 pixels.
+    pub fn precision_area(&self) -> f64 {
+        area(&self.precision)
+    }
+}
+
+fn area(curve: &[f64]) -> f64 {
+    curve.iter().sum::<f64>() / curve.len() as f64
+}
+
+/// The distance of the centres of answer and truth in each frame, in pixels; `None` where one of them is missing.
+pub fn centre_errors(answers: &Trajectory, truth: &Trajectory) -> Vec<Option<f64>> {
+    answers.iter().zip(truth).map(|(answer, truth)| Some(centre_error(answer.as_ref()?, truth.as_ref()?))).collect()
+}
+
+/// Frames by threshold.
+struct Counts {
+    visible: u32,
+    above: [u32; STEPS + 1],
+    within: [u32; FARTHEST + 1],
+}
+
+impl Counts {
+    fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
+        let mut counts = Self { visible: 0, above: [0; STEPS + 1], within: [0; FARTHEST + 1] };
+        for (answer, truth) in answers.iter().zip(truth) {
+            let Some(truth) = truth else { continue };
+            counts.visible += 1;
+            let Some(answer) = answer else { continue };
+            let (iou, error) = (answer.iou(truth), centre_error(answer, truth));
+            for (step, count) in counts.above.iter_mut().enumerate() {
+                *count += u32::from(iou > step as f64 / STEPS as f64);
+            }
+            for (pixels, count) in counts.within.iter_mut().enumerate() {
+                *count += u32::from(error <= pixels as f64);
+            }
+        }
+        counts
+    }
+
+    fn per_frame(&self, count: u32) -> f64 {
+        if self.visible == 0 { 0.0 } else { f64::from(count) / f64::from(self.visible) }
+    }
+}
+
+/// The distance of the two centres, in pixels.
+fn centre_error(a: &BoundingBox, b: &BoundingBox) -> f64 {
+    let centre = |of: &BoundingBox| (of.x + of.width / 2.0, of.y + of.height / 2.0);
+    let ((x, y), (to_x, to_y)) = (centre(a), centre(b));
+    (to_x - x).hypot(to_y - y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: f64, y: f64) -> Option<BoundingBox> {
+        Some(BoundingBox { x, y, width: 10.0, height: 10.0 })
+    }
+
+    #[test]
+    fn a_perfect_tracker_passes_all_thresholds_but_the_last() {
+        let truth = [at(0.0, 0.0), at(5.0, 5.0), None];
+        let expected = Otb { otb_auc: 20.0 / 21.0, otb_precision: 1.0 };
+        assert_eq!(Otb::new(&truth, &truth), expected);
+        // What is answered while the target is hidden does not count.
+        assert_eq!(Otb::new(&[truth[0], truth[1], at(9.0, 9.0)], &truth), expected);
+    }
+
+    #[test]
+    fn nothing_answered_and_nothing_visible_are_zero() {
+        assert_eq!(Otb::new(&[None, None], &[at(0.0, 0.0); 2]), Otb::default());
+        assert_eq!(Otb::new(&[at(0.0, 0.0); 2], &[None, None]), Otb::default());
+        assert_eq!(Otb::new(&[], &[]), Otb::default());
+    }
+
+    #[test]
+    fn half_right() {
+        // Two frames right, one far away, one without an answer.
+        let answers = [at(0.0, 0.0), at(0.0, 0.0), at(300.0, 0.0), None];
+        let expected = Otb { otb_auc: 10.0 / 21.0, otb_precision: 0.5 };
+        assert_eq!(Otb::new(&answers, &[at(0.0, 0.0); 4]), expected);
+    }
+
+    #[test]
+    fn thresholds_by_hand() {
+        // 5 to the right: 50 of 150, above 0, 0.05, ... 0.30.
+        assert_eq!(Otb::new(&[at(5.0, 0.0)], &[at(0.0, 0.0)]), Otb { otb_auc: 7.0 / 21.0, otb_precision: 1.0 });
+        // 6 to the right: 40 of 160. 0.25 is not above 0.25.
+        assert_eq!(Otb::new(&[at(6.0, 0.0)], &[at(0.0, 0.0)]).otb_auc, 5.0 / 21.0);
+        // Centres 20 pixels apart are near, and further ones are not; nothing is shared, so no threshold is passed.
+        assert_eq!(Otb::new(&[at(12.0, 16.0)], &[at(0.0, 0.0)]), Otb { otb_auc: 0.0, otb_precision: 1.0 });
+        assert_eq!(Otb::new(&[at(12.0, 16.1)], &[at(0.0, 0.0)]), Otb::default());
+    }
+
+    #[test]
+    fn curves_by_hand() {
+        let truth = [at(0.0, 0.0), at(0.0, 0.0), at(0.0, 0.0), None];
+        let answers = [at(0.0, 0.0), at(3.0, 4.0), None, at(1.0, 1.0)];
+        assert_eq!(centre_errors(&answers, &truth), [Some(0.0), Some(5.0), None, None]);
+        let curves = Curves::new(&answers, &truth);
+        // The IoU of the second is 42 of 158.
+        assert_eq!([0, 5, 6, 19, 20].map(|step| curves.success[step] * 3.0), [2.0, 2.0, 1.0, 1.0, 0.0]);
+        assert_eq!([0, 4, 5, 50].map(|pixels| curves.precision[pixels] * 3.0), [1.0, 1.0, 2.0, 2.0]);
+        assert!((curves.precision_area() - (5.0 + 46.0 * 2.0) / 3.0 / 51.0).abs() < 1e-12);
+        let otb = Otb::new(&answers, &truth);
+        assert!((curves.auc() - otb.otb_auc).abs() < 1e-12 && curves.precision[NEAR] == otb.otb_precision);
+        let none = Curves::new(&[None; 4], &truth);
+        let mean = Curves::mean(&[&curves, &none]).unwrap();
+        assert!((mean.auc() - curves.auc() / 2.0).abs() < 1e-12);
+        assert_eq!(Curves::mean(&[]), None);
+    }
+}

@@ -1,0 +1,343 @@
+//! What runs come to: from single runs over the starts of a recording to means over recordings.
+
+use super::calibration::Calibration;
+use crate::means::Named;
+use crate::{CORRECT, Score, Trajectory, overlaps};
+use anyhow::Result;
+use serde::Serialize;
+use smr_core::State;
+use std::time::Duration;
+
+/// One run: one method from one start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RunFigures {
+    pub score: Score,
+    /// Frames with an answer in which the target is visible.
+    answered_visible: usize,
+    /// Times that the target came back after it was hidden, and of these the ones after which it was soon followed.
+    returns: usize,
+    found_again: usize,
+    tracking: Tracking,
+    /// What the updates took, all together.
+    pub spent: Spent,
+    pub calibration: Calibration,
+}
+
+/// What updates took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Spent {
+    pub updates: u64,
+    /// `None` if one of them was not counted.
+    pub work: Option<u64>,
+    pub time: Duration,
+}
+
+impl RunFigures {
+    /// All begin with the frame that was locked on, of which there is neither state nor ratio.
+    pub fn new(
+        answers: &Trajectory,
+        states: &[Option<State>],
+        ratios: &[Option<f64>],
+        truth: &Trajectory,
+        spent: Spent,
+    ) -> Result<Self> {
+        let score = Score::new(answers, truth)?;
+        let answered_visible = answers.iter().zip(truth).filter(|(answer, truth)| answer.is_some() && truth.is_some());
+        let calibration = Calibration::new(ratios, answers, truth)?;
+        let overlaps = overlaps(answers, truth)?;
+        let (returns, found_again) = returns(&overlaps);
+        let tracking = Tracking::new(states, &overlaps);
+        Ok(Self {
+            score,
+            answered_visible: answered_visible.count(),
+            returns,
+            found_again,
+            tracking,
+            spent,
+            calibration,
+        })
+    }
+}
+
+/// What was said of frames, set against what holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Tracking {
+    /// Frames in which it was *tracking*, and of these the ones in which the target is hidden or the box is wrong.
+    said: usize,
+    said_wrongly: usize,
+    /// All frames in which the target is hidden or the box is wrong.
+    wrong: usize,
+    /// Frames in which the box is right, and of these the ones in which it was anything but *tracking*.
+    right: usize,
+    right_unsaid: usize,
+}
+
+impl Tracking {
+    fn new(states: &[Option<State>], overlaps: &[Option<f64>]) -> Self {
+        let mut counts = Self::default();
+        for (state, overlap) in states.iter().zip(overlaps) {
+            let Some(state) = state else { continue };
+            let said = *state == State::Tracking;
+            let right = overlap.is_some_and(|overlap| overlap > CORRECT);
+            counts.said += usize::from(said);
+            counts.said_wrongly += usize::from(said && !right);
+            counts.wrong += usize::from(!right);
+            counts.right += usize::from(right);
+            counts.right_unsaid += usize::from(right && !said);
+        }
+        counts
+    }
+}
+
+/// The target is found again if an answer is correct in so many frames from the one in which it came back.
+const SOON: usize = 50;
+
+/// How often the target came back, and how often it was found again, by the overlaps of all frames: `None` where it is hidden.
+fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
+    let back = (1..overlaps.len()).filter(|&frame| overlaps[frame - 1].is_none() && overlaps[frame].is_some());
+    let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + SOON)];
+    let found = |frame: &usize| soon(*frame).iter().flatten().any(|&overlap| overlap > CORRECT);
+    (back.clone().count(), back.filter(found).count())
+}
+
+/// Those of the figures that trackers are compared by.
+pub(super) const HEADLINE: [&str; 3] = ["mean_correct", "mean_correct_50", "f"];
+
+/// Declares figures, and how each goes from recordings to all of them: every recording counts alike.
+macro_rules! figures {
+    ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
+        /// How well a method does on a recording over all starts, or on several recordings on average.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+        pub struct Figures {
+            $($(#[$doc])* pub $figure: $type,)*
+        }
+
+        impl Figures {
+            /// All of them.
+            pub(super) const NAMES: &[&str] = &[$(stringify!($figure)),*];
+
+            pub(super) fn over_recordings(parts: &[Self]) -> Self {
+                Self { $($figure: $over(parts.iter().map(|part| part.$figure)),)* }
+            }
+        }
+    };
+}
+
+figures! {
+    /// Correct frames over those in which the target is visible: mean over the starts.
+    mean_correct: f64 = mean,
+    /// The same from the start from which it is least.
+    worst_correct: f64 = mean,
+    /// As `mean_correct`, were more than 0.5 of intersection over union needed.
+    mean_correct_50: f64 = mean,
+    /// The harmonic mean of the correct answers over all answers (those while the target is hidden, too) and of the correct
+    /// frames over those in which the target is visible: mean over the starts.
+    f: f64 = mean,
+    /// Intersection over union, mean over the frames in which there is an answer and the target is visible; 0 if there is
+    /// none.
+    mean_iou: f64 = mean,
+    /// Correct answers over all answers; 0 if nothing was answered.
+    precision: f64 = mean,
+    /// Frames in which the target is hidden, counted once for every start.
+    hidden: usize = sum,
+    /// Of these, the ones with an answer.
+    answered_hidden: usize = sum,
+    /// Times that the target came back after it was hidden, counted once for every start.
+    returns: usize = sum,
+    /// Of these, the ones with a correct answer in the first 50 frames.
+    found_again: usize = sum,
+    /// Frames in which *tracking* was said, without those that were locked on.
+    tracking: usize = sum,
+    /// Of these, the ones in which the target is hidden or the box is wrong.
+    tracking_wrong: usize = sum,
+    /// All frames in which the target is hidden or the box is wrong, without those that were locked on.
+    wrong: usize = sum,
+    /// Frames in which the box is right, without those that were locked on.
+    right: usize = sum,
+    /// Of these, the ones in which *tracking* was not said.
+    right_unsaid: usize = sum,
+    /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
+    work_per_frame: Option<f64> = mean_of_all,
+    /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
+    microseconds_per_frame: f64 = mean,
+}
+
+fn mean(parts: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = parts.len() as f64;
+    ratio(parts.sum(), count)
+}
+
+/// `None` if one of them is missing.
+fn mean_of_all(parts: impl ExactSizeIterator<Item = Option<f64>>) -> Option<f64> {
+    let count = parts.len() as f64;
+    parts.sum::<Option<f64>>().map(|sum| ratio(sum, count))
+}
+
+fn sum(parts: impl Iterator<Item = usize>) -> usize {
+    parts.sum()
+}
+
+impl Figures {
+    /// Over the starts of one recording. Fractions of frames are means over the starts; IoU, precision, comparisons and time
+    /// are of all frames of all starts together.
+    pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
+        let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
+        let recalls = || runs.iter().map(|run| run.score.recall);
+        let iou_sum: f64 = runs.iter().map(|run| run.score.mean_iou * run.score.visible as f64).sum();
+        let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>();
+        let answered_visible = sum(|run| run.answered_visible);
+        let answered = sum(|run| run.score.answered);
+        let updates = runs.iter().map(|run| run.spent.updates).sum::<u64>() as f64;
+        let work: Option<u64> = runs.iter().map(|run| run.spent.work).sum();
+        let time: Duration = runs.iter().map(|run| run.spent.time).sum();
+        Self {
+            mean_correct: ratio(recalls().sum(), runs.len() as f64),
+            worst_correct: recalls().reduce(f64::min).unwrap_or(0.0),
+            mean_correct_50: mean(|score| ratio(score.correct_50 as f64, score.visible as f64)),
+            f: mean(|score| score.f),
+            mean_iou: ratio(iou_sum, answered_visible as f64),
+            precision: ratio(sum(|run| run.score.correct) as f64, answered as f64),
+            hidden: sum(|run| run.score.frames - run.score.visible),
+            answered_hidden: answered - answered_visible,
+            returns: sum(|run| run.returns),
+            found_again: sum(|run| run.found_again),
+            tracking: sum(|run| run.tracking.said),
+            tracking_wrong: sum(|run| run.tracking.said_wrongly),
+            wrong: sum(|run| run.tracking.wrong),
+            right: sum(|run| run.tracking.right),
+            right_unsaid: sum(|run| run.tracking.right_unsaid),
+            work_per_frame: work.map(|work| ratio(work as f64, updates)),
+            microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
+        }
+    }
+
+    /// What trackers are compared by.
+    pub(super) fn headline(&self) -> Named {
+        Named(HEADLINE.into_iter().zip([self.mean_correct, self.mean_correct_50, self.f]).collect())
+    }
+}
+
+fn ratio(part: f64, whole: f64) -> f64 {
+    if whole == 0.0 { 0.0 } else { part / whole }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_recordings::BoundingBox;
+
+    fn at(x: f64) -> Option<BoundingBox> {
+        Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
+    }
+
+    fn spent(updates: u64, work: Option<u64>, microseconds: u64) -> Spent {
+        Spent { updates, work, time: Duration::from_micros(microseconds) }
+    }
+
+    /// Two starts in six frames, the target hidden in the last two.
+    fn runs(work: Option<u64>) -> [RunFigures; 2] {
+        let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
+        // IoU 1, 1/3, 0 and no answer; an answer while hidden.
+        let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
+        // IoU 1 and 1; two answers while hidden.
+        let second = [at(0.0), at(0.0), None, None, at(0.0), at(3.0)];
+        let states = |of: &[State]| std::iter::once(None).chain(of.iter().copied().map(Some)).collect::<Vec<_>>();
+        // Right but uncertain; wrong; no answer; hidden; no answer.
+        let of_first = states(&[State::Uncertain, State::Tracking, State::Lost, State::Tracking, State::Lost]);
+        let of_second = states(&[State::Lost, State::Lost, State::Uncertain, State::Tracking]);
+        [
+            RunFigures::new(&first, &of_first, &[], &truth, spent(5, Some(1000), 30)).unwrap(),
+            RunFigures::new(&second[1..], &of_second, &[], &truth[1..], spent(4, work, 60)).unwrap(),
+        ]
+    }
+
+    #[test]
+    fn over_starts_by_hand() {
+        let figures = Figures::over_starts(&runs(Some(800)));
+        let expected = Figures {
+            mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
+            worst_correct: 1.0 / 3.0,
+            // Above 0.5 only the frames of the starts.
+            mean_correct_50: (1.0 / 4.0 + 1.0 / 3.0) / 2.0,
+            // 2 of 4 answers and 2 of 4 visible frames; 1 of 3 and 1 of 3.
+            f: (1.0 / 2.0 + 1.0 / 3.0) / 2.0,
+            mean_iou: (1.0 + 1.0 / 3.0 + 0.0 + 1.0) / 4.0,
+            precision: 3.0 / 7.0,
+            hidden: 4,
+            answered_hidden: 3,
+            returns: 0,
+            found_again: 0,
+            tracking: 3,
+            tracking_wrong: 3,
+            // 11 frames without the 2 that were locked on, and the right one.
+            wrong: 8,
+            right: 1,
+            right_unsaid: 1,
+            work_per_frame: Some(200.0),
+            microseconds_per_frame: 10.0,
+        };
+        assert!((figures.mean_iou - expected.mean_iou).abs() < 1e-12);
+        assert_eq!(Figures { mean_iou: expected.mean_iou, ..figures }, expected);
+    }
+
+    #[test]
+    fn what_is_not_counted_has_no_mean() {
+        let figures = Figures::over_starts(&runs(None));
+        assert_eq!(figures.work_per_frame, None);
+        assert_eq!(Figures::over_recordings(&[figures, Figures::over_starts(&runs(Some(1)))]).work_per_frame, None);
+    }
+
+    #[test]
+    fn recordings_count_alike() {
+        let part = |correct: f64, hidden: usize| Figures {
+            mean_correct: correct,
+            worst_correct: correct / 2.0,
+            mean_correct_50: correct,
+            f: correct,
+            mean_iou: correct,
+            precision: correct,
+            hidden,
+            answered_hidden: hidden / 2,
+            returns: hidden,
+            found_again: 1,
+            tracking: 5,
+            tracking_wrong: hidden,
+            wrong: 7,
+            right: 3,
+            right_unsaid: 1,
+            work_per_frame: Some(correct * 100.0),
+            microseconds_per_frame: correct * 10.0,
+        };
+        let expected = Figures {
+            hidden: 12,
+            answered_hidden: 6,
+            returns: 12,
+            found_again: 2,
+            tracking: 10,
+            tracking_wrong: 12,
+            wrong: 14,
+            right: 6,
+            right_unsaid: 2,
+            ..part(0.5, 0)
+        };
+        assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), expected);
+    }
+
+    #[test]
+    fn a_target_is_found_again_within_fifty_frames_of_its_return() {
+        let (hidden, wrong, right) = (None, Some(0.1), Some(0.9));
+        assert_eq!(returns(&[hidden, right, right]), (1, 1));
+        assert_eq!(returns(&[right, hidden, hidden, wrong, hidden, wrong, right]), (2, 2));
+        let late = |frames| [vec![right, hidden], vec![wrong; frames], vec![right]].concat();
+        assert_eq!((returns(&late(49)), returns(&late(50))), ((1, 1), (1, 0)));
+        assert_eq!((returns(&[]), returns(&[right, wrong, hidden])), ((0, 0), (0, 0)));
+    }
+
+    #[test]
+    fn nothing_divides_by_zero() {
+        let silent =
+            RunFigures::new(&[None], &[], &[], &[at(0.0)], Spent { work: Some(0), ..Spent::default() }).unwrap();
+        let figures = Figures::over_starts(&[silent]);
+        assert_eq!(figures, Figures { work_per_frame: Some(0.0), ..Figures::default() });
+    }
+}

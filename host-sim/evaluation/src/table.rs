@@ -1,0 +1,213 @@
+//! Results as tables: every score in full, and the paper's Table 2.
+
+use super::layout::{NOTHING, cell, header};
+use super::protocol::Figure;
+use super::results::{Line, MEASURED, Results};
+use super::{Layout, Score, published};
+
+impl Results {
+    /// All that there is, as text or Markdown. Nothing if nobody has a score.
+    pub fn text(&self, layout: Layout) -> String {
+        if self.is_empty() {
+            return String::new();
+        }
+        format!("{}\n{}", self.details(layout), self.correct_frames(layout))
+    }
+
+    /// Every score in full, contestant by contestant; of several a total over all frames, the mean over recordings, and
+    /// its standard error.
+    pub fn details(&self, layout: Layout) -> String {
+        let names = header("tracker|sequence").into_iter();
+        let mut lines = vec![names.chain(columns().map(|figure| figure.title.to_owned())).collect()];
+        for line in &self.lines {
+            let mut add = |what: &str, figure: &dyn Fn(&Figure) -> String| {
+                let names = [&line.contestant.name, what].map(str::to_owned).into_iter();
+                lines.push(names.chain(columns().map(figure)).collect());
+            };
+            let of = |score: Score| move |figure: &Figure| cell((figure.of)(&score), figure.digits);
+            for (sequence, &score) in self.sequences.iter().zip(&line.scores) {
+                score.into_iter().for_each(|score| add(&sequence.name, &of(score)));
+            }
+            let Some(means) = line.means() else { continue };
+            add("total", &of(Score::total(line.scores.iter().flatten())));
+            for (what, means) in [
+                (format!("mean of {}", means.recordings), Some(means.mean)),
+                ("  standard error".to_owned(), means.standard_error),
+            ] {
+                let mean =
+                    |figure: &Figure| means.iter().flat_map(|means| &means.0).find(|(key, _)| *key == figure.key);
+                add(&what, &|figure| mean(figure).map_or(String::new(), |&(_, mean)| cell(Some(mean), figure.digits)));
+            }
+        }
+        layout.table(&lines, 2)
+    }
+
+    /// The paper's Table 2 if one of its sequences is here, and correct frames as they were measured: contestants down,
+    /// sequences across.
+    pub fn correct_frames(&self, layout: Layout) -> String {
+        let mut header = header("correct frames|source");
+        header.extend(self.sequences.iter().map(|sequence| format!("{} /{}", sequence.name, sequence.visible)));
+        let mut lines = vec![header];
+        lines.extend(self.published());
+        lines.extend(self.lines.iter().map(correct_frames));
+        layout.table(&lines, 2)
+    }
+
+    /// The rows of the paper, if one of its sequences is here.
+    fn published(&self) -> Vec<Vec<String>> {
+        if !self.sequences.iter().any(|sequence| published::is_known(&sequence.name)) {
+            return Vec::new();
+        }
+        let cell = |correct: Option<u16>| correct.map_or(NOTHING.to_owned(), |correct| correct.to_string());
+        let line = |row: &published::Row| {
+            let cells = self.sequences.iter().map(|sequence| cell(row.correct(&sequence.name)));
+            [row.tracker, published::SOURCE].map(str::to_owned).into_iter().chain(cells).collect()
+        };
+        published::TABLE.iter().map(line).collect()
+    }
+}
+
+/// The figures that tables have.
+fn columns() -> impl Iterator<Item = &'static Figure> {
+    Score::FIGURES.iter().filter(|figure| !figure.title.is_empty())
+}
+
+fn correct_frames(of: &Line) -> Vec<String> {
+    let mut line = vec![of.contestant.name.clone(), MEASURED.to_owned()];
+    line.extend(of.scores.iter().map(|score| score.map_or(NOTHING.to_owned(), |score| score.correct.to_string())));
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Contestant, Evaluation, MethodKind, Origin, TableName};
+    use serde_json::Map;
+
+    fn evaluation(sequence: &str, scores: &[(Contestant, usize)]) -> Evaluation {
+        let score = |correct: usize| {
+            let mut boxes = vec![None; 4];
+            boxes[..correct].fill(Some("1,2,3,4".parse().unwrap()));
+            Score::with_confidence(&boxes, &[None; 4], &[Some("1,2,3,4".parse().unwrap()); 4]).unwrap()
+        };
+        let scores = scores.iter().map(|(who, correct)| (who.clone(), score(*correct))).collect();
+        Evaluation { sequence: sequence.to_owned(), visible: 4, scores, failures: vec![], notes: vec![] }
+    }
+
+    fn method(name: &str) -> Contestant {
+        Contestant { name: name.to_owned(), origin: Some(Origin::new(MethodKind::Smr, Map::new())) }
+    }
+
+    fn results() -> Results {
+        let (smr, sad) = (method("smr"), method("sad"));
+        let file = |name: &str| Contestant::file(name.to_owned());
+        Results::new(&[
+            evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
+            evaluation("06_car", &[(smr, 2), (sad, 0), (file("t2"), 2), (file("smr"), 1)]),
+        ])
+    }
+
+    #[test]
+    fn every_score_in_full() {
+        let expected = "\
+tracker  sequence          frames  visible  answered  correct  correct@0.5  precision  recall      F  mean IoU  first failure  OTB AUC  OTB P20  VOT F  threshold
+smr      mine                   4        4         4        4            4      1.000   1.000  1.000     1.000              -    0.952    1.000  1.000          -
+smr      06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
+smr      total                  8        8         6        6            6      1.000   0.750  0.857     0.750              -        -        -      -          -
+smr      mean of 2                                                              1.000   0.750  0.833     0.750                   0.714    0.750  0.833
+smr        standard error                                                       0.000   0.250  0.167     0.250                   0.238    0.250  0.167
+sad      mine                   4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
+sad      06_car                 4        4         0        0            0      0.000   0.000  0.000     0.000              1    0.000    0.000  0.000          -
+sad      total                  8        8         1        1            1      1.000   0.125  0.222     0.125              -        -        -      -          -
+sad      mean of 2                                                              0.500   0.125  0.200     0.125                   0.119    0.125  0.200
+sad        standard error                                                       0.500   0.125  0.200     0.125                   0.119    0.125  0.200
+smr      06_car                 4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
+t2       06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
+t10      mine                   4        4         3        3            3      1.000   0.750  0.857     0.750              4    0.714    0.750  0.857          -
+";
+        assert_eq!(results().details(Layout::Text), expected);
+    }
+
+    #[test]
+    fn the_table_of_the_paper() {
+        let expected = "\
+correct frames                             source    mine /4  06_car /4
+Lim 2004 (incremental subspace)            printed         -        163
+Collins 2005 (online feature selection)    printed         -          -
+Avidan 2007 (ensemble tracking)            printed         -         10
+Babenko 2009 (MIL)                         printed         -         45
+Kalal 2010 (forward-backward, MedianFlow)  printed         -        510
+SMR, the paper                             printed         -        510
+smr                                        measured        4          2
+sad                                        measured        1          0
+smr                                        measured        -          1
+t2                                         measured        -          2
+t10                                        measured        3          -
+";
+        assert_eq!(results().correct_frames(Layout::Text), expected);
+        let other = Results::new(&[evaluation("mine", &[(method("smr"), 4)])]);
+        assert_eq!(
+            other.correct_frames(Layout::Text),
+            "correct frames  source    mine /4\nsmr             measured        4\n"
+        );
+    }
+
+    #[test]
+    fn json_has_what_was_measured_and_what_is_printed() {
+        let json = serde_json::to_value(results().tables().unwrap()).unwrap();
+        let expected = serde_json::json!({
+            "version": env!("CARGO_PKG_VERSION"), "method": "smr", "options": "{}",
+            "tracker": "smr", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
+            "correct_50": 2, "precision": 1.0, "recall": 0.5, "f": 2.0 / 3.0, "mean_iou": 0.5, "first_failure": 3,
+            "otb_auc": 10.0 / 21.0, "otb_precision": 0.5,
+            "vot_f": 2.0 / 3.0, "vot_precision": 1.0, "vot_recall": 0.5, "vot_threshold": null,
+        });
+        assert_eq!(json["measured"][1], expected);
+        assert!(json["measured"][0]["first_failure"].is_null() && json["measured"][6]["options"].is_null());
+        // Collins has no figure for the one sequence of the table.
+        let rows = |name: &str| json[name].as_array().unwrap().len();
+        assert_eq!((rows("measured"), rows("printed"), rows("means")), (7, 5, 2));
+        let lim =
+            serde_json::json!({ "tracker": "Lim 2004 (incremental subspace)", "sequence": "06_car", "correct": 163 });
+        assert_eq!(json["printed"][0], lim);
+    }
+
+    #[test]
+    fn means_are_over_recordings() {
+        let json = serde_json::to_value(results().tables().unwrap()).unwrap();
+        let smr = &json["means"][0];
+        assert_eq!((&smr["tracker"], &smr["method"], &smr["recordings"]), (&"smr".into(), &"smr".into(), &2.into()));
+        assert!(smr.get("sequence").is_none());
+        // 1 and 1/2: the mean is 3/4, and each is 1/4 from it: sqrt(2 / 16 / 1 / 2).
+        assert_eq!((&smr["recall"], &smr["recall_standard_error"]), (&0.75.into(), &0.25.into()));
+        assert_eq!(smr["precision_standard_error"], 0.0);
+    }
+
+    #[test]
+    fn csv_has_the_tables_of_json() {
+        let tables = results().tables().unwrap();
+        let csv = |name| tables.csv(name).unwrap();
+        let measured = csv(TableName::Measured);
+        let lines: Vec<&str> = measured.lines().collect();
+        assert_eq!(lines.len(), 1 + 7);
+        assert!(lines[2].starts_with("smr,06_car,4,4,2,2,2,1.0,0.5,"), "{}", lines[2]);
+        assert!(lines[7].ends_with(",,,"), "{}", lines[7]);
+        assert!(csv(TableName::Means).starts_with("tracker,recordings,precision,precision_standard_error,recall,"));
+        assert!(csv(TableName::Printed).contains("\n\"Kalal 2010 (forward-backward, MedianFlow)\",06_car,510\n"));
+    }
+
+    #[test]
+    fn markdown_has_both_tables() {
+        let text = results().text(Layout::Markdown);
+        let tables: Vec<&str> = text.split("\n\n").collect();
+        assert_eq!(tables.len(), 2);
+        assert!(
+            tables[0].starts_with("| tracker | sequence | frames |") && tables[1].starts_with("| correct frames |")
+        );
+        for table in tables {
+            let cells: Vec<usize> = table.lines().map(|line| line.matches('|').count()).collect();
+            assert!(cells.iter().all(|&count| count == cells[0]), "{table}");
+        }
+        assert_eq!(Results::new(&[]).text(Layout::Text), "");
+    }
+}

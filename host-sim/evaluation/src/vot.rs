@@ -1,0 +1,108 @@
+//! The figure of VOT's long-term challenge: Lukezic et al., *Now you see me: evaluating performance in long-term visual
+//! tracking*, 2018. F over thresholds of the confidence that the tracker reports.
+//!
+//! At a threshold, the answers with at least this confidence count, as they were answered; the others are none:
+//!
+//! - precision: their mean IoU; where the target is hidden it is 0
+//! - recall: the sum of their IoU over the number of frames in which the target is visible
+//! - F: 2 precision recall / (precision + recall)
+//!
+//! F is taken at the threshold at which it is largest, for each recording on its own. Thresholds are the confidences
+//! that were reported. An answer without a confidence counts at every threshold, as one of confidence 1; so does the box
+//! that the tracker was given.
+
+use super::Trajectory;
+use serde::Serialize;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Vot {
+    /// The largest F; 0 if no answer meets the target.
+    pub vot_f: f64,
+    /// The precision at that threshold.
+    pub vot_precision: f64,
+    /// The recall at that threshold.
+    pub vot_recall: f64,
+    /// The highest confidence at which F is largest; `None` if the tracker reports no confidence, or if `vot_f` is 0.
+    pub vot_threshold: Option<f64>,
+}
+
+impl Vot {
+    /// Of trajectories of the same length, and of the confidence in each frame, if one was reported.
+    pub(super) fn new(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Self {
+        let visible = truth.iter().flatten().count() as f64;
+        let answers = answers.iter().zip(truth).zip(confidences).filter_map(|((answer, truth), confidence)| {
+            let answer = answer.as_ref()?;
+            Some((confidence.unwrap_or(1.0), truth.as_ref().map_or(0.0, |truth| answer.iou(truth))))
+        });
+        let mut answers: Vec<(f64, f64)> = answers.collect();
+        answers.sort_by(|a, b| b.0.total_cmp(&a.0));
+
+        let mut best = Self::default();
+        let (mut answered, mut sum) = (0.0, 0.0);
+        for same in answers.chunk_by(|a, b| a.0 == b.0) {
+            answered += same.len() as f64;
+            sum += same.iter().map(|(_, iou)| iou).sum::<f64>();
+            // 2PR / (P + R), with the sum taken out.
+            let f = 2.0 * sum / (answered + visible);
+            if f > best.vot_f {
+                let (vot_precision, vot_recall) = (sum / answered, sum / visible);
+                best = Self { vot_f: f, vot_precision, vot_recall, vot_threshold: Some(same[0].0) };
+            }
+        }
+        let reported = confidences.iter().any(Option::is_some);
+        Self { vot_threshold: best.vot_threshold.filter(|_| reported), ..best }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_recordings::BoundingBox;
+
+    fn at(x: f64) -> Option<BoundingBox> {
+        Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
+    }
+
+    #[test]
+    fn a_perfect_tracker_is_at_one() {
+        let truth = [at(0.0), at(3.0), None];
+        let perfect = Vot { vot_f: 1.0, vot_precision: 1.0, vot_recall: 1.0, vot_threshold: None };
+        assert_eq!(Vot::new(&truth, &[None; 3], &truth), perfect);
+        let unsure = Vot::new(&truth, &[None, Some(0.2), Some(0.1)], &truth);
+        assert_eq!(unsure, Vot { vot_threshold: Some(0.2), ..perfect });
+    }
+
+    #[test]
+    fn nothing_answered_and_nothing_visible_are_zero() {
+        assert_eq!(Vot::new(&[None, None], &[None, Some(0.0)], &[at(0.0); 2]), Vot::default());
+        assert_eq!(Vot::new(&[at(0.0); 2], &[None, Some(0.9)], &[None, None]), Vot::default());
+        assert_eq!(Vot::new(&[], &[], &[]), Vot::default());
+    }
+
+    #[test]
+    fn half_right() {
+        let (truth, answers) = ([at(0.0); 4], [at(0.0), at(0.0), at(300.0), at(300.0)]);
+        // All answers count: precision 1/2, recall 1/2.
+        let all = Vot { vot_f: 0.5, vot_precision: 0.5, vot_recall: 0.5, vot_threshold: None };
+        assert_eq!(Vot::new(&answers, &[None; 4], &truth), all);
+        // The wrong ones were less sure, so they can be left out: precision 1, recall 1/2.
+        let sure = [None, Some(0.75), Some(0.5), Some(0.25)];
+        let without = Vot { vot_f: 2.0 / 3.0, vot_precision: 1.0, vot_recall: 0.5, vot_threshold: Some(0.75) };
+        assert_eq!(Vot::new(&answers, &sure, &truth), without);
+    }
+
+    #[test]
+    fn thresholds_by_hand() {
+        let truth = [at(0.0), at(0.0), at(0.0), None];
+        let answers = [at(0.0), at(5.0), at(0.0), at(0.0)];
+        let confidences = [None, Some(0.5), Some(0.5), Some(0.25)];
+        // At 1: sum 1 of 1 answer, F = 2 / (1 + 3) = 0.5.
+        // At 0.5, equal ones together: sum 1 + 1/3 + 1 of 3 answers, F = (14/3) / 6 = 7/9.
+        // At 0.25: hidden, so the same sum of 4 answers, F = (14/3) / 7 = 2/3.
+        let vot = Vot::new(&answers, &confidences, &truth);
+        assert_eq!(vot.vot_threshold, Some(0.5));
+        for figure in [vot.vot_f, vot.vot_precision, vot.vot_recall] {
+            assert!((figure - 7.0 / 9.0).abs() < 1e-12, "{vot:?}");
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Boxes and lines of text, drawn over a frame.
+
+use crate::report::Color;
+use crate::report::canvas::{BLACK, Canvas, Dashes, line, rgb};
+use embedded_graphics::Drawable;
+use embedded_graphics::geometry::{Point, Size};
+use embedded_graphics::mono_font::iso_8859_1::FONT_6X10;
+use embedded_graphics::primitives::{Primitive, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
+use smr_recordings::{BoundingBox, ColorFrame};
+
+pub const WHITE: Color = [255; 3];
+pub const GREEN: Color = [40, 230, 100];
+pub const AMBER: Color = [255, 190, 0];
+pub const RED: Color = [255, 70, 60];
+/// The colors of several targets, in turn.
+pub const TARGETS: [Color; 8] = [
+    [0, 200, 255],
+    [255, 120, 220],
+    [255, 225, 60],
+    [120, 255, 120],
+    [255, 150, 60],
+    [170, 150, 255],
+    [60, 255, 220],
+    [255, 110, 110],
+];
+/// What can be drawn with, beside gray levels.
+pub(super) const INKS: [Color; 3 + TARGETS.len()] = {
+    let mut inks = [GREEN; 3 + TARGETS.len()];
+    (inks[1], inks[2]) = (AMBER, RED);
+    let mut at = 0;
+    while at < TARGETS.len() {
+        inks[3 + at] = TARGETS[at];
+        at += 1;
+    }
+    inks
+};
+
+/// A frame that is drawn on.
+pub struct Overlay(Canvas);
+
+impl Overlay {
+    #[must_use]
+    pub fn new(ColorFrame { width, height, pixels }: ColorFrame) -> Self {
+        Self(Canvas { width: width.into(), height: height.into(), pixels })
+    }
+
+    #[must_use]
+    pub(super) const fn picture(&self) -> &Canvas {
+        &self.0
+    }
+
+    pub const fn size(&self) -> (u32, u32) {
+        (self.0.width, self.0.height)
+    }
+
+    /// Red, green and blue of each pixel.
+    #[must_use]
+    pub fn rgb(&self) -> &[u8] {
+        self.0.pixels.as_flattened()
+    }
+
+    /// How large a dot of what is drawn is, so that it is seen in large frames, too.
+    fn dot(&self) -> u32 {
+        self.0.width.min(self.0.height) / 240 + 1
+    }
+
+    /// Lines around the box, a dark one outside so that they are seen on any ground. What is in the box stays to be seen: targets are small.
+    pub fn outline(&mut self, target: &BoundingBox, color: Color) {
+        let Some(rect) = target.to_rect() else { return };
+        // Far outside nothing is seen anyway.
+        let place = Point::new(rect.x.clamp(-100_000, 100_000), rect.y.clamp(-100_000, 100_000));
+        let area = Rectangle::new(place, Size::new(rect.width.into(), rect.height.into()));
+        let dot = self.dot();
+        for (width, color) in [(dot + 1, BLACK), (dot, color)] {
+            let style = PrimitiveStyleBuilder::new().stroke_color(rgb(color)).stroke_width(width);
+            let Ok(()) = area.into_styled(style.stroke_alignment(StrokeAlignment::Outside).build()).draw(&mut self.0);
+        }
+    }
+
+    /// The same in dashes: the target may not be there.
+    pub fn dashed_outline(&mut self, target: &BoundingBox, color: Color) {
+        let BoundingBox { x, y, width, height } = *target;
+        let (right, bottom) = (x + width, y + height);
+        if [x, y, right, bottom].iter().any(|edge| edge.is_nan() || edge.abs() > 100_000.0) {
+            return;
+        }
+        let dot = self.dot();
+        let corners = [(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
+        let dash = f64::from(5 * dot);
+        line(&mut self.0, &corners, dot + 1, BLACK, Dashes::NONE);
+        line(&mut self.0, &corners, dot, color, Dashes::new(dash, dash));
+    }
+
+    /// A line on a dark ground, in the upper left corner.
+    pub fn label(&mut self, text: &str, color: Color) {
+        let label = self.lettering(text, color);
+        self.0.picture(0, 0, &label);
+    }
+
+    /// A line on a dark ground above the box, or in it if there is no room above.
+    pub fn label_box(&mut self, target: &BoundingBox, text: &str, color: Color) {
+        let label = self.lettering(text, color);
+        let gap = f64::from(label.height + self.dot());
+        let top = if target.y >= gap { target.y - gap } else { target.y };
+        let most = |whole: u32, part: u32| f64::from(whole.saturating_sub(part));
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // inside the frame
+        let place = |at: f64, most: f64| at.min(most).max(0.0) as u32;
+        let left = place(target.x, most(self.0.width, label.width));
+        self.0.picture(left, place(top, most(self.0.height, label.height)), &label);
+    }
+
+    fn lettering(&self, text: &str, color: Color) -> Canvas {
+        let letters = (0..).zip(text.chars()).map(|_| FONT_6X10.character_size.width);
+        let mut label = Canvas::new(letters.sum::<u32>() + 4, FONT_6X10.character_size.height + 2, BLACK);
+        label.text(2, 1, text, color, &FONT_6X10);
+        label.nearest(label.width * self.dot(), label.height * self.dot())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain() -> Overlay {
+        Overlay::new(ColorFrame { width: 20, height: 16, pixels: vec![[100; 3]; 320] })
+    }
+
+    fn at(overlay: &Overlay, x: u32, y: u32) -> Color {
+        overlay.0.at(x, y)
+    }
+
+    const GROUND: Color = [100; 3];
+
+    #[test]
+    fn an_outline_is_around_the_box() {
+        let mut overlay = plain();
+        overlay.outline(&BoundingBox { x: 4.2, y: 5.0, width: 6.0, height: 4.0 }, GREEN);
+        for (x, y) in [(3, 4), (10, 4), (3, 9), (10, 9), (6, 4)] {
+            assert_eq!(at(&overlay, x, y), GREEN, "{x},{y}");
+        }
+        assert_eq!((at(&overlay, 2, 3), at(&overlay, 11, 10)), (BLACK, BLACK));
+        for (x, y) in [(4, 5), (9, 8), (12, 11)] {
+            assert_eq!(at(&overlay, x, y), GROUND, "{x},{y}");
+        }
+        let green = overlay.0.pixels.iter().filter(|&&pixel| pixel == GREEN).count();
+        assert_eq!((green, at(&overlay, 0, 0)), (2 * 8 + 2 * 4, GROUND));
+    }
+
+    #[test]
+    fn what_lies_outside_is_cut() {
+        let mut overlay = plain();
+        overlay.outline(&BoundingBox { x: -5.0, y: -5.0, width: 1000.0, height: 8.0 }, RED);
+        assert_eq!((at(&overlay, 0, 3), at(&overlay, 19, 3), at(&overlay, 0, 0)), (RED, RED, GROUND));
+        let mut overlay = plain();
+        overlay.outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
+        overlay.outline(&BoundingBox { x: 2e9, y: -2e9, width: 65535.0, height: 65535.0 }, RED);
+        assert!(overlay.0.pixels.iter().all(|&pixel| pixel == GROUND));
+        overlay.label("WIDER THAN THE FRAME", WHITE);
+        assert_eq!(at(&overlay, 19, 0), BLACK);
+    }
+
+    #[test]
+    fn dashes_leave_gaps_and_a_label_stays_in_the_frame() {
+        let mut overlay = plain();
+        overlay.dashed_outline(&BoundingBox { x: 4.0, y: 5.0, width: 12.0, height: 8.0 }, RED);
+        assert_eq!((at(&overlay, 5, 5), at(&overlay, 11, 5), at(&overlay, 8, 8)), (RED, BLACK, GROUND));
+        overlay.dashed_outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
+        overlay.label_box(&BoundingBox { x: 1e9, y: -1e9, width: 5.0, height: 5.0 }, "a", RED);
+        assert_eq!((at(&overlay, 19, 0), at(&overlay, 0, 0)), (BLACK, GROUND));
+    }
+}

@@ -1,0 +1,146 @@
+//! Whole recordings in the layouts that the toolkits of VOT, OTB and GOT-10k read.
+//!
+//! | toolkit | frames | boxes | besides |
+//! |---|---|---|---|
+//! | VOT | `color/00000001.png` | `groundtruth.txt`; 0 where the target is not visible | `sequence`: what the recording is like |
+//! | OTB | `img/0001.jpg` | `groundtruth_rect.txt`, the first pixel being 1; no area where it is not visible | |
+//! | GOT-10k | `00000001.jpg` | `groundtruth.txt`; no area where it is not visible | `meta_info.ini`, and a number for each frame in `absence.label`, `cover.label` and `cut_by_image.label` |
+//!
+//! Without ground truth the file with boxes has one line, the box to start from, as in the test sets of GOT-10k.
+
+use super::{jpeg, png};
+use anyhow::{Context, Result};
+use smr_recordings::BoundingBox;
+use smr_recordings::GrayFrame;
+use smr_recordings::boxes::Form;
+use smr_recordings::output;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Toolkit {
+    Vot,
+    Otb,
+    Got10k,
+}
+
+/// Frames a second: a recording does not say how many it has.
+const RATE: u32 = 25;
+
+/// The best that JPEG has.
+const QUALITY: u8 = 100;
+
+/// What is known of a recording when all its frames are written.
+pub(super) struct About<'a> {
+    pub name: &'a str,
+    pub frames: usize,
+    pub width: u16,
+    pub height: u16,
+    /// One entry a frame; without ground truth the box to start from alone.
+    pub boxes: &'a [Option<BoundingBox>],
+}
+
+impl Toolkit {
+    /// The folder of the pictures in that of the recording, if they have one of their own.
+    pub const fn inner(self) -> Option<&'static str> {
+        match self {
+            Self::Vot => Some("color"),
+            Self::Otb => Some("img"),
+            Self::Got10k => None,
+        }
+    }
+
+    /// The name of the frame with this number; the first is 1.
+    pub fn picture(self, number: usize) -> String {
+        match self {
+            Self::Vot => format!("color/{number:08}.png"),
+            Self::Otb => format!("img/{number:04}.jpg"),
+            Self::Got10k => format!("{number:08}.jpg"),
+        }
+    }
+
+    /// The toolkits of OTB and GOT-10k look for files *.jpg alone.
+    pub fn encoded(self, frame: &GrayFrame) -> Result<Vec<u8>> {
+        match self {
+            Self::Vot => png(frame),
+            Self::Otb | Self::Got10k => jpeg(frame, QUALITY),
+        }
+    }
+
+    /// The files beside the pictures: those with boxes first, the one with all boxes before all others.
+    pub fn files(self, about: &About<'_>) -> Vec<(&'static str, String)> {
+        let lines = |of: &dyn Fn(Option<&BoundingBox>) -> String| {
+            about.boxes.iter().map(|entry| of(entry.as_ref()) + "\n").collect::<String>()
+        };
+        let form = |form: Form| move |entry: Option<&BoundingBox>| form.line(entry);
+        // Their toolkits read four numbers in each line, and take NaN for a box.
+        let or_zeros = |form: Form| {
+            move |entry: Option<&BoundingBox>| entry.map_or("0,0,0,0".to_owned(), |of| form.line(Some(of)))
+        };
+        let mark = |of: &dyn Fn(&Option<BoundingBox>) -> u8| {
+            about.boxes.iter().map(|entry| format!("{}\n", of(entry))).collect::<String>()
+        };
+        match self {
+            Self::Vot => vec![("groundtruth.txt", lines(&form(Form::Vot))), ("sequence", vot_sequence(about))],
+            Self::Otb => vec![("groundtruth_rect.txt", lines(&or_zeros(Form::Otb)))],
+            Self::Got10k => {
+                let mut files = vec![("groundtruth.txt", lines(&or_zeros(Form::Vot)))];
+                if about.boxes.len() == about.frames {
+                    let is_cut = |of: &BoundingBox| {
+                        of.x < 0.0
+                            || of.y < 0.0
+                            || of.x + of.width > about.width.into()
+                            || of.y + of.height > about.height.into()
+                    };
+                    files.push(("absence.label", mark(&|entry| entry.is_none().into())));
+                    // How much of the target is covered is not known: 8 of 8 parts are visible, or none.
+                    files.push(("cover.label", mark(&|entry| if entry.is_some() { 8 } else { 0 })));
+                    files.push(("cut_by_image.label", mark(&|entry| entry.as_ref().is_some_and(is_cut).into())));
+                }
+                files.push(("meta_info.ini", got10k_meta(about)));
+                files
+            }
+        }
+    }
+
+    /// The list of sequences that a folder with this one and others has, if the toolkit reads one.
+    ///
+    /// A folder above `out` that has such a list, or is not there yet, is taken for one of sequences.
+    pub fn list(self, out: &Path) -> Option<PathBuf> {
+        let above = out.parent().filter(|above| !above.as_os_str().is_empty())?;
+        let list = above.join("list.txt");
+        (self != Self::Otb && (list.is_file() || !above.exists())).then_some(list)
+    }
+}
+
+/// Adds the sequence `name` to `list`, if it is not in it.
+pub(super) fn enlist(list: &Path, name: &str) -> Result<()> {
+    let mut text = if list.is_file() {
+        fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?
+    } else {
+        String::new()
+    };
+    if text.lines().any(|line| line.trim() == name) {
+        return Ok(());
+    }
+    if !text.is_empty() && !text.ends_with('\n') {
+        text.push('\n');
+    }
+    output::write(list, (text + name + "\n").as_bytes())
+}
+
+fn vot_sequence(About { name, width, height, .. }: &About<'_>) -> String {
+    format!(
+        "channel.default=color\nchannels.color=color/%08d.png\nformat=default\nfps={RATE}\nheight={height}\nname={name}\nwidth={width}\n"
+    )
+}
+
+fn got10k_meta(About { frames, width, height, .. }: &About<'_>) -> String {
+    let seconds = (*frames as u64).div_ceil(RATE.into());
+    let end = format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+    let unknown = ["object_class", "motion_class", "major_class", "root_class", "motion_adverb"];
+    let unknown: String = unknown.map(|key| format!("{key}: unknown\n")).concat();
+    format!(
+        "[METAINFO]\nurl: unknown\nbegin: 00:00:00\nend: {end}\nanno_fps: {RATE}Hz\n{unknown}resolution: ({width}, {height})\n"
+    )
+}

@@ -1,0 +1,410 @@
+//! A recording as files that this program, others, and firmware read.
+
+use super::toolkit::{About, Toolkit, enlist};
+use super::{c_array, pgm, png};
+use anyhow::Result;
+use serde::Serialize;
+use smr_recordings::output::{Folder, Output};
+use smr_recordings::{BoundingBox, GrayFrame, boxes};
+use std::path::{Path, PathBuf};
+
+/// What frames are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// A folder of PNG pictures, 00001.png ...
+    Png,
+    /// A folder of PGM pictures, 00001.pgm ...
+    Pgm,
+    /// One Y4M file, gray, 25 frames a second
+    Y4m,
+    /// One raw dump: 8-bit gray, row after row, frame after frame
+    Raw,
+    /// One C header with an array of frames
+    H,
+    /// A sequence for the VOT toolkit: color/00000001.png ..., groundtruth.txt, sequence; the frames as they are
+    Vot,
+    /// A sequence for OTB's tools: img/0001.jpg ..., groundtruth_rect.txt; they read JPEG, so pixels differ a little
+    Otb,
+    /// A sequence for the GOT-10k toolkit: 00000001.jpg ..., groundtruth.txt, labels, meta_info.ini; JPEG, too
+    Got10k,
+}
+
+impl Format {
+    /// As on the command line; of a picture or a file also its usual extension.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Pgm => "pgm",
+            Self::Y4m => "y4m",
+            Self::Raw => "raw",
+            Self::H => "h",
+            Self::Vot => "vot",
+            Self::Otb => "otb",
+            Self::Got10k => "got10k",
+        }
+    }
+
+    const fn toolkit(self) -> Option<Toolkit> {
+        match self {
+            Self::Vot => Some(Toolkit::Vot),
+            Self::Otb => Some(Toolkit::Otb),
+            Self::Got10k => Some(Toolkit::Got10k),
+            _ => None,
+        }
+    }
+
+    /// True if it is a layout with boxes in it, without which it is of no use.
+    #[must_use]
+    pub const fn needs_boxes(self) -> bool {
+        self.toolkit().is_some()
+    }
+
+    /// True if it is one file, not one for each frame.
+    #[must_use]
+    pub const fn is_file(self) -> bool {
+        matches!(self, Self::Y4m | Self::Raw | Self::H)
+    }
+
+    /// That of a file of this name, if the extension tells.
+    #[must_use]
+    pub fn of_file(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "y4m" => Some(Self::Y4m),
+            "raw" | "gray" | "bin" | "y8" => Some(Self::Raw),
+            "h" => Some(Self::H),
+            _ => None,
+        }
+    }
+}
+
+/// A recording under way. Until [`Writer::finish`] nothing has its name.
+pub struct Writer {
+    name: String,
+    format: Format,
+    start: Option<BoundingBox>,
+    place: Place,
+    written: Written,
+}
+
+enum Place {
+    /// One file alone.
+    File(Output),
+    /// A folder with one file for the frames.
+    FileIn(Folder, Output),
+    /// A folder of pictures.
+    Pictures(Folder),
+    /// A folder in the layout of a toolkit, and the list that it is to stand in.
+    Sequence(Toolkit, Folder, Option<PathBuf>),
+}
+
+/// What was written.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Written {
+    pub frames: usize,
+    /// Of a frame; 0 before the first one.
+    pub width: u16,
+    pub height: u16,
+    /// Of all frames, with the headers of their format.
+    pub bytes: u64,
+    /// The files with boxes, and what else a toolkit reads, beside the frames.
+    pub boxes: Vec<&'static str>,
+    /// The list of sequences that it was added to.
+    pub list: Option<PathBuf>,
+}
+
+impl Writer {
+    /// Begins the recording called `name`: a file alone if `out` has the extension of one, else a folder, in which there will be boxes, too.
+    ///
+    /// # Errors
+    /// It cannot be written there, or the folder is not empty.
+    pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
+        if Format::of_file(out) != Some(format) {
+            return Self::in_folder(out, format, name, start);
+        }
+        Ok(Self::new(format, name, start, Place::File(Output::create(out)?)))
+    }
+
+    /// Begins the recording called `name` in the folder `out`, in which there will be boxes, too.
+    ///
+    /// # Errors
+    /// It cannot be written there, or the folder is not empty.
+    pub fn in_folder(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
+        let list = format.toolkit().and_then(|toolkit| toolkit.list(out));
+        // Files already there would become part of the recording, or be lost.
+        let folder = Folder::create(out)?;
+        let place = if let Some(toolkit) = format.toolkit() {
+            if let Some(inner) = toolkit.inner() {
+                folder.folder(inner)?;
+            }
+            Place::Sequence(toolkit, folder, list)
+        } else if format.is_file() {
+            let file = folder.file(&format!("{name}.{}", format.name()))?;
+            Place::FileIn(folder, file)
+        } else {
+            Place::Pictures(folder)
+        };
+        Ok(Self::new(format, name, start, place))
+    }
+
+    fn new(format: Format, name: &str, start: Option<BoundingBox>, place: Place) -> Self {
+        Self { name: name.to_owned(), format, start, place, written: Written::default() }
+    }
+
+    /// Writes the next frame.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn frame(&mut self, frame: &GrayFrame) -> Result<()> {
+        let bytes = match self.format {
+            Format::Vot => Toolkit::Vot.encoded(frame)?,
+            Format::Otb => Toolkit::Otb.encoded(frame)?,
+            Format::Got10k => Toolkit::Got10k.encoded(frame)?,
+            Format::Png => png(frame)?,
+            Format::Pgm => pgm(frame),
+            Format::Y4m => [b"FRAME\n", &frame.pixels[..]].concat(),
+            Format::Raw => frame.pixels.clone(),
+            Format::H => c_array::element(frame).into_bytes(),
+        };
+        if self.written.frames == 0 {
+            (self.written.width, self.written.height) = (frame.width, frame.height);
+            self.text(&match self.format {
+                Format::Y4m => format!("YUV4MPEG2 W{} H{} F25:1 Ip A1:1 Cmono\n", frame.width, frame.height),
+                Format::H => c_array::head(&self.name, frame, self.start.as_ref()),
+                _ => String::new(),
+            })?;
+        }
+        self.written.frames += 1;
+        self.written.bytes += bytes.len() as u64;
+        match &mut self.place {
+            Place::File(file) | Place::FileIn(_, file) => file.write(&bytes),
+            Place::Pictures(folder) => {
+                let name = format!("{:05}.{}", self.written.frames, self.format.name());
+                folder.write(&name, &bytes)
+            }
+            Place::Sequence(toolkit, folder, _) => folder.write(&toolkit.picture(self.written.frames), &bytes),
+        }
+    }
+
+    /// Before or after all frames; pictures have no such text.
+    fn text(&mut self, text: &str) -> Result<()> {
+        self.written.bytes += text.len() as u64;
+        match &mut self.place {
+            Place::File(file) | Place::FileIn(_, file) => file.write(text.as_bytes()),
+            Place::Pictures(_) | Place::Sequence(..) => Ok(()),
+        }
+    }
+
+    /// Ends it. Into a folder go `init.txt` and, where there is ground truth, `gt.txt`, both in TLD form, or else the files of the toolkit: its
+    /// boxes are those of `truth`, if that has one for each frame and one in the first, else the box to start from alone.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
+        if self.format == Format::H && self.written.frames > 0 {
+            let foot = c_array::foot(&self.name);
+            self.text(&foot)?;
+        }
+        let Self { name, start, place, mut written, .. } = self;
+        let folder = match place {
+            Place::Sequence(toolkit, folder, list) => {
+                let given = [start];
+                let of_frames = truth.filter(|truth| is_whole(truth, written.frames)).unwrap_or(&given);
+                if of_frames[0] != start {
+                    // For this program; the toolkits start from the ground truth.
+                    let line = boxes::Form::Tld.line(start.as_ref()) + "\n";
+                    folder.write("init.txt", line.as_bytes())?;
+                    written.boxes.push("init.txt");
+                }
+                let Written { frames, width, height, .. } = written;
+                for (name, text) in toolkit.files(&About { name: &name, frames, width, height, boxes: of_frames }) {
+                    folder.write(name, text.as_bytes())?;
+                    written.boxes.push(name);
+                }
+                folder.finish()?;
+                if let Some(list) = &list {
+                    enlist(list, &name)?;
+                }
+                written.list = list;
+                return Ok(written);
+            }
+            Place::File(file) => {
+                file.finish()?;
+                return Ok(written);
+            }
+            Place::FileIn(folder, file) => {
+                file.finish()?;
+                folder
+            }
+            Place::Pictures(folder) => folder,
+        };
+        let line = |entry: &Option<BoundingBox>| boxes::Form::Tld.line(entry.as_ref()) + "\n";
+        let init = start.map(|start| line(&Some(start)));
+        let truth = truth.map(|truth| truth.iter().map(line).collect::<String>());
+        for (name, text) in [("init.txt", init), ("gt.txt", truth)] {
+            if let Some(text) = text {
+                folder.write(name, text.as_bytes())?;
+                written.boxes.push(name);
+            }
+        }
+        folder.finish()?;
+        Ok(written)
+    }
+}
+
+/// True of ground truth that a toolkit can start from and count with.
+#[must_use]
+pub fn is_whole(truth: &[Option<BoundingBox>], frames: usize) -> bool {
+    truth.len() == frames && truth.first().is_some_and(Option::is_some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_recordings::{OpenOptions, synthetic};
+    use std::fs;
+
+    const FORMATS: [Format; 4] = [Format::Png, Format::Pgm, Format::Y4m, Format::Raw];
+    const FRAMES: usize = 5;
+
+    fn truth() -> Vec<Option<BoundingBox>> {
+        (0..FRAMES).map(synthetic::truth).collect()
+    }
+
+    fn written(out: &Path, format: Format) -> Written {
+        let mut writer = Writer::create(out, format, "clip", truth()[0]).unwrap();
+        for frame in synthetic::frames().take(FRAMES) {
+            writer.frame(&frame).unwrap();
+            assert!(!out.exists());
+        }
+        writer.finish(Some(&truth())).unwrap()
+    }
+
+    #[test]
+    fn a_folder_reads_back_with_its_boxes() {
+        for format in FORMATS {
+            let above = tempfile::tempdir().unwrap();
+            let out = above.path().join("clip");
+            let written = written(&out, format);
+            assert_eq!((written.frames, &written.boxes[..]), (FRAMES, &["init.txt", "gt.txt"][..]));
+            let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
+            let read = smr_recordings::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
+            assert_eq!((read.init, read.truth), (truth()[0], Some(truth())), "{format:?}");
+            assert!(read.frames.map(Result::unwrap).eq(synthetic::frames().take(FRAMES)), "{format:?}");
+        }
+    }
+
+    /// Frame 4 without a box: the target is not visible there.
+    fn hidden() -> Vec<Option<BoundingBox>> {
+        (0..FRAMES).map(|frame| synthetic::truth(frame).filter(|_| frame != 3)).collect()
+    }
+
+    fn of_toolkit(out: &Path, format: Format, truth: Option<&[Option<BoundingBox>]>) -> Written {
+        let mut writer = Writer::create(out, format, "clip", hidden()[0]).unwrap();
+        for frame in synthetic::frames().take(FRAMES) {
+            writer.frame(&frame).unwrap();
+        }
+        writer.finish(truth).unwrap()
+    }
+
+    #[test]
+    fn sequences_of_toolkits_read_back() {
+        for (format, first, most) in [
+            (Format::Vot, "color/00000001.png", 0),
+            (Format::Otb, "img/0001.jpg", 2),
+            (Format::Got10k, "00000001.jpg", 2),
+        ] {
+            let above = tempfile::tempdir().unwrap();
+            let out = above.path().join("clip");
+            let written = of_toolkit(&out, format, Some(&hidden()));
+            assert!(out.join(first).is_file() && written.boxes.iter().all(|name| out.join(name).is_file()));
+            assert_eq!(written.list, None, "the folder above is not one of sequences");
+            let read = smr_recordings::open(&out, &OpenOptions::default()).unwrap();
+            assert_eq!((read.init, read.truth), (hidden()[0], Some(hidden())), "{format:?}");
+            let frames: Vec<GrayFrame> = read.frames.map(Result::unwrap).collect();
+            assert_eq!(frames.len(), FRAMES);
+            for (read, frame) in frames.iter().zip(synthetic::frames()) {
+                let differences = read.pixels.iter().zip(&frame.pixels).map(|(read, pixel)| read.abs_diff(*pixel));
+                assert!(differences.max() <= Some(most), "{format:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_ground_truth_a_toolkit_gets_the_box_to_start_from() {
+        let truth = hidden();
+        for truth in [None, Some(&truth[..2]), Some(&[None; FRAMES][..])] {
+            for (format, name) in [
+                (Format::Vot, "groundtruth.txt"),
+                (Format::Otb, "groundtruth_rect.txt"),
+                (Format::Got10k, "groundtruth.txt"),
+            ] {
+                let above = tempfile::tempdir().unwrap();
+                let out = above.path().join("clip");
+                let written = of_toolkit(&out, format, truth);
+                assert!(!written.boxes.contains(&"absence.label"));
+                assert_eq!(fs::read_to_string(out.join(name)).unwrap().lines().count(), 1, "{format:?}");
+                assert_eq!(smr_recordings::open(&out, &OpenOptions::default()).unwrap().init, hidden()[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_folder_of_sequences_gets_a_list() {
+        let above = tempfile::tempdir().unwrap();
+        let (sequences, list) = (above.path().join("new"), above.path().join("new/list.txt"));
+        for (name, format) in [("b", Format::Vot), ("a", Format::Got10k), ("c", Format::Otb)] {
+            let mut writer = Writer::create(&sequences.join(name), format, name, truth()[0]).unwrap();
+            writer.frame(&synthetic::frames().next().unwrap()).unwrap();
+            let written = writer.finish(None).unwrap();
+            assert_eq!(written.list.is_some(), format != Format::Otb);
+        }
+        assert_eq!(fs::read_to_string(&list).unwrap(), "b\na\n");
+        fs::remove_dir_all(sequences.join("a")).unwrap();
+        of_toolkit(&sequences.join("a"), Format::Vot, None);
+        assert_eq!(fs::read_to_string(&list).unwrap(), "b\na\nclip\n");
+    }
+
+    #[test]
+    fn a_file_alone_reads_back() {
+        let above = tempfile::tempdir().unwrap();
+        for (name, format) in [("a.Y4M", Format::Y4m), ("b.gray", Format::Raw)] {
+            let out = above.path().join(name);
+            let written = written(&out, format);
+            assert_eq!((written.bytes, written.boxes.len()), (fs::metadata(&out).unwrap().len(), 0));
+            let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
+            let read = smr_recordings::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
+            assert!(read.frames.map(Result::unwrap).eq(synthetic::frames().take(FRAMES)), "{format:?}");
+        }
+        assert_eq!(fs::read_dir(above.path()).unwrap().count(), 2, "nothing else is written");
+    }
+
+    #[test]
+    fn a_c_array_holds_the_pixels() {
+        let above = tempfile::tempdir().unwrap();
+        let out = above.path().join("clip.h");
+        let written = written(&out, Format::H);
+        let text = fs::read_to_string(&out).unwrap();
+        assert_eq!(written.bytes, text.len() as u64);
+        let (head, array) = text.split_once("= {\n").unwrap();
+        assert!(head.contains(&format!("#define CLIP_WIDTH {}\n", synthetic::WIDTH)), "{head}");
+        let rect = truth()[0].unwrap().to_rect().unwrap();
+        assert!(head.contains(&format!("#define CLIP_X {}\n", rect.x)), "{head}");
+        let (array, foot) = array.split_once("};\n").unwrap();
+        assert!(foot.contains("#define CLIP_FRAMES (sizeof clip / sizeof clip[0])"), "{foot}");
+        let numbers = array.split(['{', '}', ',', '\n']).filter(|text| !text.is_empty());
+        let pixels: Vec<u8> = numbers.map(|number| number.parse().unwrap()).collect();
+        let expected: Vec<u8> = synthetic::frames().take(FRAMES).flat_map(|frame| frame.pixels).collect();
+        assert!(pixels == expected);
+    }
+
+    #[test]
+    fn what_breaks_off_leaves_nothing() {
+        let above = tempfile::tempdir().unwrap();
+        for (name, format) in [("a.y4m", Format::Y4m), ("folder", Format::Pgm), ("other", Format::Raw)] {
+            let mut writer = Writer::create(&above.path().join(name), format, "clip", None).unwrap();
+            writer.frame(&synthetic::frames().next().unwrap()).unwrap();
+        }
+        assert_eq!(fs::read_dir(above.path()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,122 @@
+//! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
+
+use super::difference::{BAR, BARS};
+use super::encode::base64;
+use super::entrants::{Entrant, entrants};
+use super::film::Film;
+use super::palette::TRUTH_LOOK;
+use super::pictures::{Comparison, Picture, Pictures};
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use smr_evaluation::{Evidence, centre_errors, name_of, overlaps};
+use smr_recordings::BoundingBox;
+
+/// The JSON, to stand in a page: no text in it can end the element that it is in.
+///
+/// # Errors
+/// The ground truth is not that of so many frames.
+pub(super) fn data(films: &[Film]) -> Result<String> {
+    let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
+    let data = json!({ "bar": BAR, "bars": BARS, "truth": TRUTH_LOOK, "recordings": recordings });
+    Ok(data.to_string().replace('<', "\\u003c"))
+}
+
+fn recording(film: &Film) -> Result<Value> {
+    let entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
+    let margin = film.margin();
+    let truth = film.truth.as_ref().map(|truth| truth.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>());
+    Ok(json!({
+        "name": film.name,
+        "width": film.size.0,
+        "height": film.size.1,
+        "margin": margin,
+        "first": film.first,
+        "frames": film.moments.len(),
+        "truth": truth,
+        "entrants": entrants,
+        "pictures": film.pictures.as_ref().map(pictures),
+    }))
+}
+
+fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
+    let answers = &entrant.answers;
+    let reports = |value: &dyn Fn(&smr_evaluation::Report) -> Option<f64>, digits: i32| {
+        let values = entrant.method.map(|method| film.moments.iter().map(move |moment| value(&moment.reports[method])));
+        values.map(|values| rounded(values, digits)).filter(|values| values.iter().any(|value| !value.is_null()))
+    };
+    let evidence = |value: fn(&Evidence) -> Option<f64>| reports(&|report| report.evidence.as_ref().and_then(value), 3);
+    let truth = film.truth.as_deref();
+    let iou = truth.map(|truth| overlaps(answers, truth).with_context(|| film.name.clone())).transpose()?;
+    let error = truth.map(|truth| centre_errors(answers, truth));
+    let size = answers.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt()));
+    let lasts = entrant.method.map(|method| {
+        let last = |(index, moment): (usize, &super::film::Moment)| {
+            let lost = moment.reports[method].target.is_none() && index >= film.begins(method);
+            of_box(lost.then(|| &moment.lasts[method]))
+        };
+        film.moments.iter().enumerate().map(last).collect::<Vec<_>>()
+    });
+    // Null before the target's first box.
+    let states = entrant.method.map(|method| {
+        let state = |(index, moment): (usize, &super::film::Moment)| {
+            (index >= film.begins(method)).then(|| name_of(moment.reports[method].state))
+        };
+        film.moments.iter().enumerate().map(state).collect::<Vec<_>>()
+    });
+    Ok(json!({
+        "name": entrant.name,
+        "title": entrant.title,
+        "look": entrant.look,
+        "method": entrant.method,
+        "boxes": answers.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>(),
+        "lasts": lasts,
+        "states": states,
+        "iou": iou.map(|iou| rounded(iou.into_iter(), 3)),
+        "error": error.map(|error| rounded(error.into_iter(), 1)),
+        "confidence": evidence(|evidence| Some(evidence.confidence)),
+        "ratio": evidence(|evidence| Some(evidence.ratio)),
+        "runner_up": evidence(|evidence| evidence.runner_up_ratio),
+        "alpha": evidence(|evidence| evidence.alpha.map(f64::from)),
+        "size": rounded(size, 1),
+        "work": reports(&|report| report.work.map(f64::from), 0),
+    }))
+}
+
+fn pictures(pictures: &Pictures) -> Value {
+    let frames: Vec<String> = pictures.kept.iter().map(|picture| base64(&picture.jpeg)).collect();
+    let compared = |picture: &Picture| {
+        picture.comparisons.iter().map(|one| one.as_ref().map(comparison)).collect::<Vec<Option<Value>>>()
+    };
+    let comparisons: Vec<_> = pictures.kept.iter().map(compared).collect();
+    json!({ "every": pictures.every, "frames": frames, "comparisons": comparisons })
+}
+
+/// The histogram is in parts of 1000.
+fn comparison(of: &Comparison) -> Value {
+    json!({
+        "template": base64(&of.template),
+        "map": base64(&of.map),
+        "histogram": of.histogram.iter().map(|part| (part * 1000.0).round()).collect::<Vec<f64>>(),
+        "counting": of.counting.map(|part| round(part, 3)),
+    })
+}
+
+fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value> {
+    values.map(|value| value.map_or(Value::Null, |value| round(value, digits))).collect()
+}
+
+/// Without a fraction where there is none: shorter.
+fn round(value: f64, digits: i32) -> Value {
+    let unit = 10_f64.powi(digits);
+    let value = (value * unit).round() / unit;
+    #[allow(clippy::cast_possible_truncation)] // compared with what it came from
+    let whole = value as i64;
+    if whole as f64 == value { whole.into() } else { value.into() }
+}
+
+/// Left, top, width, height.
+fn of_box(bbox: Option<&BoundingBox>) -> Value {
+    bbox.map_or(Value::Null, |bbox| {
+        [bbox.x, bbox.y, bbox.width, bbox.height].map(|side| round(side, 2)).to_vec().into()
+    })
+}

@@ -1,0 +1,84 @@
+//! What a winner differs by from its template, pixel by pixel: |F - G|.
+
+use smr_core::{Image, Rect};
+use smr_recordings::GrayFrame;
+
+/// The absolute difference of every pixel of a box to the template's.
+pub(super) struct Difference {
+    /// Of the template, which may have another resolution than the frame.
+    pub size: (u16, u16),
+    /// Row by row.
+    pub pixels: Vec<u8>,
+    /// What is compared with, row by row.
+    pub template: Vec<u8>,
+}
+
+/// Gray levels that one bar of a histogram spans.
+pub(super) const BAR: usize = 2;
+/// Bars of a histogram. The last one also has all larger differences: alpha is mostly far below, and what is above counts
+/// for nothing however large it is.
+pub(super) const BARS: usize = 64;
+
+impl Difference {
+    /// Outside the frame there are zeroes, as the trackers see it.
+    pub fn new(frame: &GrayFrame, at: Rect, template: Image<'_>) -> Self {
+        let row = |(y, row): (i32, &[u8])| {
+            let of = |(x, &g): (i32, &u8)| pixel(frame, x, y).abs_diff(g);
+            (at.x..).zip(row).map(of).collect::<Vec<u8>>()
+        };
+        let size = (template.width(), template.height());
+        Self {
+            size,
+            pixels: (at.y..).zip(template.rows()).flat_map(row).collect(),
+            template: template.rows().flatten().copied().collect(),
+        }
+    }
+
+    /// The share of the pixels in each bar.
+    pub fn histogram(&self) -> [f64; BARS] {
+        let mut counts = [0_u32; BARS];
+        for &difference in &self.pixels {
+            counts[(usize::from(difference) / BAR).min(BARS - 1)] += 1;
+        }
+        counts.map(|count| f64::from(count) / self.pixels.len().max(1) as f64)
+    }
+
+    /// The share of the pixels that count with a threshold of `alpha`.
+    pub fn counting(&self, alpha: u16) -> f64 {
+        let counting = self.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
+        counting as f64 / self.pixels.len().max(1) as f64
+    }
+}
+
+fn pixel(frame: &GrayFrame, x: i32, y: i32) -> u8 {
+    let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return 0 };
+    if x >= frame.width || y >= frame.height {
+        return 0;
+    }
+    frame.pixels[usize::from(y) * usize::from(frame.width) + usize::from(x)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outside_the_frame_are_zeroes() {
+        let frame = GrayFrame { width: 2, height: 2, pixels: vec![10, 20, 30, 40] };
+        let template = [9, 9, 9, 9, 9, 9];
+        let template = Image::new(&template, 3, 2).unwrap();
+        let at = |x, y| Difference::new(&frame, Rect::new(x, y, 3, 2), template).pixels;
+        assert_eq!(at(0, 0), [1, 11, 9, 21, 31, 9]);
+        assert_eq!(at(-1, 1), [9, 21, 31, 9, 9, 9]);
+    }
+
+    #[test]
+    fn the_last_bar_has_the_rest() {
+        let difference =
+            Difference { size: (4, 2), pixels: vec![0, 1, 2, 125, 126, 127, 200, 255], template: vec![0; 8] };
+        let histogram = difference.histogram();
+        assert_eq!([0, 1, 62, 63].map(|bar| histogram[bar]), [0.25, 0.125, 0.125, 0.5]);
+        assert_eq!(histogram.iter().sum::<f64>(), 1.0);
+        assert_eq!(difference.counting(2), 0.25);
+    }
+}

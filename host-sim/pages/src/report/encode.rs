@@ -1,0 +1,98 @@
+//! Pictures as bytes, and bytes as a part of a page.
+
+use super::Color;
+use anyhow::Result;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use jpeg_encoder::{ColorType, Encoder};
+use smr_recordings::{ColorFrame, GrayFrame, resized, resized_colors};
+
+/// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
+pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(palette.concat());
+    encoder.set_compression(png::Compression::High);
+    // Neighbours in the palettes are neighbours to the eye, so what predicts gray levels predicts indices.
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder.write_header()?.write_image_data(indices)?;
+    Ok(bytes)
+}
+
+/// The frame as a JPEG: a page with many frames must stay small, and they are only looked at.
+pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
+    jpeg_of(frame, 88)
+}
+
+/// A frame of a film as a JPEG with no side longer than `side`. It has fewer bytes than one that is looked at for itself.
+pub(super) fn jpeg_within(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
+    let (width, height) = within((frame.width, frame.height), side);
+    jpeg_of(&resized(frame.clone(), width, height), 75)
+}
+
+/// A frame in its colors as a JPEG, to be looked at for itself.
+pub(super) fn color_jpeg(frame: &ColorFrame) -> Result<Vec<u8>> {
+    color_jpeg_of(frame, 88)
+}
+
+/// The same with no side longer than `side`, and with fewer bytes.
+pub(super) fn color_jpeg_within(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
+    let (width, height) = within((frame.width, frame.height), side);
+    color_jpeg_of(&resized_colors(frame.clone(), width, height), 75)
+}
+
+fn color_jpeg_of(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
+    let ColorFrame { width, height, ref pixels } = *frame;
+    // Without colors it takes fewer bytes.
+    if pixels.iter().all(|&[red, green, blue]| red == green && green == blue) {
+        let pixels = pixels.iter().map(|&[gray, ..]| gray).collect();
+        return jpeg_of(&GrayFrame { width, height, pixels }, quality);
+    }
+    let mut bytes = Vec::new();
+    Encoder::new(&mut bytes, quality).encode(pixels.as_flattened(), width, height, ColorType::Rgb)?;
+    Ok(bytes)
+}
+
+fn jpeg_of(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    Encoder::new(&mut bytes, quality).encode(&frame.pixels, frame.width, frame.height, ColorType::Luma)?;
+    Ok(bytes)
+}
+
+/// The size with no side longer than `side`.
+fn within((width, height): (u16, u16), side: u16) -> (u16, u16) {
+    let longest = u32::from(width.max(height)).max(1);
+    let fit = |length: u16| {
+        let fitted = u32::from(length) * u32::from(side) / longest;
+        if longest <= side.into() { length } else { u16::try_from(fitted).unwrap_or(side).max(1) }
+    };
+    (fit(width), fit(height))
+}
+
+/// A URI that holds the bytes themselves: a page with it needs no other file.
+pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", base64(bytes))
+}
+
+pub(super) fn base64(bytes: &[u8]) -> String {
+    STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::canvas::Canvas;
+    use smr_recordings::decode_picture;
+
+    #[test]
+    fn a_picture_reads_back() {
+        let palette = [[0, 0, 0], [255, 0, 0], [0, 0, 255]];
+        let read = Canvas::decoded(&png((3, 2), &[0, 1, 2, 2, 1, 0], &palette).unwrap());
+        assert_eq!((read.width, read.height, read.at(1, 0), read.at(0, 1)), (3, 2, palette[1], palette[2]));
+
+        let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
+        let read = decode_picture(&jpeg(&frame).unwrap()).unwrap();
+        assert!(read.pixels.iter().all(|pixel| pixel.abs_diff(100) <= 2));
+    }
+}

@@ -1,0 +1,58 @@
+//! Everyone whose boxes are shown: the methods that ran here, then the result files of other trackers.
+
+use super::film::Film;
+use super::palette::{look_of_file, look_of_method};
+use smr_recordings::BoundingBox;
+
+/// One of them.
+#[derive(serde::Serialize)]
+pub(super) struct Entrant {
+    pub name: String,
+    /// As it stands on the page.
+    pub title: String,
+    /// The place of its look.
+    pub look: usize,
+    /// One a frame.
+    #[serde(skip)]
+    pub answers: Vec<Option<BoundingBox>>,
+    /// Its place among the methods; `None` of a file.
+    pub method: Option<usize>,
+}
+
+pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
+    let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
+        name: method.name.clone(),
+        title: film.title(index),
+        look: look_of(film, index),
+        answers: film.trajectory(index),
+        method: Some(index),
+    });
+    let files = film.files.iter().enumerate().map(|(index, file)| Entrant {
+        name: file.name.clone(),
+        title: file.name.clone(),
+        look: look_of_file(film.places.get(index).copied().unwrap_or(index)),
+        answers: file.answers.clone(),
+        method: None,
+    });
+    methods.chain(files).collect()
+}
+
+/// The place of a method's look. Of several targets each has its own.
+pub(super) fn look_of(film: &Film, method: usize) -> usize {
+    let alone = film.targets.len() == 1;
+    if alone { look_of_method(film.methods[method].kind) } else { look_of_file(method) }
+}
+
+/// A tracker has one look on the whole page: its place is that of the first file of its name, in any film.
+pub(super) fn place_files(films: &mut [Film]) {
+    let mut names: Vec<String> = Vec::new();
+    for film in films {
+        let place = |name: &String| {
+            names.iter().position(|known| known == name).unwrap_or_else(|| {
+                names.push(name.clone());
+                names.len() - 1
+            })
+        };
+        film.places = film.files.iter().map(|file| &file.name).map(place).collect();
+    }
+}

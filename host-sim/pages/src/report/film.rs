@@ -1,0 +1,453 @@
+//! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
+
+use super::look::{self, Shown, Sight};
+use super::pictures::Pictures;
+use super::reel::{Choice, Reel};
+use anyhow::{Context, Result, anyhow, ensure};
+use smr_core::Rect;
+use smr_evaluation::{Contestant, Evaluation, MethodKind, Refused, Report, ResultFile, Score, Variant};
+use smr_recordings::{BoundingBox, FrameRange, GrayFrame, Sequence, Target};
+use std::path::PathBuf;
+
+/// All that a report tells.
+pub struct Film {
+    pub name: String,
+    /// The first is the one whose states are shown. Of several targets there is each method once for each, under the name of both.
+    pub methods: Vec<Variant>,
+    /// The place of the target of each method.
+    pub(super) of: Vec<usize>,
+    pub(super) size: (u16, u16),
+    /// What is followed; at least one.
+    pub(super) targets: Vec<Locked>,
+    pub(super) padding: u16,
+    /// One a frame.
+    pub moments: Vec<Moment>,
+    pub(super) stills: Vec<Still>,
+    /// Changes of state that there was no room to show.
+    pub changes_left_out: usize,
+    pub(super) truth: Option<Vec<Option<BoundingBox>>>,
+    /// All frames, if they were asked for.
+    pub(super) pictures: Option<Pictures>,
+    pub(super) files: Vec<ResultFile>,
+    /// The place of each file among all on the page.
+    pub(super) places: Vec<usize>,
+    /// The number of the first frame.
+    pub(super) first: usize,
+    /// What a reader must know: methods that were left out, and why.
+    pub notes: Vec<String>,
+}
+
+/// A target, and where it is locked on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Locked {
+    /// `None` if it is the only one, and was given none.
+    pub name: Option<String>,
+    /// At least one: the index of a frame, and the box in it.
+    pub starts: Vec<(usize, Rect)>,
+}
+
+impl Locked {
+    fn new(Target { name, starts }: Target, first: usize) -> Result<Self> {
+        let pixels = |(frame, bbox): (usize, BoundingBox)| {
+            let rect = bbox.pixels().map_err(|what| anyhow!("the box to start from {what}"))?;
+            Ok((frame - first, rect))
+        };
+        Ok(Self { name, starts: starts.into_iter().map(pixels).collect::<Result<_>>()? })
+    }
+
+    /// The index of the first frame with a box.
+    pub fn begins(&self) -> usize {
+        self.starts[0].0
+    }
+
+    fn start_at(&self, index: usize) -> Option<Rect> {
+        self.starts.iter().find(|(at, _)| *at == index).map(|(_, start)| *start)
+    }
+}
+
+/// One method on one target.
+struct Follower {
+    tracker: Box<dyn Shown>,
+    variant: Variant,
+    /// The place of the target.
+    target: usize,
+}
+
+/// What is to be done with a method, other than the first, that does not start on the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// An error.
+    Fails,
+    /// The film is made without it, with a note.
+    LeftOut,
+}
+
+/// Which pictures were kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Kept {
+    pub frames: usize,
+    /// In pixels.
+    pub longest_side: u16,
+}
+
+/// What the methods said about one frame.
+pub struct Moment {
+    /// Before the first box of a target there is no answer: it is lost.
+    pub reports: Vec<Report>,
+    /// The box that is drawn of each: when lost, the last one that was believed, or the one that is followed meanwhile.
+    pub(super) lasts: Vec<BoundingBox>,
+}
+
+impl Moment {
+    /// What the first one said.
+    #[must_use]
+    pub fn first(&self) -> &Report {
+        &self.reports[0]
+    }
+}
+
+/// A frame to show.
+pub(super) struct Still {
+    /// The first is 0.
+    pub index: usize,
+    pub frame: GrayFrame,
+    /// What each method looked at.
+    pub sights: Vec<Sight>,
+}
+
+impl Still {
+    /// The search window that is drawn: that of the first method that shows one.
+    pub fn window(&self) -> Option<Rect> {
+        self.sights.iter().find_map(|sight| sight.search.as_ref()?.window)
+    }
+}
+
+/// Runs all `methods` over the sequence, from the box beside it: see [`watch_all`].
+///
+/// # Errors
+/// As [`watch_all`]; no box to start from.
+pub fn watch(
+    sequence: Sequence,
+    methods: &[Variant],
+    refusal: Refusal,
+    choice: Choice,
+    budget: Option<usize>,
+    progress: impl Fn(),
+) -> Result<Film> {
+    let start = sequence.start()?;
+    let target = Target { name: None, starts: vec![(sequence.first, start.into())] };
+    watch_all(sequence, vec![target], methods, refusal, choice, budget, progress)
+}
+
+/// Runs all `methods` on all `targets` of the sequence; a method that does not start on a box meets `refusal`. Frames stream: only those
+/// of `choice` are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
+///
+/// Ground truth is of one target: of several there is none.
+///
+/// # Errors
+/// No method, a frame that cannot be read or tracked, or a listed frame, or one with a box, that there is not.
+pub fn watch_all(
+    sequence: Sequence,
+    targets: Vec<Target>,
+    methods: &[Variant],
+    refusal: Refusal,
+    choice: Choice,
+    budget: Option<usize>,
+    progress: impl Fn(),
+) -> Result<Film> {
+    ensure!(!methods.is_empty(), "there is no method to show");
+    let Sequence { name, frames, truth, first, .. } = sequence;
+    let locked = |target| Locked::new(target, first).with_context(|| name.clone());
+    let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
+    let listed = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
+    let boxes = targets.iter().flat_map(|target| &target.starts).map(|(index, _)| *index);
+    let last = listed.into_iter().chain(boxes).max();
+    let mut followers = followers(&targets, methods)?;
+    let mut notes = Vec::new();
+    let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
+    let mut pictures = budget.map(Pictures::new);
+    for (index, frame) in frames.enumerate() {
+        let frame = frame?;
+        if index == 0 && refusal == Refusal::LeftOut {
+            notes = leave_out(&mut followers, &frame, &targets, methods[0].kind);
+        }
+        let look = |follower: &mut Follower| {
+            let look = follower.step(&targets[follower.target], index, &frame);
+            look.with_context(|| format!("{name}: {}: frame {}", follower.variant.name, index + first))
+        };
+        let looks: Result<Vec<(Report, Sight)>> = followers.iter_mut().map(look).collect();
+        let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
+        let moment = Moment { reports, lasts: Vec::new() };
+        let changed = moments.last().is_some_and(|last| last.first().state != moment.first().state);
+        size = (frame.width, frame.height);
+        let lasts = sights.iter().map(|sight| sight.bbox).collect();
+        moments.push(Moment { lasts, ..moment });
+        if let Some(pictures) = &mut pictures {
+            pictures.offer(index, &frame, &sights)?;
+        }
+        reel.offer(index, changed, || Still { index, frame, sights });
+        progress();
+    }
+    let length = moments.len();
+    if let Some(last) = last {
+        let (number, end) = (last + first, length + first - 1);
+        ensure!(last < length, "{name}: there is no frame {number}: expected {first} to {end}");
+    }
+    let (stills, changes_left_out) = reel.into_stills();
+    let padding = methods[0].configs.paper.padding;
+    let truth = truth.filter(|_| targets.len() == 1);
+    Ok(Film {
+        name,
+        of: followers.iter().map(|follower| follower.target).collect(),
+        methods: followers.into_iter().map(|follower| follower.variant).collect(),
+        size,
+        targets,
+        padding,
+        moments,
+        stills,
+        changes_left_out,
+        truth,
+        pictures,
+        files: Vec::new(),
+        places: Vec::new(),
+        first,
+        notes,
+    })
+}
+
+/// Each method once for each target.
+fn followers(targets: &[Locked], methods: &[Variant]) -> Result<Vec<Follower>> {
+    let pairs = targets.iter().enumerate().flat_map(|target| methods.iter().map(move |method| (target, method)));
+    let follower = |((target, locked), method): ((usize, &Locked), &Variant)| {
+        let mut variant = method.clone();
+        if let Some(name) = &locked.name {
+            variant.name = format!("{name}, {}", method.name);
+        }
+        Ok(Follower { tracker: look::shown(method)?, variant, target })
+    };
+    pairs.map(follower).collect()
+}
+
+impl Follower {
+    fn step(&mut self, target: &Locked, index: usize, frame: &GrayFrame) -> Result<(Report, Sight)> {
+        let refused = |error, start| Refused::or(error, self.variant.kind, start, frame.frame().bounds());
+        match target.start_at(index) {
+            Some(start) => self.tracker.lock(frame, start).map_err(|error| refused(error, start)),
+            None if index < target.begins() => Ok(look::not_begun(target.starts[0].1)),
+            None => self.tracker.update(frame),
+        }
+    }
+}
+
+/// Leaves out the methods, but not the `first`, that do not start on a box, and tells why.
+fn leave_out(followers: &mut Vec<Follower>, frame: &GrayFrame, targets: &[Locked], first: MethodKind) -> Vec<String> {
+    let mut notes = Vec::new();
+    followers.retain_mut(|Follower { tracker, variant, target }| {
+        if variant.kind == first {
+            return true;
+        }
+        let start = targets[*target].starts[0].1;
+        let Err(error) = tracker.lock(frame, start) else { return true };
+        let error = Refused::or(error, variant.kind, start, frame.frame().bounds());
+        let refused = error.downcast_ref::<Refused>();
+        notes.extend(refused.map(|refused| format!("{} is left out: {refused}", variant.name)));
+        refused.is_none()
+    });
+    notes
+}
+
+impl Film {
+    /// Numbers of the frames that are shown.
+    #[must_use]
+    pub fn shown(&self) -> Vec<usize> {
+        self.stills.iter().map(|still| still.index + self.first).collect()
+    }
+
+    /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
+    #[must_use]
+    pub fn pictures(&self) -> Option<Kept> {
+        self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
+    }
+
+    /// Puts the result files of other trackers beside the methods. The files are of the whole recording, the film maybe of a
+    /// `part` of it.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn compare(&mut self, files: &[PathBuf], part: Option<FrameRange>) -> Result<()> {
+        for path in files {
+            self.files.push(ResultFile::read(path, part, self.moments.len())?);
+        }
+        Ok(())
+    }
+
+    /// How well all did, by the protocol of the recordings; `None` without ground truth.
+    ///
+    /// # Errors
+    /// The ground truth is not that of so many frames.
+    pub fn evaluation(&self) -> Result<Option<Evaluation>> {
+        let Some(truth) = &self.truth else { return Ok(None) };
+        let score = |(index, variant): (usize, &Variant)| {
+            let confidence = |moment: &Moment| moment.reports[index].evidence.map(|evidence| evidence.confidence);
+            let confidences: Vec<_> = self.moments.iter().map(confidence).collect();
+            let score = Score::with_confidence(&self.trajectory(index), &confidences, truth);
+            let score = score.with_context(|| self.name.clone())?;
+            anyhow::Ok((Contestant::of(variant), score))
+        };
+        let mut scores = self.methods.iter().enumerate().map(score).collect::<Result<Vec<_>>>()?;
+        for file in &self.files {
+            let score = file.score(truth).with_context(|| self.name.clone())?;
+            scores.push((Contestant::file(file.name.clone()), score));
+        }
+        let visible = truth.iter().flatten().count();
+        Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
+    }
+
+    /// The index of the first frame in which a method has a target.
+    pub(super) fn begins(&self, method: usize) -> usize {
+        self.targets[self.of[method]].begins()
+    }
+
+    /// A method as it stands on the page.
+    pub(super) fn title(&self, method: usize) -> String {
+        let name = &self.methods[method].name;
+        if self.targets[0].name.is_some() { name.clone() } else { name.to_uppercase() }
+    }
+
+    /// Pixels of the padding that are shown around the frame: a wide padding would leave little room for it.
+    pub(super) fn margin(&self) -> u16 {
+        self.padding.min(self.size.0.max(self.size.1) / 4)
+    }
+
+    /// What one of the methods answered.
+    pub(super) fn trajectory(&self, method: usize) -> Vec<Option<BoundingBox>> {
+        self.moments.iter().map(|moment| moment.reports[method].target).collect()
+    }
+
+    pub(super) fn truth_at(&self, index: usize) -> Option<BoundingBox> {
+        self.truth.as_ref().and_then(|truth| *truth.get(index)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_core::State;
+    use smr_core::paper::Config;
+    use smr_evaluation::Configs;
+    use smr_recordings::{OpenOptions, synthetic};
+    use std::path::Path;
+
+    fn open() -> Sequence {
+        smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap()
+    }
+
+    fn variants(methods: &[MethodKind]) -> Vec<Variant> {
+        let configs = Configs::from(Config::paper());
+        methods.iter().map(|&kind| Variant::new(kind, &configs)).collect()
+    }
+
+    fn film(methods: &[MethodKind]) -> Film {
+        watch(open(), &variants(methods), Refusal::Fails, Choice::Spread, None, || ()).unwrap()
+    }
+
+    #[test]
+    fn the_film_is_what_the_methods_answer() {
+        let methods = [MethodKind::Smr, MethodKind::Sad, MethodKind::Robust];
+        let film = film(&methods);
+        let evaluated = smr_evaluation::evaluate(open(), &variants(&methods), &[], || ()).unwrap();
+        assert_eq!(film.evaluation().unwrap().unwrap().scores, evaluated.scores);
+        assert_eq!(film.moments.len(), synthetic::LENGTH);
+        let states: Vec<State> = film.stills.iter().map(|still| film.moments[still.index].first().state).collect();
+        for state in [State::Tracking, State::Leaving, State::Lost] {
+            assert!(states.contains(&state), "{state:?}");
+        }
+    }
+
+    #[test]
+    fn any_method_can_be_the_first() {
+        use clap::ValueEnum;
+        for &kind in MethodKind::value_variants() {
+            let film = film(&[kind]);
+            assert!(film.moments.iter().all(|moment| kind.states().contains(&moment.first().state)), "{}", kind.name());
+            assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
+        }
+        assert!(watch(open(), &[], Refusal::Fails, Choice::Spread, None, || ()).is_err());
+    }
+
+    #[test]
+    fn what_counts_adds_up_to_the_ratio() {
+        let film = film(&[MethodKind::Smr]);
+        let mut searched = 0;
+        for still in &film.stills {
+            let Some(search) = &still.sights[0].search else { continue };
+            let evidence = film.moments[still.index].first().evidence.unwrap();
+            let alpha = search.alpha.unwrap();
+            let counting = search.difference.pixels.iter().filter(|&&d| u16::from(d) < alpha);
+            let score: f64 = counting.map(|&d| (-f64::from(d) / 255.0).exp()).sum();
+            let ratio = score / search.difference.pixels.len() as f64;
+            assert_eq!(evidence.alpha, search.alpha);
+            assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
+            let bbox = film.moments[still.index].reports[0].bbox;
+            assert!(bbox.is_none_or(|bbox| search.window.unwrap().contains(bbox)), "frame {}", still.index);
+            searched += 1;
+        }
+        assert!(searched > 10);
+    }
+
+    #[test]
+    fn a_frame_that_there_is_not_is_named() {
+        let choice = Choice::Listed([0, 240].into());
+        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, choice, None, || ()).err().unwrap();
+        assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
+    }
+
+    #[test]
+    fn ground_truth_of_another_length_is_an_error() {
+        let truth = open().truth.map(|truth| truth[..9].to_vec());
+        let sequence = Sequence { truth, ..open() };
+        let film = watch(sequence, &variants(&[MethodKind::Smr]), Refusal::Fails, Choice::Spread, None, || ()).unwrap();
+        let error = format!("{:#}", film.evaluation().err().unwrap());
+        assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
+    }
+
+    #[test]
+    fn a_method_that_refuses_the_box_is_left_out_if_it_may_be_and_is_not_the_first() {
+        let large = || {
+            let frames = (0..3).map(|_| Ok(GrayFrame { width: 400, height: 300, pixels: vec![90; 120_000] }));
+            let init = Some(BoundingBox { x: 10.0, y: 10.0, width: 380.0, height: 280.0 });
+            Sequence { frames: Box::new(frames), init, truth: None, ..open() }
+        };
+        let watch =
+            |methods: &[MethodKind], refusal| watch(large(), &variants(methods), refusal, Choice::Spread, None, || ());
+        let methods = [MethodKind::Robust, MethodKind::Smr];
+        let film = watch(&methods, Refusal::LeftOut).unwrap();
+        assert_eq!(film.methods.iter().map(|method| method.kind).collect::<Vec<_>>(), [MethodKind::Robust]);
+        assert_eq!((film.notes.len(), film.moments[0].reports.len()), (1, 1));
+        assert!(film.notes[0].starts_with("smr is left out: the box 10,10,380,280 "), "{}", film.notes[0]);
+        assert!(watch(&methods, Refusal::Fails).is_err());
+        assert!(watch(&[MethodKind::Smr, MethodKind::Robust], Refusal::LeftOut).is_err());
+    }
+
+    /// Two targets, the second from the tenth frame of the part on, and the first locked on anew in the twentieth.
+    #[test]
+    fn several_targets_are_followed_side_by_side() {
+        let start = |frame: usize| (frame, synthetic::truth(frame - 1).unwrap());
+        let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
+        let targets = || vec![target("a", vec![start(11), start(30)]), target("b", vec![start(20)])];
+        let part = || open().part("11..50".parse().unwrap());
+        let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
+        let film = watch_all(part(), targets(), &methods, Refusal::Fails, Choice::Spread, None, || ()).unwrap();
+        let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
+        assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
+        assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
+        let answers = |method: usize, index: usize| film.moments[index].reports[method].target;
+        assert_eq!([0, 2, 3].map(|method| film.begins(method)), [0, 9, 9]);
+        assert_eq!((answers(2, 8), answers(2, 9)), (None, Some(start(20).1)));
+        assert_eq!((answers(0, 0), answers(0, 19)), (Some(start(11).1), Some(start(30).1)));
+        assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
+        let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
+        let error = watch_all(part(), late, &methods, Refusal::Fails, Choice::Spread, None, || ()).err().unwrap();
+        assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");
+    }
+}

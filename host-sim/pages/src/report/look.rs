@@ -1,0 +1,175 @@
+//! What a method looked at in a frame, for pictures: its window, its box whether believed or not, and what it compared.
+
+use super::difference::Difference;
+use anyhow::{Context, Result};
+use smr_core::paper::RunnerUp;
+use smr_core::search::Window;
+use smr_core::unstable::followed;
+use smr_core::{Image, Rect, Robust, State, Tracker};
+use smr_evaluation::Paper;
+use smr_evaluation::{Method, MethodKind, Report, Variant};
+use smr_recordings::{BoundingBox, GrayFrame};
+use smr_reference::robust::{Lattice, Numbers, Patch, Picture, relit, threshold};
+
+/// What was looked at in a frame.
+pub struct Sight {
+    /// The method's box; when lost, the last one that was believed, or the one that is followed meanwhile.
+    pub bbox: BoundingBox,
+    /// `None` in the frame that was locked on: nothing was looked for.
+    pub search: Option<Search>,
+}
+
+/// What was looked for and found.
+pub struct Search {
+    /// All that smr's search window covers, of the padding too; of the robust tracker all that it may read where it follows. `None`
+    /// from the baselines, whose window is smr's.
+    pub window: Option<Rect>,
+    /// Of smr's peak, believed or not, to its template; of the robust tracker's box to its early template; of a baseline's box to its
+    /// template.
+    pub difference: Difference,
+    /// Differences below count; `None` where all do.
+    pub alpha: Option<u16>,
+}
+
+/// A tracker whose sight can be shown.
+pub trait Shown {
+    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)>;
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)>;
+}
+
+/// A tracker without a target.
+///
+/// # Errors
+/// A number of the configuration that smr-core cannot use.
+pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
+    let configs = &variant.configs;
+    Ok(match variant.kind {
+        MethodKind::Smr => {
+            let mut config = configs.paper;
+            // It is drawn; where nothing depends on it, looking for it changes nothing else.
+            config.runner_up = RunnerUp::Always;
+            Box::new(Tracker::<Paper>::new(config)?)
+        }
+        MethodKind::Robust => Box::new(Tracker::<Robust>::new(configs.robust)?),
+        MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => Box::new(variant.build()?),
+    })
+}
+
+/// A frame before the target's first box, which will be `start`.
+pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
+    let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
+    (report, Sight { bbox: start.into(), search: None })
+}
+
+/// The frame that was locked on.
+fn locked(start: Rect) -> (Report, Sight) {
+    (Report::locked(start), Sight { bbox: start.into(), search: None })
+}
+
+impl Shown for Tracker<Paper> {
+    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)> {
+        Self::lock(self, &frame.frame(), start)?;
+        Ok(locked(start))
+    }
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
+        let offsets = self.target().offsets().context("there is no target yet")?;
+        // What is compared with, before this frame takes its place.
+        let template = Pixels::of(self.target().template().context("there is no template yet")?);
+        let answer = Self::update(self, &frame.frame())?;
+        let work = self.work();
+        let found = self.workspace().found().context("the update is finished")?;
+        let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
+        let search = Search {
+            window: Some(covered(&offsets, answer.bbox)),
+            difference: Difference::new(frame, peak, template.image()?),
+            alpha: answer.alpha,
+        };
+        let report = Report { work: Some(work), ..answer.into() };
+        Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
+    }
+}
+
+/// The robust tracker compares on its grid: here what is seen in its box, with the early template in the light of that.
+impl Shown for Tracker<Robust> {
+    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)> {
+        Self::lock(self, &frame.frame(), start)?;
+        Ok(locked(start))
+    }
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
+        let window = self.window();
+        let grid = self.target().grid().context("there is no grid yet")?;
+        let early = self.target().early_template().context("there is no early template yet")?;
+        let (columns, rows) = (grid.columns.into(), grid.rows.into());
+        let early = Patch { columns, rows, pixels: early.map(f64::from).collect() };
+        let answer = Self::update(self, &frame.frame())?;
+        let work = self.work();
+        let target = BoundingBox::from(answer.fine);
+        // The template lies where the target was followed to, not in the middle of the refined box.
+        let followed = BoundingBox::from(followed(self.target()).unwrap_or(answer.fine));
+        let step = f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0;
+        let lattice = Lattice {
+            x: followed.x + followed.width / 2.0 - 0.5,
+            y: followed.y + followed.height / 2.0 - 0.5,
+            step,
+            step_down: step,
+            columns,
+            rows,
+        };
+        let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
+        let numbers = Numbers::refined();
+        let seen = lattice.sample(&numbers, &picture);
+        let lit = relit(&numbers, &early, &seen);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
+        let byte = |level: f64| level as u8;
+        let pairs = seen.pixels.iter().zip(&lit.pixels);
+        let difference = Difference {
+            size: (grid.columns, grid.rows),
+            pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
+            template: lit.pixels.iter().copied().map(byte).collect(),
+        };
+        let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &seen)).into()) };
+        let report = Report { work: Some(work), ..answer.into() };
+        Ok((report, Sight { bbox: target, search: Some(search) }))
+    }
+}
+
+impl Shown for Box<dyn Method> {
+    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)> {
+        self.as_mut().lock(&frame.frame(), start)?;
+        Ok(locked(start))
+    }
+
+    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
+        let template = Pixels::of(self.template().context("there is no template yet")?);
+        let report = self.as_mut().update(&frame.frame())?;
+        let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
+        let difference = Difference::new(frame, at, template.image()?);
+        Ok((report, Sight { bbox, search: Some(Search { window: None, difference, alpha: None }) }))
+    }
+}
+
+/// A copy of an image.
+struct Pixels {
+    size: (u16, u16),
+    pixels: Vec<u8>,
+}
+
+impl Pixels {
+    fn of(image: Image<'_>) -> Self {
+        Self { size: (image.width(), image.height()), pixels: image.rows().flatten().copied().collect() }
+    }
+
+    fn image(&self) -> Result<Image<'_>> {
+        Ok(Image::new(&self.pixels, self.size.0, self.size.1)?)
+    }
+}
+
+/// Every pixel that a box of the size of `target` covers at one offset or another.
+fn covered(offsets: &Window, target: Rect) -> Rect {
+    let (columns, rows) = offsets.size();
+    let extent = |offsets: usize, size: u16| u16::try_from(offsets - 1 + usize::from(size)).unwrap_or(u16::MAX);
+    Rect::new(*offsets.xs().start(), *offsets.ys().start(), extent(columns, target.width), extent(rows, target.height))
+}

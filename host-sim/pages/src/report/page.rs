@@ -1,0 +1,271 @@
+//! The whole report as one HTML page that needs nothing else: `page.html` filled in, with style, scripts, pictures and figures.
+
+use super::data::data;
+use super::entrants::{Entrant, entrants, place_files};
+use super::film::{Film, Locked};
+use super::palette::{Look, TRUTH_LOOK, looks};
+use super::scores::{Measured, Scores};
+use super::tile::Tile;
+use super::{Color, color_of, pictures};
+use anyhow::{Result, ensure};
+use minijinja::Environment;
+use minijinja::value::Serde;
+use serde::Serialize;
+use smr_core::{Rect, State};
+use smr_evaluation::name_of;
+
+const TEMPLATES: [(&str, &str); 13] = [
+    ("page.html", include_str!("page.html")),
+    ("base.css", include_str!("base.css")),
+    ("page.css", include_str!("page.css")),
+    ("page.js", include_str!("page.js")),
+    ("player.js", include_str!("player.js")),
+    ("curves.js", include_str!("curves.js")),
+    ("zoom.js", include_str!("zoom.js")),
+    ("compared.js", include_str!("compared.js")),
+    ("tables.js", include_str!("tables.js")),
+    ("start.js", include_str!("start.js")),
+    ("uplot.js", include_str!("uplot/uPlot.iife.min.js")),
+    ("uplot.css", include_str!("uplot/uPlot.min.css")),
+    ("uplot-licence", include_str!("uplot/LICENSE")),
+];
+
+/// What the foot of the page says.
+#[derive(Serialize)]
+pub struct About {
+    /// Of the whole page.
+    pub title: String,
+    /// As it was typed.
+    pub command_line: String,
+    /// All that the methods were built with, as JSON.
+    pub options: String,
+}
+
+/// What the template fills in.
+#[derive(Serialize)]
+struct Page<'a> {
+    #[serde(flatten)]
+    about: &'a About,
+    version: &'static str,
+    /// The colors of states, as variables of the style.
+    colors: [(&'static str, Color); 3],
+    looks: Vec<Look>,
+    truth: usize,
+    recordings: Vec<Recording<'a>>,
+    scores: Option<Scores<'a>>,
+    /// What the script reads.
+    data: String,
+}
+
+#[derive(Serialize)]
+struct Recording<'a> {
+    name: &'a str,
+    notes: &'a [String],
+    first: usize,
+    frames: usize,
+    width: u16,
+    height: u16,
+    /// What each target is locked on.
+    starts: Vec<String>,
+    /// How many frames the first method has in each state.
+    states: Vec<(&'static str, usize)>,
+    entrants: Vec<Entrant>,
+    has_truth: bool,
+    changes_left_out: usize,
+    stills: Vec<Tile>,
+}
+
+/// The page, of at most `budget` bytes: frames get smaller, then fewer, until it is.
+///
+/// # Errors
+/// No film, ground truth that is not of so many frames, a picture that cannot be encoded, or figures alone that take more than
+/// the budget.
+pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
+    ensure!(!films.is_empty(), "there is no recording to show");
+    place_files(films);
+    loop {
+        let page = whole(films, about)?;
+        if page.len() <= budget {
+            return Ok(page);
+        }
+        let pictured = films.iter_mut().filter_map(|film| film.pictures.as_mut());
+        let largest = pictured.max_by_key(|pictures| pictures.bytes());
+        let shrunk = largest.map(pictures::Pictures::shrink).transpose()?.unwrap_or(false);
+        let bytes = page.len().div_ceil(1_000_000);
+        ensure!(shrunk, "the page has {bytes} MB with next to no frames: expected --budget {bytes} or more");
+    }
+}
+
+fn whole(films: &[Film], about: &About) -> Result<String> {
+    let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
+    let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
+    let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
+    let page = Page {
+        about,
+        version: env!("CARGO_PKG_VERSION"),
+        colors: states,
+        looks: looks(),
+        truth: TRUTH_LOOK,
+        recordings: films.iter().map(Recording::new).collect::<Result<_>>()?,
+        scores: Scores::new(&measured),
+        data: data(films)?,
+    };
+    let mut templates = Environment::new();
+    for (name, text) in TEMPLATES {
+        templates.add_template(name, text)?;
+    }
+    Ok(templates.get_template("page.html")?.render(Serde(page))?)
+}
+
+impl<'a> Recording<'a> {
+    fn new(film: &'a Film) -> Result<Self> {
+        let begun = || film.moments.iter().skip(film.begins(0));
+        let count = |state: State| begun().filter(|moment| moment.first().state == state).count();
+        let states = film.methods[0].kind.states();
+        Ok(Self {
+            name: &film.name,
+            notes: &film.notes,
+            first: film.first,
+            frames: film.moments.len(),
+            width: film.size.0,
+            height: film.size.1,
+            starts: film.targets.iter().map(|target| starts(film, target)).collect(),
+            states: states.iter().map(|&state| (name_of(state), count(state))).collect(),
+            entrants: entrants(film),
+            has_truth: film.truth.is_some(),
+            changes_left_out: film.changes_left_out,
+            stills: film.stills.iter().map(|still| Tile::new(film, still)).collect::<Result<_>>()?,
+        })
+    }
+}
+
+/// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`
+fn starts(film: &Film, target: &Locked) -> String {
+    let start = |&(index, Rect { x, y, width, height }): &(usize, Rect)| {
+        let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
+        format!("{width}x{height} at ({x}, {y}){frame}")
+    };
+    let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    name + &target.starts.iter().map(start).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::{Choice, Refusal, watch};
+    use smr_core::paper::Config;
+    use smr_evaluation::{MethodKind, Variant};
+    use smr_recordings::{OpenOptions, Sequence, synthetic};
+    use std::path::Path;
+
+    const BUDGET: usize = 25_000_000;
+
+    fn film(change: impl FnOnce(Sequence) -> Sequence) -> Film {
+        let sequence = smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
+        let choice = Choice::Listed([0, 104, 180].into());
+        let variant = |kind| Variant::new(kind, &Config::paper().into());
+        let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
+        watch(change(sequence), &methods, Refusal::Fails, choice, Some(BUDGET), || ()).unwrap()
+    }
+
+    fn about() -> About {
+        About { title: "<b>&".into(), command_line: "host-sim report '<i>'".into(), options: "{}".into() }
+    }
+
+    /// Every tag that is opened is closed, in the right order.
+    fn nests(page: &str) {
+        let mut open = Vec::new();
+        let page = page.split("<script").next().unwrap();
+        for tag in page.split('<').skip(2).filter_map(|rest| rest.split('>').next()) {
+            let name = tag.split([' ', '\n']).next().unwrap();
+            match name.strip_prefix('/') {
+                Some(closed) => assert_eq!(open.pop(), Some(closed)),
+                None if tag.ends_with('/') || ["meta", "img", "br", "input"].contains(&name) => (),
+                None => open.push(name),
+            }
+        }
+        assert_eq!(open, ["html", "body"]);
+    }
+
+    #[test]
+    fn a_page_shows_what_was_asked_for_and_needs_nothing_else() {
+        let page = page(&mut [film(|sequence| sequence)], &about(), BUDGET).unwrap();
+        nests(&page);
+        for number in ["1", "105", "181"] {
+            assert!(page.contains(&format!("data-frame=\"{number}\"")), "{number}");
+        }
+        assert!(page.contains("<td><b>213</b></td>") && page.contains("<h1>&lt;b&gt;&amp;</h1>"));
+        assert!(page.contains("<pre>host-sim report &#x27;&lt;i&gt;&#x27;</pre>"));
+        assert!(!page.contains("url(") && !page.contains("import ") && !page.contains("fetch("));
+        assert!(page.contains("</svg>ground truth</span>"));
+        assert!(page.contains("stroke-dasharray:8 16;stroke-dashoffset:-8"), "boxes that coincide take turns");
+        let known = ["http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot (v"]
+            .map(|known| page.matches(known).count());
+        assert_eq!(page.matches("http").count(), known.iter().sum::<usize>(), "nothing from elsewhere");
+        let references = page.matches("href=\"").count() + page.matches(" src=\"").count();
+        let own = ["href=\"data:", " src=\"data:", "href=\"#"].map(|own| page.matches(own).count());
+        assert_eq!(own.iter().sum::<usize>(), references);
+    }
+
+    #[test]
+    fn without_ground_truth_there_are_no_scores() {
+        let name = "</script><script>alert(1)</script>";
+        let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        nests(&page);
+        assert!(!page.contains("<h2>Scores") && !page.contains("</svg>ground truth</span>"));
+        assert!(!page.contains("<script>alert"));
+    }
+
+    #[test]
+    fn several_recordings_are_set_beside_each_other() {
+        let renamed = |name: &str| film(|sequence| Sequence { name: name.to_owned(), ..sequence });
+        let mut films = [renamed("one"), renamed("two")];
+        films[0].files.push(smr_evaluation::ResultFile { name: "other".into(), answers: vec![None; 240], note: None });
+        let page = page(&mut films, &about(), BUDGET).unwrap();
+        nests(&page);
+        assert!(page.contains("<p>2 recordings with 480 frames in all.</p>"));
+        assert!(page.contains("<td><b>426</b></td>"), "the sum is best");
+        assert!(page.contains("other</span></th><td>0</td><td>-</td><td>-</td>"), "who is not everywhere has no sum");
+        assert!(page.contains("Scores on two") && page.contains("Film strip of one"));
+    }
+
+    #[test]
+    fn frames_have_the_numbers_of_the_recording() {
+        let film = Film { first: 601, ..film(|sequence| sequence) };
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        for number in ["601", "705", "781"] {
+            assert!(page.contains(&format!("data-frame=\"{number}\"")), "{number}");
+        }
+        assert!(page.contains("aria-label=\"frame 601, smr: tracking\"") && page.contains("\"first\":601,"));
+        assert_eq!(page.matches("locked on here").count(), 1);
+    }
+
+    #[test]
+    fn a_tracker_has_one_look_in_all_recordings() {
+        let mut films = [film(|sequence| sequence), film(|sequence| Sequence { name: "two".into(), ..sequence })];
+        let file = |name: &str| smr_evaluation::ResultFile { name: name.into(), answers: vec![None; 240], note: None };
+        films[0].files = vec![file("a"), file("b")];
+        films[1].files = vec![file("b"), file("c")];
+        page(&mut films, &about(), BUDGET).unwrap();
+        let looks = films.each_ref().map(|film| entrants(film)[2..].iter().map(|one| one.look).collect::<Vec<_>>());
+        assert_eq!(looks, [[6, 7], [7, 8]]);
+    }
+
+    #[test]
+    fn what_was_left_out_is_said() {
+        let film = Film { notes: vec!["smr is left out: too large".into()], ..film(|sequence| sequence) };
+        let page = page(&mut [film], &about(), BUDGET).unwrap();
+        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
+    }
+
+    #[test]
+    fn a_page_keeps_its_budget_or_says_what_it_needs() {
+        let mut films = [film(|sequence| sequence)];
+        let whole = page(&mut films, &about(), BUDGET).unwrap().len();
+        let less = page(&mut films, &about(), whole * 2 / 3).unwrap();
+        assert!(less.len() <= whole * 2 / 3 && films[0].pictures.as_ref().unwrap().every > 1);
+        let error = page(&mut films, &about(), 1000).unwrap_err().to_string();
+        assert!(error.contains("expected --budget 1 or more"), "{error}");
+    }
+}

@@ -1,0 +1,129 @@
+//! How entrants are told from each other on the page: each has a color and a pattern of dashes, in boxes, curves and legends.
+
+use super::{Color, TRUTH, color_of_method};
+use serde::Serialize;
+use smr_evaluation::MethodKind;
+
+/// The look of the ground truth has this place in the list of looks.
+pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
+const LOOKS: usize = METHODS.len() + FILES.len() + 1;
+
+const METHODS: [MethodKind; 6] =
+    [MethodKind::Robust, MethodKind::Smr, MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc, MethodKind::Lk];
+
+/// The colors of result files, in turn. They were chosen one after the other, each as far as possible from all before.
+const FILES: [Color; 14] = [
+    [165, 0, 240],
+    [150, 90, 30],
+    [195, 0, 120],
+    [120, 90, 165],
+    [255, 0, 255],
+    [255, 150, 60],
+    [75, 120, 15],
+    [90, 75, 255],
+    [180, 120, 255],
+    [0, 120, 135],
+    [255, 60, 165],
+    [195, 90, 105],
+    [150, 165, 240],
+    [15, 105, 195],
+];
+
+/// Dashes and gaps in pixels of the screen. Shorter ones mean something else: a lost target, a runner-up.
+const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12, 3, 2, 3, 2, 3]];
+
+/// What curves are drawn on, in the light and in the dark: see base.css.
+const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
+/// The least contrast of a curve with what it is drawn on, as WCAG 2 asks for graphics.
+const CONTRAST: f64 = 3.0;
+
+/// One of them.
+#[derive(Serialize)]
+pub(super) struct Look {
+    /// On a frame.
+    color: Color,
+    /// The same color as far as it must change to be seen on a page, light or dark.
+    on_light: Color,
+    on_dark: Color,
+    dashes: &'static [u8],
+}
+
+/// All looks, in their places.
+pub(super) fn looks() -> Vec<Look> {
+    let colors = METHODS.map(color_of_method).into_iter().chain(FILES).chain([TRUTH]);
+    let look = |(place, color): (usize, Color)| Look {
+        color,
+        on_light: seen(color, [0; 3], PANELS[0]),
+        on_dark: seen(color, [255; 3], PANELS[1]),
+        dashes: if place == TRUTH_LOOK { &[] } else { DASHES[place % DASHES.len()] },
+    };
+    colors.enumerate().map(look).collect()
+}
+
+/// The place of a method's look.
+pub(super) fn look_of_method(kind: MethodKind) -> usize {
+    METHODS.iter().position(|method| *method == kind).unwrap_or(0)
+}
+
+/// The place of the look of the `index`th result file.
+pub(super) const fn look_of_file(index: usize) -> usize {
+    METHODS.len() + index % FILES.len()
+}
+
+/// Its color on a frame.
+pub(super) const fn color_of_file(index: usize) -> Color {
+    FILES[index % FILES.len()]
+}
+
+/// `color`, as little nearer to `end` as makes it stand out from `panel`.
+fn seen(color: Color, end: Color, panel: Color) -> Color {
+    let nearer = |percent: u32| {
+        let mixed = |at: usize| (u32::from(color[at]) * (100 - percent) + u32::from(end[at]) * percent) / 100;
+        [0, 1, 2].map(|at| u8::try_from(mixed(at)).unwrap_or(u8::MAX))
+    };
+    (0..=100).map(nearer).find(|color| contrast(*color, panel) >= CONTRAST).unwrap_or(end)
+}
+
+/// As WCAG 2 has it: 1 of equal colors, 21 of black and white.
+fn contrast(one: Color, other: Color) -> f64 {
+    let (one, other) = (luminance(one), luminance(other));
+    (one.max(other) + 0.05) / (one.min(other) + 0.05)
+}
+
+fn luminance(color: Color) -> f64 {
+    let linear = color.map(|channel| {
+        let channel = f64::from(channel) / 255.0;
+        if channel <= 0.040_45 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) }
+    });
+    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_entrants_look_different_and_are_seen_in_light_and_dark() {
+        let looks = looks();
+        assert_eq!(looks.len(), 21, "and the ground truth");
+        let colors: [fn(&Look) -> Color; 3] = [|look| look.color, |look| look.on_light, |look| look.on_dark];
+        for color in colors {
+            let all: Vec<Color> = looks.iter().map(color).collect();
+            for (at, one) in all.iter().enumerate() {
+                let apart = |other: &Color| one.iter().zip(other).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>();
+                let near = all[..at].iter().map(apart).min();
+                assert!(near.is_none_or(|near| near >= 40), "{one:?} of {at} is {near:?} from one before");
+            }
+        }
+        for look in &looks {
+            assert!(contrast(look.on_light, PANELS[0]) >= CONTRAST && contrast(look.on_dark, PANELS[1]) >= CONTRAST);
+        }
+        assert!(looks.windows(2).take(19).all(|pair| pair[0].dashes != pair[1].dashes));
+    }
+
+    #[test]
+    fn contrast_is_that_of_wcag() {
+        assert_eq!((contrast([0; 3], [255; 3]), contrast([7; 3], [7; 3])), (21.0, 1.0));
+        assert!((contrast([119; 3], [255; 3]) - 4.48).abs() < 0.01);
+    }
+}

@@ -1,0 +1,293 @@
+//! The page on which boxes are dragged over a recording: `pick.html` filled in, with frames and the command lines to copy.
+
+use super::encode::{self, base64};
+use anyhow::{Context, Result, bail, ensure};
+use minijinja::Environment;
+use minijinja::value::Serde;
+use serde::Serialize;
+use serde_json::json;
+use smr_recordings::{BoundingBox, ColorFrame};
+
+const TEMPLATES: [(&str, &str); 4] = [
+    ("pick.html", include_str!("pick.html")),
+    ("base.css", include_str!("base.css")),
+    ("pick.css", include_str!("pick.css")),
+    ("pick.js", include_str!("pick.js")),
+];
+
+/// The longest side of a frame in the page, but for the one that is shown first.
+pub const SIDE: u16 = 960;
+
+/// The most frames of the page, but for the one that is shown first: enough to find a place by.
+const MOST: usize = 600;
+
+/// What the page is made for. Frames have the numbers that they have in the recording.
+pub struct Choosing {
+    pub name: String,
+    /// The number of the first frame that is read.
+    pub first: usize,
+    /// The number of the frame that is shown first. It is kept as it is.
+    pub shown: usize,
+    /// The box to begin with in that frame.
+    pub target: Option<BoundingBox>,
+    /// The options that each command line has, quoted for a shell, and how the recording is called in it.
+    pub options: String,
+    pub recording: String,
+    /// The page's own file.
+    pub file: String,
+}
+
+/// A page, and what is in it.
+pub struct Picked {
+    pub page: String,
+    /// Of the recording.
+    pub size: (u16, u16),
+    /// The number of the last frame, and how many are in the page.
+    pub last: usize,
+    pub pictures: usize,
+}
+
+/// What the template fills in.
+#[derive(Serialize)]
+struct Page<'a> {
+    name: &'a str,
+    width: u16,
+    height: u16,
+    first: usize,
+    last: usize,
+    /// One frame of so many is kept.
+    every: usize,
+    /// The command that makes this page with another frame.
+    again: String,
+    version: &'static str,
+    /// What the script reads.
+    data: String,
+}
+
+/// Frames as JPEG files with their numbers, spread evenly over the recording.
+struct Frames {
+    first: usize,
+    every: usize,
+    kept: Vec<(usize, Vec<u8>)>,
+}
+
+/// The frames of the page.
+pub struct Shots<F> {
+    /// In the size of the recording or smaller.
+    pub frames: F,
+    /// Of the recording.
+    pub size: (u16, u16),
+    /// The frame that is shown first, if `frames` has a smaller one.
+    pub shown: Option<ColorFrame>,
+}
+
+/// A page of at most `budget` bytes. `least` is the smallest box.
+///
+/// # Errors
+/// A frame that cannot be read, none with the number to show, or a budget that is too small for it.
+pub fn pick(
+    Shots { frames, size, shown: large }: Shots<impl Iterator<Item = Result<ColorFrame>>>,
+    choosing: &Choosing,
+    least: (u16, u16),
+    budget: usize,
+) -> Result<Picked> {
+    let first = choosing.first;
+    let mut kept = Frames { first, every: 1, kept: Vec::new() };
+    let (mut shown, mut last) = (None, first - 1);
+    for (number, frame) in (first..).zip(frames) {
+        let frame = frame?;
+        last = number;
+        if number == choosing.shown {
+            shown = Some((number, encode::color_jpeg(large.as_ref().unwrap_or(&frame))?));
+        }
+        kept.offer(number, &frame, budget)?;
+    }
+    let Some(shown) = shown else {
+        bail!("{}: there is no frame {}: expected {first} to {last}", choosing.name, choosing.shown);
+    };
+    loop {
+        let pictures = kept.with(&shown);
+        let page = choosing.page(&pictures, size, last, kept.every, least)?;
+        if page.len() <= budget {
+            return Ok(Picked { page, size, last, pictures: pictures.len() });
+        }
+        let bytes = page.len().div_ceil(1_000_000);
+        ensure!(kept.thin(), "the page has {bytes} MB with one frame: expected --budget {bytes} or more");
+    }
+}
+
+impl Frames {
+    fn offer(&mut self, number: usize, frame: &ColorFrame, budget: usize) -> Result<()> {
+        if (number - self.first).is_multiple_of(self.every) {
+            self.kept.push((number, encode::color_jpeg_within(frame, SIDE)?));
+        }
+        while (self.kept.len() > MOST || self.bytes() > budget) && self.thin() {}
+        Ok(())
+    }
+
+    /// In the page, where 3 bytes become 4 characters.
+    fn bytes(&self) -> usize {
+        self.kept.iter().map(|(_, jpeg)| jpeg.len().div_ceil(3) * 4).sum()
+    }
+
+    /// Leaves out every other frame; false if there is only one.
+    fn thin(&mut self) -> bool {
+        if self.kept.len() < 2 {
+            return false;
+        }
+        self.every *= 2;
+        self.kept.retain(|(number, _)| (number - self.first).is_multiple_of(self.every));
+        true
+    }
+
+    /// In order, with the frame that is shown first in its better quality.
+    fn with<'a>(&'a self, shown: &'a (usize, Vec<u8>)) -> Vec<&'a (usize, Vec<u8>)> {
+        let others = self.kept.iter().filter(|(number, _)| *number != shown.0);
+        let mut all: Vec<_> = others.chain([shown]).collect();
+        all.sort_by_key(|(number, _)| *number);
+        all
+    }
+}
+
+impl Choosing {
+    fn page(
+        &self,
+        pictures: &[&(usize, Vec<u8>)],
+        (width, height): (u16, u16),
+        last: usize,
+        every: usize,
+        least: (u16, u16),
+    ) -> Result<String> {
+        let target = self.target.and_then(|target| target.to_rect());
+        let command = |verb: &str, after: &str| {
+            let after = [self.options.as_str(), after].join(" ");
+            [format!("host-sim {verb} {}", self.recording), after.trim().to_owned()]
+        };
+        let [again, rest] = command("frame", &format!("-o {}", self.file));
+        let data = json!({
+            "width": width,
+            "height": height,
+            "last": last,
+            "shown": self.shown,
+            "least": least,
+            "box": target.map(|rect| json!({ "x": rect.x, "y": rect.y, "w": rect.width, "h": rect.height })),
+            "track": command("track", "--video out.mp4"),
+            "report": command("report", "-o report.html"),
+            "frames": pictures.iter().map(|(number, jpeg)| json!([number, base64(jpeg)])).collect::<Vec<_>>(),
+        });
+        let page = Page {
+            name: &self.name,
+            width,
+            height,
+            first: self.first,
+            last,
+            every,
+            again: format!("{again} NUMBER {rest}"),
+            version: env!("CARGO_PKG_VERSION"),
+            data: data.to_string().replace('<', "\\u003c"),
+        };
+        let mut templates = Environment::new();
+        for (name, text) in TEMPLATES {
+            templates.add_template(name, text)?;
+        }
+        templates.get_template("pick.html")?.render(Serde(page)).context("the page cannot be filled in")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::canvas::Canvas;
+    use base64::Engine as _;
+    use serde_json::Value;
+    use smr_recordings::{decode_picture, synthetic};
+
+    const BUDGET: usize = 25_000_000;
+
+    fn choosing(first: usize, shown: usize) -> Choosing {
+        Choosing {
+            name: "<b>name".into(),
+            first,
+            shown,
+            target: None,
+            options: "--frames 20..60".into(),
+            recording: "'my clip.mp4'".into(),
+            file: "pick.html".into(),
+        }
+    }
+
+    fn made(choosing: &Choosing, frames: usize, budget: usize) -> Result<(Picked, Value)> {
+        let frames = (choosing.first - 1..).take(frames).map(|index| Ok((&synthetic::frame(index)).into()));
+        let picked = pick(Shots { frames, size: (160, 120), shown: None }, choosing, (2, 3), budget)?;
+        let data = picked.page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let data = serde_json::from_str(data).unwrap();
+        Ok((picked, data))
+    }
+
+    fn numbers(data: &Value) -> Vec<u64> {
+        data["frames"].as_array().unwrap().iter().map(|frame| frame[0].as_u64().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_page_has_what_its_script_needs_and_nothing_from_elsewhere() {
+        let choosing = Choosing { target: "36,20.4,10,30".parse().ok(), ..choosing(20, 20) };
+        let (Picked { page, size, last, pictures }, data) = made(&choosing, 41, BUDGET).unwrap();
+        assert_eq!((size, last, pictures), ((160, 120), 60, 41));
+        assert!(page.contains("<h1>&lt;b&gt;name</h1>") && page.contains("frames 20 to 60"));
+        assert_eq!(page.matches("http").count(), page.matches("http://www.w3.org/2000/svg").count());
+        assert_eq!(page.matches("href=\"").count() + page.matches(" src=\"").count() + page.matches("url(").count(), 0);
+        assert_eq!(numbers(&data), (20..=60).collect::<Vec<_>>());
+        assert_eq!(data["box"], json!({ "x": 36, "y": 20, "w": 10, "h": 30 }));
+        assert_eq!(data["least"], json!([2, 3]));
+        assert_eq!(data["track"], json!(["host-sim track 'my clip.mp4'", "--frames 20..60 --video out.mp4"]));
+        assert_eq!(data["report"], json!(["host-sim report 'my clip.mp4'", "--frames 20..60 -o report.html"]));
+        assert!(!page.contains("To keep the page small"));
+    }
+
+    #[test]
+    fn a_budget_thins_the_frames_evenly_and_keeps_the_one_that_is_shown() {
+        let all = made(&choosing(1, 6), 40, BUDGET).unwrap();
+        let budget = all.0.page.len() / 2;
+        let (picked, data) = made(&choosing(1, 6), 40, budget).unwrap();
+        assert!(picked.page.len() <= budget);
+        assert_eq!(numbers(&data), [1, 5, 6, 9, 13, 17, 21, 25, 29, 33, 37]);
+        assert!(picked.page.contains("one of 4 frames is here"));
+        let again = "host-sim frame &#x27;my clip.mp4&#x27; NUMBER --frames 20..60 -o pick.html";
+        assert!(picked.page.contains(again));
+        let error = made(&choosing(1, 6), 40, 1000).err().unwrap().to_string();
+        assert!(error.contains("expected --budget 1 or more"), "{error}");
+    }
+
+    #[test]
+    fn the_frame_that_is_shown_first_has_all_its_pixels() {
+        let wide = |width: u16| ColorFrame { width, height: 8, pixels: vec![[90, 200, 40]; usize::from(width) * 8] };
+        let shots = |width, shown| Shots { frames: (0..3).map(move |_| Ok(wide(width))), size: (1920, 8), shown };
+        let picked = pick(shots(1920, None), &choosing(1, 2), (1, 1), BUDGET).unwrap();
+        let small = pick(shots(480, Some(wide(1920))), &choosing(1, 2), (1, 1), BUDGET).unwrap();
+        let widths = |picked: &Picked| {
+            let data = picked.page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+            let data: Value = serde_json::from_str(data).unwrap();
+            let width = |frame: &Value| {
+                let jpeg = base64::engine::general_purpose::STANDARD.decode(frame[1].as_str().unwrap()).unwrap();
+                Canvas::of(&decode_picture(&jpeg).unwrap()).width
+            };
+            data["frames"].as_array().unwrap().iter().map(width).collect::<Vec<_>>()
+        };
+        assert_eq!((widths(&picked), widths(&small)), (vec![960, 1920, 960], vec![480, 1920, 480]));
+    }
+
+    #[test]
+    fn of_a_long_recording_frames_are_left_out() {
+        let frame = || ColorFrame { width: 8, height: 8, pixels: vec![[90, 200, 40]; 64] };
+        let shots = Shots { frames: (0..1300).map(|_| Ok(frame())), size: (8, 8), shown: None };
+        let picked = pick(shots, &choosing(1, 2), (1, 1), BUDGET).unwrap();
+        // Every fourth, and the one that is shown.
+        assert_eq!(picked.pictures, 1300 / 4 + 1);
+    }
+
+    #[test]
+    fn a_frame_that_there_is_not_is_named() {
+        let error = made(&choosing(20, 61), 41, BUDGET).err().unwrap().to_string();
+        assert_eq!(error, "<b>name: there is no frame 61: expected 20 to 60");
+    }
+}

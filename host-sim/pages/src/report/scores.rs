@@ -1,0 +1,216 @@
+//! The scores of all methods: the tables and plots of the page, for its template.
+
+use super::entrants::{Entrant, entrants};
+use super::film::Film;
+use anyhow::Result;
+use serde::Serialize;
+use smr_evaluation::{Curves, FARTHEST, NEAR, Otb, Score};
+
+#[derive(Serialize)]
+pub(super) struct Scores<'a> {
+    table: Table<'a>,
+    plots: [Plot<'a>; 2],
+    /// The tables of several recordings, by their names.
+    each: Vec<(&'a str, Table<'a>)>,
+}
+
+#[derive(Serialize)]
+struct Table<'a> {
+    caption: String,
+    columns: Vec<Column>,
+    lines: Vec<Line<'a>>,
+}
+
+#[derive(Serialize)]
+struct Column {
+    title: String,
+    /// After the decimal point.
+    digits: usize,
+    /// `None` where nobody is better than another.
+    best: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    entrant: &'a Entrant,
+    values: Vec<Option<f64>>,
+}
+
+#[derive(Serialize)]
+struct Plot<'a> {
+    title: &'static str,
+    axis: &'static str,
+    most: f64,
+    digits: usize,
+    mark: Option<f64>,
+    /// The largest area first.
+    lines: Vec<Curve<'a>>,
+}
+
+#[derive(Serialize)]
+struct Curve<'a> {
+    entrant: &'a Entrant,
+    area: f64,
+    values: Vec<f64>,
+}
+
+/// A recording with ground truth.
+pub(super) struct Measured<'a> {
+    film: &'a Film,
+    /// Frames in which the target is visible.
+    visible: usize,
+    scored: Vec<Scored>,
+}
+
+struct Scored {
+    entrant: Entrant,
+    score: Score,
+    curves: Curves,
+}
+
+/// An entrant with its scores in each recording.
+type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
+
+impl<'a> Measured<'a> {
+    /// `None` without ground truth.
+    pub fn new(film: &'a Film) -> Result<Option<Self>> {
+        let (Some(evaluation), Some(truth)) = (film.evaluation()?, &film.truth) else { return Ok(None) };
+        let scored = entrants(film).into_iter().zip(evaluation.scores).map(|(entrant, (_, score))| {
+            let curves = Curves::new(&entrant.answers, truth);
+            Scored { entrant, score, curves }
+        });
+        Ok(Some(Self { film, visible: evaluation.visible, scored: scored.collect() }))
+    }
+
+    fn of(&self, entrant: &Entrant) -> Option<&Scored> {
+        self.scored.iter().find(|scored| scored.entrant.name == entrant.name)
+    }
+
+    fn table(&'a self) -> Table<'a> {
+        let figures = || Score::FIGURES.iter().filter(|figure| !figure.page.is_empty());
+        let line = |scored: &'a Scored| Line {
+            entrant: &scored.entrant,
+            values: figures().map(|figure| (figure.of)(&scored.score)).collect(),
+        };
+        let caption = format!("{} frames, the target is visible in {}", self.film.moments.len(), self.visible);
+        Table::new(
+            caption,
+            figures().map(|figure| (figure.page.to_owned(), figure.digits, figure.is_ranked)),
+            self.scored.iter().map(line).collect(),
+        )
+    }
+}
+
+impl<'a> Scores<'a> {
+    /// `None` without a recording.
+    pub fn new(measured: &'a [Measured<'a>]) -> Option<Self> {
+        let rows = rows(measured);
+        let (table, each) = match measured {
+            [] => return None,
+            [one] => (one.table(), Vec::new()),
+            all => (across(all, &rows), all.iter().map(|one| (one.film.name.as_str(), one.table())).collect()),
+        };
+        Some(Self { table, plots: plots(&rows), each })
+    }
+}
+
+/// Every entrant of any recording, once.
+fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for Scored { entrant, .. } in measured.iter().flat_map(|one| &one.scored) {
+        if rows.iter().all(|(known, _)| known.name != entrant.name) {
+            rows.push((entrant, measured.iter().map(|one| one.of(entrant)).collect()));
+        }
+    }
+    rows
+}
+
+fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Table<'a> {
+    let correct = measured.iter().map(|one| (format!("{} (of {})", one.film.name, one.visible), 0, true));
+    let visible: usize = measured.iter().map(|one| one.visible).sum();
+    let all = [(format!("all (of {visible})"), 0), ("OTB AUC".to_owned(), 3), ("OTB P20".to_owned(), 3)];
+    let columns = correct.chain(all.map(|(title, digits)| (title, digits, true)));
+    let line = |(entrant, scored): &Row<'a>| {
+        let mut values: Vec<_> = scored.iter().map(|one| Some(one.as_ref()?.score.correct as f64)).collect();
+        let all: Option<f64> = values.iter().copied().sum();
+        let otb: Option<Vec<Otb>> = scored.iter().map(|one| one.as_ref()?.score.otb).collect();
+        let mean =
+            |figure: fn(&Otb) -> f64| otb.as_ref().map(|otb| otb.iter().map(figure).sum::<f64>() / otb.len() as f64);
+        values.extend([all, mean(|otb| otb.otb_auc), mean(|otb| otb.otb_precision)]);
+        Line { entrant, values }
+    };
+    let caption = "Correct frames of each recording; OTB AUC and OTB P20 are means over the recordings";
+    Table::new(caption.to_owned(), columns, rows.iter().map(line).collect())
+}
+
+impl<'a> Table<'a> {
+    /// Columns by title, digits, and whether a larger value is better.
+    fn new(caption: String, columns: impl IntoIterator<Item = (String, usize, bool)>, lines: Vec<Line<'a>>) -> Self {
+        let best = |column: usize| lines.iter().filter_map(|line| line.values[column]).max_by(f64::total_cmp);
+        let column = |(at, (title, digits, ranked))| {
+            let best = best(at).filter(|_| ranked && lines.len() > 1);
+            Column { title, digits, best }
+        };
+        let columns = columns.into_iter().enumerate().map(column).collect();
+        Self { caption, columns, lines }
+    }
+}
+
+/// Means over the recordings, of those who are in all.
+fn plots<'a>(rows: &[Row<'a>]) -> [Plot<'a>; 2] {
+    let mean = |(entrant, scored): &Row<'a>| {
+        let curves: Option<Vec<&Curves>> = scored.iter().map(|one| Some(&one.as_ref()?.curves)).collect();
+        Some((*entrant, Curves::mean(&curves?)?))
+    };
+    let means: Vec<(&Entrant, Curves)> = rows.iter().filter_map(mean).collect();
+    let lines = |area: fn(&Curves) -> f64, values: fn(&Curves) -> &Vec<f64>| {
+        let curve = |(entrant, curves): &(&'a Entrant, Curves)| Curve {
+            entrant,
+            area: area(curves),
+            values: values(curves).clone(),
+        };
+        let mut lines: Vec<Curve<'_>> = means.iter().map(curve).collect();
+        lines.sort_by(|a, b| b.area.total_cmp(&a.area));
+        lines
+    };
+    [
+        Plot {
+            title: "Success: visible frames with an IoU above",
+            axis: "IoU",
+            most: 1.0,
+            digits: 1,
+            mark: None,
+            lines: lines(Curves::auc, |curves| &curves.success),
+        },
+        Plot {
+            title: "Precision: visible frames within a distance",
+            axis: "centre error in pixels",
+            most: FARTHEST as f64,
+            digits: 0,
+            mark: Some(NEAR as f64),
+            lines: lines(Curves::precision_area, |curves| &curves.precision),
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_evaluation::STEPS;
+
+    #[test]
+    fn the_largest_area_is_named_first_and_who_is_not_everywhere_is_not_named() {
+        let scored = |name: &str, part: f64| Scored {
+            entrant: Entrant { name: name.into(), title: name.into(), look: 0, answers: vec![], method: None },
+            score: Score::default(),
+            curves: Curves { success: vec![part; STEPS + 1], precision: vec![part; FARTHEST + 1] },
+        };
+        let all = [scored("low", 0.25), scored("high", 0.75), scored("partly", 1.0)];
+        let row =
+            |scored: usize| (&all[scored].entrant, vec![Some(&all[scored]), (scored < 2).then_some(&all[scored])]);
+        for plot in plots(&[0, 1, 2].map(row)) {
+            let lines: Vec<_> = plot.lines.iter().map(|line| (line.entrant.name.as_str(), line.area)).collect();
+            assert_eq!(lines, [("high", 0.75), ("low", 0.25)]);
+        }
+    }
+}

@@ -1,0 +1,515 @@
+//! Boxes as people annotate them: the box itself, and the text files that lie beside recordings.
+//!
+//! | file | form | a line |
+//! |---|---|---|
+//! | `init.txt` | TLD | the box to start from |
+//! | `gt.txt` | TLD | `x1,y1,x2,y2`, one line a frame; NaN where the target is not visible |
+//! | `groundtruth_rect.txt` | OTB | `x,y,width,height`, one line a frame, the first pixel being 1; NaN or no area where it is not visible |
+//! | `groundtruth.txt` | VOT, GOT-10k | `x,y,width,height`, or a polygon or a mask, whose box it is; NaN, no area or one number where it is not visible |
+//! | `absence.label` | GOT-10k | 1 where the target is not visible, else 0; one line a frame, beside `groundtruth.txt` |
+//!
+//! Numbers are separated by commas, tabs or spaces. Other trackers' results have the TLD form, too.
+
+use crate::input;
+use anyhow::{Context, Result, anyhow, ensure};
+use smr_core::FineRect;
+use smr_core::Rect;
+use std::fmt;
+use std::fs;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A box as people annotate it: left, top, width, height, possibly fractional.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct BoundingBox {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl BoundingBox {
+    /// The box in whole pixels: each of the four numbers rounded to the nearest integer. `None` where that leaves no
+    /// pixel, or a [`Rect`] cannot hold it.
+    pub fn to_rect(&self) -> Option<Rect> {
+        let rect = Rect::new(whole(self.x)?, whole(self.y)?, size(self.width)?, size(self.height)?);
+        (!rect.is_empty()).then_some(rect)
+    }
+
+    /// As [`BoundingBox::to_rect`].
+    ///
+    /// # Errors
+    /// What is wrong with the box: the words that follow after "the box".
+    pub fn pixels(&self) -> Result<Rect> {
+        self.to_rect().with_context(|| {
+            let least = self.width.min(self.height).round();
+            let what = if least < 1.0 {
+                "has no pixels".to_owned()
+            } else {
+                format!("is too large or too far away (at most {} pixels on a side)", u16::MAX)
+            };
+            format!("{what}: {self} (x,y,width,height)")
+        })
+    }
+
+    /// The box in a picture that is so many times as wide and as high.
+    #[must_use]
+    pub fn scaled(&self, (across, down): (f64, f64)) -> Self {
+        Self { x: self.x * across, y: self.y * down, width: self.width * across, height: self.height * down }
+    }
+
+    /// The smallest box that holds all points; `None` of none.
+    fn around(points: &[[f64; 2]]) -> Option<Self> {
+        let bounds = |axis: usize| {
+            let values = points.iter().map(|point| point[axis]);
+            (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let ((x1, x2), (y1, y2)) = (bounds(0), bounds(1));
+        (!points.is_empty()).then(|| Self::from_corners([x1, y1, x2, y2]))
+    }
+
+    fn from_corners([x1, y1, x2, y2]: [f64; 4]) -> Self {
+        Self { x: x1, y: y1, width: x2 - x1, height: y2 - y1 }
+    }
+
+    /// True if there is something to start from.
+    pub fn has_area(&self) -> bool {
+        self.width > 0.0 && self.height > 0.0
+    }
+}
+
+impl From<Rect> for BoundingBox {
+    fn from(rect: Rect) -> Self {
+        let (width, height) = (f64::from(rect.width), f64::from(rect.height));
+        Self { x: f64::from(rect.x), y: f64::from(rect.y), width, height }
+    }
+}
+
+impl From<FineRect> for BoundingBox {
+    fn from(fine: FineRect) -> Self {
+        let pixels = |value: f64| value / 256.0;
+        let (width, height) = (pixels(fine.width.into()), pixels(fine.height.into()));
+        Self { x: pixels(fine.x.into()), y: pixels(fine.y.into()), width, height }
+    }
+}
+
+/// `x,y,width,height`, as [`BoundingBox::from_str`] reads it. For files, see [`tld_line`].
+impl fmt::Display for BoundingBox {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
+    }
+}
+
+/// `x,y,width,height`, the box to start from as it is typed.
+impl FromStr for BoundingBox {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let expected = "expected x,y,width,height: four numbers, width and height above 0";
+        let [x, y, width, height] = four_numbers(text).context(expected)?;
+        let typed = Self { x, y, width, height };
+        ensure!(typed.has_area() && !x.is_nan() && !y.is_nan(), expected);
+        Ok(typed)
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)] // the range is checked
+fn whole(value: f64) -> Option<i32> {
+    let rounded = value.round();
+    (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&rounded).then_some(rounded as i32)
+}
+
+fn size(value: f64) -> Option<u16> {
+    whole(value)?.try_into().ok()
+}
+
+/// The forms of files with a box a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Form {
+    /// x1,y1,x2,y2, or NaN,NaN,NaN,NaN
+    Tld,
+    /// x,y,width,height, the first pixel being 1, or NaN,NaN,NaN,NaN
+    Otb,
+    /// x,y,width,height, or 0
+    Vot,
+}
+
+impl Form {
+    /// The line that holds this box, without its end.
+    #[must_use]
+    pub fn line(self, entry: Option<&BoundingBox>) -> String {
+        let Some(&BoundingBox { x, y, width, height }) = entry else {
+            return if self == Self::Vot { "0".to_owned() } else { "NaN,NaN,NaN,NaN".to_owned() };
+        };
+        match self {
+            Self::Tld => format!("{x},{y},{},{}", x + width, y + height),
+            Self::Otb => format!("{},{},{width},{height}", x + 1.0, y + 1.0),
+            Self::Vot => format!("{x},{y},{width},{height}"),
+        }
+    }
+}
+
+/// The line of a file in TLD form that holds this box: `x1,y1,x2,y2`, or `NaN,NaN,NaN,NaN`.
+#[must_use]
+pub fn tld_line(entry: Option<&BoundingBox>) -> String {
+    Form::Tld.line(entry)
+}
+
+/// Reads a file in TLD form: one box a line, `None` for NaN.
+pub fn read_tld(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
+    read(path, tld_entry)
+}
+
+/// Reads a file in OTB form: one box a line, `None` for NaN and for a box without area.
+pub fn read_otb(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
+    read(path, otb_entry)
+}
+
+/// Reads a file with a box a line.
+type Read = fn(&Path) -> Result<Vec<Option<BoundingBox>>>;
+
+/// The ground truth in `folder`, if there is any.
+pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
+    let forms: [(&str, Read); 3] = [("gt.txt", read_tld), ("groundtruth_rect.txt", read_otb), (VOT, read_vot)];
+    let found = forms.into_iter().find(|(name, _)| is_named(&folder.join(name)));
+    found.map(|(name, read)| read(&folder.join(name))).transpose()
+}
+
+const VOT: &str = "groundtruth.txt";
+
+/// Reads a file in the form of VOT and GOT-10k, and `absence.label` if it lies beside it.
+pub fn read_vot(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
+    let mut truth = read(path, |line| Ok(region(line)?.filter(BoundingBox::has_area)))?;
+    let labels = path.with_file_name("absence.label");
+    if is_named(&labels) {
+        let absent = read(&labels, absent)?;
+        ensure!(
+            absent.len() == truth.len(),
+            "{} has {} lines: expected {}, as {VOT} beside it",
+            labels.display(),
+            absent.len(),
+            truth.len()
+        );
+        truth.iter_mut().zip(absent).filter(|(_, absent)| *absent).for_each(|(entry, _)| *entry = None);
+    }
+    Ok(truth)
+}
+
+fn absent(line: &str) -> Result<bool> {
+    match line.trim() {
+        "0" => Ok(false),
+        "1" => Ok(true),
+        _ => Err(anyhow!("expected 0 or 1, found {}", shown(line))),
+    }
+}
+
+/// The box of `init.txt` in `folder`, if there is such a file.
+pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
+    let file = folder.join("init.txt");
+    if !is_named(&file) {
+        return Ok(None);
+    }
+    let first = read_tld(&file)?.into_iter().next().flatten();
+    let init = first.filter(BoundingBox::has_area);
+    init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
+}
+
+/// True of the names of the files that lie beside recordings.
+pub(super) fn is_known(file: &Path) -> bool {
+    let names = ["init.txt", "gt.txt", "groundtruth_rect.txt", VOT, "absence.label"];
+    file.file_name().is_some_and(|name| names.iter().any(|known| name == *known))
+}
+
+/// True if there is something of this name: a link to nothing is not passed over, but an error when it is read.
+fn is_named(file: &Path) -> bool {
+    fs::symlink_metadata(file).is_ok()
+}
+
+fn read<T>(path: &Path, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
+    let text = input::text(path, &input::BOXES).with_context(|| format!("cannot read {}", path.display()))?;
+    parse(&text, entry).with_context(|| path.display().to_string())
+}
+
+fn parse<T>(text: &str, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
+    // Some editors begin a file with a byte order mark, and many end it with empty lines.
+    let lines = text.trim_start_matches('\u{feff}').trim_end().lines();
+    lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
+}
+
+fn tld_entry(line: &str) -> Result<Option<BoundingBox>> {
+    let expected = || anyhow!("expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found {}", shown(line));
+    let corners = four_numbers(line).ok_or_else(expected)?;
+    if corners.iter().any(|number| number.is_nan()) {
+        return Ok(None);
+    }
+    let found = BoundingBox::from_corners(corners);
+    ensure!(found.width >= 0.0 && found.height >= 0.0, "expected x1 <= x2 and y1 <= y2, found {}", shown(line));
+    Ok(Some(found))
+}
+
+fn otb_entry(line: &str) -> Result<Option<BoundingBox>> {
+    let expected = || anyhow!("expected x,y,width,height, found {}", shown(line));
+    let numbers @ [x, y, width, height] = four_numbers(line).ok_or_else(expected)?;
+    if numbers.iter().any(|number| number.is_nan()) {
+        return Ok(None);
+    }
+    let found = BoundingBox { x: x - 1.0, y: y - 1.0, width, height };
+    Ok(found.has_area().then_some(found))
+}
+
+/// The box of a region as VOT and TraX write it: `x,y,width,height`, or the box around a polygon `x1,y1,x2,y2,x3,y3,...`
+/// or around a mask, `mX,Y,WIDTH,HEIGHT` and runs. `None` for NaN, for an empty mask, and for a single number, by which VOT says that the target is not visible or the tracker was stopped.
+///
+/// # Errors
+/// It is none of these.
+pub fn region(text: &str) -> Result<Option<BoundingBox>> {
+    let expected = || anyhow!("expected x,y,width,height or a polygon x1,y1,x2,y2,x3,y3,..., found {}", shown(text));
+    if let Some(runs) = text.trim().strip_prefix('m') {
+        let expected = "expected a mask mX,Y,WIDTH,HEIGHT and the lengths of its runs, which fit in it";
+        return mask(runs).with_context(|| format!("{expected}, found {}", shown(text)));
+    }
+    let numbers = numbers(text).ok_or_else(expected)?;
+    let hidden = numbers.iter().any(|number| number.is_nan());
+    match numbers[..] {
+        [_] => Ok(None),
+        [_, _, _, _] if hidden => Ok(None),
+        [x, y, width, height] => {
+            ensure!(width >= 0.0 && height >= 0.0, "expected a width and a height of 0 or more, found {}", shown(text));
+            Ok(Some(BoundingBox { x, y, width, height }))
+        }
+        _ if numbers.len() < 6 || numbers.len() % 2 == 1 => Err(expected()),
+        _ if hidden => Ok(None),
+        _ => Ok(BoundingBox::around(numbers.as_chunks().0)),
+    }
+}
+
+/// The box around a mask: pixels row after row in a part of the picture, in runs that do not and do belong to the target, in turn. The outer
+/// `None` says that it is no mask.
+fn mask(text: &str) -> Option<Option<BoundingBox>> {
+    let mut fields = text.split(',').map(|field| field.trim().parse::<u32>().ok());
+    let mut field = || fields.next().flatten();
+    let (x, y, width, height) = (field()?, field()?, field()?, field()?);
+    let all = u64::from(u16::try_from(width).ok()?) * u64::from(u16::try_from(height).ok()?);
+    let (mut at, mut corners) = (0, Vec::new());
+    for (index, run) in fields.enumerate() {
+        let (begin, end) = (at, at + u64::from(run?));
+        at = end;
+        if end > all {
+            return None;
+        }
+        if index % 2 == 1 && begin < end {
+            let width = u64::from(width);
+            let (top, bottom) = (begin / width, (end - 1) / width + 1);
+            // A run that goes on in the next row touches both sides.
+            let one_row = bottom - top == 1;
+            let (left, right) = if one_row { (begin % width, (end - 1) % width + 1) } else { (0, width) };
+            corners.extend([[left, top], [right, bottom]]);
+        }
+    }
+    let place = |[column, row]: [u64; 2]| -> Option<[f64; 2]> {
+        let in_picture =
+            |value: u64, start: u32| u32::try_from(value).map(|value| f64::from(value) + f64::from(start)).ok();
+        Some([in_picture(column, x)?, in_picture(row, y)?])
+    };
+    let corners: Option<Vec<[f64; 2]>> = corners.into_iter().map(place).collect();
+    Some(BoundingBox::around(&corners?))
+}
+
+/// Four numbers, each of which may be NaN but not infinite.
+fn four_numbers(line: &str) -> Option<[f64; 4]> {
+    numbers(line)?.try_into().ok()
+}
+
+/// Numbers, each of which may be NaN but not infinite.
+fn numbers(line: &str) -> Option<Vec<f64>> {
+    let fields = line.split([',', '\t', ' ']).map(str::trim).filter(|field| !field.is_empty());
+    fields.map(|field| field.parse().ok().filter(|value: &f64| !value.is_infinite())).collect()
+}
+
+/// A line as an error message can hold it: in one line, and not all of a binary file.
+fn shown(line: &str) -> String {
+    let start: String = line.chars().take(60).collect();
+    format!("{start:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn boxed(x: f64, y: f64, width: f64, height: f64) -> BoundingBox {
+        BoundingBox { x, y, width, height }
+    }
+
+    fn message(error: anyhow::Error) -> String {
+        format!("{error:#}")
+    }
+
+    #[test]
+    fn tld_form() {
+        let text = "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\nNaN,NaN,NaN,NaN\r\nnan nan nan nan\r\n\r\n";
+        let expected = [Some(boxed(165.0, 93.0, 51.0, 54.0)), Some(boxed(164.5, 93.25, 51.0, 54.0)), None, None];
+        assert_eq!(parse(text, tld_entry).unwrap(), expected);
+    }
+
+    #[test]
+    fn otb_form_with_every_separator() {
+        let text = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
+        let one = Some(boxed(128.0, 79.0, 64.0, 78.0));
+        assert_eq!(parse(text, otb_entry).unwrap(), [one, one, one, one, None, None]);
+    }
+
+    #[test]
+    fn errors_name_line_and_expectation() {
+        let error = message(parse("1,2,3,4\n1,2,3\n", tld_entry).unwrap_err());
+        assert_eq!(error, "line 2: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3\"");
+        let error = message(parse("1,2,3,4\n\n1,2,3,4", otb_entry).unwrap_err());
+        assert_eq!(error, "line 2: expected x,y,width,height, found \"\"");
+        let error = message(parse("10,2,3,4", tld_entry).unwrap_err());
+        assert_eq!(error, "line 1: expected x1 <= x2 and y1 <= y2, found \"10,2,3,4\"");
+        assert!(parse("1,2,3,inf", tld_entry).is_err());
+        assert!(parse("1,2,3,4,5", tld_entry).is_err());
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("gt.txt");
+        fs::write(&file, "1,2,3,x").unwrap();
+        let error = message(find_truth(folder.path()).unwrap_err());
+        assert_eq!(
+            error,
+            format!("{}: line 1: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3,x\"", file.display())
+        );
+    }
+
+    #[test]
+    fn a_start_needs_an_area() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(find_init(folder.path()).unwrap(), None);
+        for text in ["", "NaN,NaN,NaN,NaN", "4,4,4,8"] {
+            fs::write(folder.path().join("init.txt"), text).unwrap();
+            assert!(message(find_init(folder.path()).unwrap_err()).ends_with("a box with an area"), "{text}");
+        }
+        fs::write(folder.path().join("init.txt"), "4,4,5,8").unwrap();
+        assert_eq!(find_init(folder.path()).unwrap(), Some(boxed(4.0, 4.0, 1.0, 4.0)));
+    }
+
+    #[test]
+    fn typed_boxes() {
+        assert_eq!("1,2.5,3,4".parse::<BoundingBox>().unwrap(), boxed(1.0, 2.5, 3.0, 4.0));
+        for text in ["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,NaN", "NaN,2,3,4", "1,2,3,4,5", "a,b,c,d"] {
+            let error = message(text.parse::<BoundingBox>().unwrap_err());
+            assert_eq!(error, "expected x,y,width,height: four numbers, width and height above 0", "{text}");
+        }
+    }
+
+    #[test]
+    fn whole_pixels() {
+        assert_eq!(boxed(-3.4, 1.5, 9.6, 2.4).to_rect(), Some(Rect::new(-3, 2, 10, 2)));
+        assert_eq!(boxed(0.0, 0.0, 0.4, 5.0).to_rect(), None);
+        assert_eq!(boxed(0.0, 0.0, 65536.0, 5.0).to_rect(), None);
+        assert_eq!(boxed(0.0, 0.0, -1.0, 5.0).to_rect(), None);
+        assert_eq!(boxed(1e12, 0.0, 1.0, 5.0).to_rect(), None);
+        assert_eq!(boxed(f64::NAN, 0.0, 1.0, 5.0).to_rect(), None);
+    }
+
+    /// Numbers that binary fractions hold exactly, so that x + width - x is width.
+    fn sixteenths() -> impl Strategy<Value = f64> {
+        (-1_000_000_i32..1_000_000).prop_map(|number| f64::from(number) / 16.0)
+    }
+
+    prop_compose! {
+        fn any_box()(x in sixteenths(), y in sixteenths(), w in sixteenths(), h in sixteenths()) -> BoundingBox {
+            boxed(x, y, w.abs(), h.abs())
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_text_never_panics(text in "m?[0-9aNinf,.\t\r\n \u{0}\u{e9}-]*|.*") {
+            let _ = parse(&text, tld_entry);
+            let _ = parse(&text, otb_entry);
+            let _ = parse(&text, region);
+            let _ = text.parse::<BoundingBox>();
+        }
+
+        #[test]
+        fn what_is_written_is_read_back(entries in proptest::collection::vec(proptest::option::of(any_box()), 0..20)) {
+            let lines: Vec<String> = entries.iter().map(|entry| tld_line(entry.as_ref())).collect();
+            prop_assert_eq!(parse(&lines.join("\n"), tld_entry).unwrap(), entries);
+        }
+
+        #[test]
+        fn typed_and_printed_are_the_same(typed in any_box()) {
+            prop_assume!(typed.has_area());
+            prop_assert_eq!(typed.to_string().parse::<BoundingBox>().unwrap(), typed);
+        }
+
+        #[test]
+        fn to_rect_never_panics(x: f64, y: f64, width: f64, height: f64) {
+            let _ = boxed(x, y, width, height).to_rect();
+        }
+    }
+
+    #[test]
+    fn each_form_reads_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let entries = [Some(boxed(10.5, -2.0, 30.0, 40.25)), None, Some(boxed(0.0, 0.0, 1.0, 1.0))];
+        for (form, read) in [(Form::Tld, read_tld as fn(&Path) -> _), (Form::Otb, read_otb), (Form::Vot, read_vot)] {
+            let file = folder.path().join("boxes.txt");
+            let lines: String = entries.iter().map(|entry| form.line(entry.as_ref()) + "\n").collect();
+            fs::write(&file, lines).unwrap();
+            assert_eq!(read(&file).unwrap(), entries, "{form:?}");
+        }
+        assert_eq!(Form::Otb.line(Some(&boxed(0.0, 4.0, 5.0, 6.0))), "1,5,5,6");
+    }
+
+    #[test]
+    fn vot_and_got10k_form() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(VOT);
+        let text = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\n";
+        fs::write(&file, text).unwrap();
+        let (first, polygon, last) =
+            (boxed(1.0, 2.0, 3.0, 4.0), boxed(10.5, 20.0, 19.5, 20.0), boxed(5.0, 6.0, 7.0, 8.0));
+        assert_eq!(read_vot(&file).unwrap(), [Some(first), Some(polygon), None, None, None, Some(last)]);
+
+        let labels = folder.path().join("absence.label");
+        fs::write(&labels, "0\n1\n1\n0\n0\n0\n").unwrap();
+        let absent = vec![Some(first), None, None, None, None, Some(last)];
+        assert_eq!(find_truth(folder.path()).unwrap(), Some(absent));
+        fs::write(&labels, "0\n2\n").unwrap();
+        let found = message(read_vot(&file).unwrap_err());
+        assert_eq!(found, format!("{}: line 2: expected 0 or 1, found \"2\"", labels.display()));
+        fs::write(&labels, "0\n").unwrap();
+        assert!(message(read_vot(&file).unwrap_err()).contains("absence.label has 1 lines: expected 6"));
+    }
+
+    #[test]
+    fn what_is_no_region_is_refused_in_words() {
+        for text in
+            ["", "1,2", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7", "1,2,-3,4", "a,b,c,d", "m10,10,3,4,13", "nan,1,nan"]
+        {
+            let error = message(region(text).unwrap_err());
+            assert!(error.contains("found ") && error.contains("expected"), "{text}: {error}");
+        }
+        assert_eq!(region("nan,1,2,3,4,5").unwrap(), None);
+        for text in ["m", "m1,2,3", "m-1,2,3,4,5", "m1,2,3,4,5.5", "m1,2,70000,4", "m1,2,3,4,5,"] {
+            let error = message(region(text).unwrap_err());
+            assert!(error.starts_with("expected a mask mX,Y,WIDTH,HEIGHT"), "{text}: {error}");
+        }
+    }
+
+    /// As vot-toolkit 0.9 writes the same mask: all of the picture, and as little as it needs.
+    #[test]
+    fn the_box_around_a_mask() {
+        let rows = ",20,30".repeat(11);
+        let whole = format!("m0,0,50,40,365,15,30{rows},20,1020");
+        let expected = Some(boxed(10.0, 7.0, 20.0, 13.0));
+        assert_eq!(region(&whole).unwrap(), expected);
+        assert_eq!(region("m10,7,20,13,5,255").unwrap(), expected);
+        assert_eq!(region("m0,0,0,0,0").unwrap(), None);
+        assert_eq!(region("m5,6,4,3,5,2,5").unwrap(), Some(boxed(6.0, 7.0, 2.0, 1.0)));
+    }
+}

@@ -1,0 +1,104 @@
+//! What a path on the command line stands for: a recording, or a folder with several.
+
+use anyhow::{Context, Result, bail};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// The paths that are recordings, and of the others the recordings in them and in their folders, in natural order.
+pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
+    Ok(found?.concat())
+}
+
+fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
+    if crate::is_sequence(path) {
+        return Ok(vec![path.to_owned()]);
+    }
+    let entries = folders(path).with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
+    let mut search = Search { found: Vec::new(), seen: path.canonicalize().into_iter().collect() };
+    search.look_into(entries)?;
+    if search.found.is_empty() {
+        bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
+    }
+    Ok(search.found)
+}
+
+struct Search {
+    found: Vec<PathBuf>,
+    /// By their real names: a link to a folder above would be followed for ever.
+    seen: HashSet<PathBuf>,
+}
+
+impl Search {
+    /// What is a recording is not looked into.
+    fn look_into(&mut self, entries: Vec<PathBuf>) -> Result<()> {
+        for folder in entries {
+            let cannot_list = || format!("cannot list the folder {}", folder.display());
+            if !self.seen.insert(folder.canonicalize().with_context(cannot_list)?) {
+                continue;
+            }
+            if crate::is_sequence(&folder) {
+                self.found.push(folder);
+            } else {
+                self.look_into(folders(&folder).with_context(cannot_list)?)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The folders in a folder. Hidden ones are not meant.
+fn folders(path: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut folders =
+        std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>()?;
+    let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    folders.retain(|entry| entry.is_dir() && !hidden(entry));
+    folders.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(folders)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_folder_of_recordings_is_taken_in_natural_order() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["s10", "s2"] {
+            fs::create_dir(folder.path().join(name)).unwrap();
+            fs::write(folder.path().join(name).join("frames.y4m"), "").unwrap();
+        }
+        fs::create_dir(folder.path().join("empty")).unwrap();
+        fs::write(folder.path().join("README.md"), "").unwrap();
+        let expected = ["s2", "s10"].map(|name| folder.path().join(name));
+        assert_eq!(of_path(folder.path()).unwrap(), expected);
+        assert_eq!(of_path(&expected[0]).unwrap(), expected[..1]);
+    }
+
+    #[test]
+    fn folders_of_folders_are_looked_into() {
+        let above = tempfile::tempdir().unwrap();
+        let names = ["more/vot/bag/color", "more/Man/img", "tld", "a/.hidden", "a/b/c/d"];
+        for name in names {
+            fs::create_dir_all(above.path().join(name)).unwrap();
+            fs::write(above.path().join(name).join("1.png"), "").unwrap();
+        }
+        fs::create_dir(above.path().join("tld/trackers")).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(above.path(), above.path().join("a/b/again")).unwrap();
+        let found = of_path(above.path()).unwrap();
+        let expected = ["a/b/c/d", "more/Man", "more/vot/bag", "tld"].map(|name| above.path().join(name));
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_path_without_a_recording_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = of_path(folder.path()).unwrap_err().to_string();
+        assert!(error.starts_with(&folder.path().display().to_string()), "{error}");
+        assert!(error.contains("no recording in it"), "{error}");
+        let missing = folder.path().join("missing");
+        assert!(format!("{:#}", of_path(&missing).unwrap_err()).contains("missing: neither a recording nor a folder"));
+    }
+}

@@ -1,0 +1,151 @@
+//! Files that are read whole: none is longer than its kind can be, and one that never ends is not waited for.
+
+use crate::words;
+use anyhow::{Result, anyhow, ensure};
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+/// What a file holds, and how long it may be.
+pub struct Kind {
+    /// As it follows "expected".
+    pub expected: &'static str,
+    /// In MiB.
+    pub most: u32,
+}
+
+pub const SETTINGS: Kind = Kind { expected: "a TOML file of tracker settings", most: 1 };
+/// A million frames of boxes, and of most polygons.
+pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
+/// Any of 16384x16384 pixels, except in colour without compression.
+pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM or PPM picture", most: 512 };
+pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
+pub const FIRMWARE: Kind = Kind { expected: "firmware, an ELF file of 32 bits", most: 256 };
+
+/// How long a pipe or a device may be silent.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The file as text.
+///
+/// # Errors
+/// As [`bytes`]; and it is not text.
+pub fn text(file: &Path, kind: &Kind) -> Result<String> {
+    let text = String::from_utf8(bytes(file, kind)?);
+    text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
+}
+
+/// The file's bytes.
+///
+/// # Errors
+/// What is wrong with the file, without its name: it is not there, it cannot be read, it is too long, or it is a pipe that says nothing.
+pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
+    let unreadable = |error: &io::Error| anyhow!("{}: expected {}", words::of_io(error), kind.expected);
+    let data = fs::metadata(file).map_err(|error| unreadable(&error))?;
+    ensure!(!data.is_dir(), "it is a folder: expected {}", kind.expected);
+    let most = u64::from(kind.most) << 20;
+    let fits = |length: u64| {
+        ensure!(length <= most, "it has more than {} MiB: expected {} of at most that", kind.most, kind.expected);
+        Ok(())
+    };
+    if data.is_file() {
+        fits(data.len())?;
+        let mut bytes = Vec::new();
+        // It may grow meanwhile.
+        let read = File::open(file).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
+        read.map_err(|error| unreadable(&error))?;
+        fits(bytes.len() as u64)?;
+        return Ok(bytes);
+    }
+    let (chunks, mut bytes) = (chunks(file), Vec::new());
+    loop {
+        match chunks.recv_timeout(PATIENCE) {
+            Ok(chunk) => bytes.extend(chunk.map_err(|error| unreadable(&error))?),
+            Err(RecvTimeoutError::Disconnected) => return Ok(bytes),
+            Err(RecvTimeoutError::Timeout) => {
+                let (seconds, Kind { expected, most }) = (PATIENCE.as_secs(), kind);
+                return Err(anyhow!(
+                    "nothing comes out of it for {seconds} s: expected {expected} of at most {most} MiB"
+                ));
+            }
+        }
+        fits(bytes.len() as u64)?;
+    }
+}
+
+/// What comes out of a pipe or a device. Whoever opens a pipe waits for its writer: that is done by a thread that nobody waits for.
+fn chunks(file: &Path) -> Receiver<io::Result<Vec<u8>>> {
+    let (sender, receiver) = sync_channel(4);
+    let file = file.to_owned();
+    thread::spawn(move || {
+        let mut stream = match File::open(file) {
+            Ok(stream) => stream,
+            Err(error) => return drop(sender.send(Err(error))),
+        };
+        loop {
+            let mut chunk = vec![0; 1 << 16];
+            let read = stream.read(&mut chunk).map(|length| {
+                chunk.truncate(length);
+                chunk
+            });
+            let failed = read.is_err();
+            // An empty chunk is the end.
+            let over = matches!(&read, Ok(chunk) if chunk.is_empty());
+            if over || sender.send(read).is_err() || failed {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: Kind = Kind { expected: "a small file", most: 1 };
+
+    #[test]
+    fn a_file_is_read_up_to_its_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, vec![7; 1 << 20]).unwrap();
+        assert_eq!(bytes(&file, &SMALL).unwrap().len(), 1 << 20);
+        fs::write(&file, vec![7; (1 << 20) + 1]).unwrap();
+        let error = bytes(&file, &SMALL).unwrap_err().to_string();
+        assert_eq!(error, "it has more than 1 MiB: expected a small file of at most that");
+        fs::write(&file, b"\xFF").unwrap();
+        assert_eq!(text(&file, &SMALL).unwrap_err().to_string(), "it is not text in UTF-8: expected a small file");
+    }
+
+    #[test]
+    fn what_is_no_file_is_said_in_words() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = bytes(folder.path(), &SMALL).unwrap_err().to_string();
+        assert_eq!(error, "it is a folder: expected a small file");
+        let error = bytes(&folder.path().join("missing"), &SMALL).unwrap_err().to_string();
+        assert_eq!(error, "there is no such file: expected a small file");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_never_ends_is_not_waited_for() {
+        let error = bytes(Path::new("/dev/zero"), &SMALL).unwrap_err().to_string();
+        assert_eq!(error, "it has more than 1 MiB: expected a small file of at most that");
+        assert_eq!(bytes(Path::new("/dev/null"), &SMALL).unwrap(), b"");
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = bytes(&pipe, &SMALL).unwrap_err().to_string();
+        assert_eq!(error, "nothing comes out of it for 5 s: expected a small file of at most 1 MiB");
+
+        let pipe = folder.path().join("written");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let writer = pipe.clone();
+        let written = thread::spawn(move || fs::write(writer, "from a pipe"));
+        assert_eq!(bytes(&pipe, &SMALL).unwrap(), b"from a pipe");
+        written.join().unwrap().unwrap();
+    }
+}

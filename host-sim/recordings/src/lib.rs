@@ -1,0 +1,377 @@
+//! Recordings come from here: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes, by one call ([`open`]).
+//!
+//! A [`Sequence`] is a stream of gray frames and the boxes known about them; it is never in memory as a whole. Faults of a camera and
+//! covers can be put between ([`fault`], [`cover`]). Whoever reads and writes files shares how it is done: read up to a limit ([`input`]),
+//! written whole or not at all ([`output`]), removed if a signal comes ([`cleanup`]), with errors as people read them ([`words`]).
+//! No tracker is run here.
+
+mod border;
+pub mod boxes;
+pub mod cleanup;
+mod color;
+pub mod cover;
+mod damage;
+pub mod fault;
+mod found;
+mod gray;
+mod images;
+pub mod input;
+mod iou;
+#[cfg(test)]
+#[path = "../../../tests/missing.rs"]
+mod missing;
+mod noise;
+pub mod output;
+mod part;
+mod periodic;
+mod pnm;
+mod raw;
+mod resize;
+pub mod slow;
+mod start;
+pub mod synthetic;
+mod video;
+mod video_color;
+pub mod words;
+mod y4m;
+
+pub use boxes::BoundingBox;
+pub use color::{ColorFrame, ColorFrames, Colors, Moment};
+pub use damage::Damage;
+pub use found::recordings;
+pub use gray::luma;
+pub use images::{decode_picture, read_picture};
+pub use part::FrameRange;
+pub use resize::Resize;
+pub use resize::{resized, resized_colors};
+pub use start::{Start, Target};
+pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use damage::Reading;
+use std::fs;
+use std::io::{BufReader, stdin};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// One 8-bit gray frame, rows without gaps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GrayFrame {
+    pub width: u16,
+    pub height: u16,
+    pub pixels: Vec<u8>,
+}
+
+impl GrayFrame {
+    /// The view of it that smr-core takes.
+    pub fn frame(&self) -> smr_core::Frame<'_> {
+        let image = smr_core::Image::new(&self.pixels, self.width, self.height);
+        smr_core::Frame::whole(
+            image.expect("a GrayFrame is made with as many pixels as its size says, and at least one"),
+        )
+    }
+}
+
+/// Frames, one after the other.
+pub type Frames = Box<dyn Iterator<Item = Result<GrayFrame>> + Send>;
+
+/// A recording: its frames, one after the other, and the boxes known about it.
+pub struct Sequence {
+    /// What it is called in tables: the folder's name, or the file's without its extension.
+    pub name: String,
+    /// The frames in order. All are of the size of the first; one that is not is an error. Nothing follows an error.
+    pub frames: Frames,
+    /// How many frames there are, if that is known before they are read.
+    pub length: Option<usize>,
+    /// The number of the first frame in the recording: 1, or more of a [part](Sequence::part).
+    pub first: usize,
+    /// The box to start from, in the first frame.
+    pub init: Option<BoundingBox>,
+    /// Ground truth, one entry a frame; `None` where the target is not visible.
+    pub truth: Option<Vec<Option<BoundingBox>>>,
+    /// The same frames in color, for videos with boxes.
+    pub colors: Colors,
+    /// How many of the frames that were read are damaged; it stays 0 unless [`OpenOptions::lenient`] is set.
+    pub damage: Damage,
+}
+
+impl Sequence {
+    /// The box to start from in whole pixels, as every tracker takes it.
+    ///
+    /// # Errors
+    /// There is none, or it has less than a pixel.
+    pub fn start(&self) -> Result<smr_core::Rect> {
+        let name = &self.name;
+        let init = self.init.with_context(|| {
+            format!("{name}: no box to start from: give --init X,Y,W,H (`host-sim frame` shows coordinates), or init.txt beside the recording")
+        })?;
+        init.pixels().map_err(|what| anyhow!("{name}: the box to start from {what}"))
+    }
+}
+
+/// What a path alone does not tell.
+#[derive(Clone, Debug, Default)]
+pub struct OpenOptions {
+    /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump.
+    pub size: Option<(u16, u16)>,
+    /// The box to start from, instead of the one found beside the recording.
+    pub init: Option<BoundingBox>,
+    /// Damaged frames are counted ([`Sequence::damage`]) and are no error.
+    pub lenient: bool,
+    /// How long ffmpeg may be silent; a minute if it is `None`.
+    pub ffmpeg_patience: Option<Duration>,
+}
+
+impl OpenOptions {
+    fn reading(&self) -> Reading {
+        Reading { lenient: self.lenient, damage: Damage::default() }
+    }
+}
+
+/// The folder beside a recording with what other trackers answered on it.
+pub const RESULTS: &str = "trackers";
+
+/// Where the pictures of a recording in the layouts of OTB and VOT are.
+const INNER: [&str; 2] = ["img", "color"];
+
+/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
+/// file or raw dump, or such a file itself. The words `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
+/// folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
+///
+/// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
+/// `groundtruth_rect.txt` (OTB form), else `groundtruth.txt` (VOT and GOT-10k form). Without `init.txt` the first box of the ground truth is the one to start from.
+pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let mut sequence = if path == Path::new(STANDARD_INPUT) {
+        ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
+        let name = "standard input".to_owned();
+        let source = Source::new(
+            y4m::Frames::new(BufReader::new(stdin()), name.clone())?,
+            None,
+            Path::new(&name),
+            options.reading(),
+        );
+        Sequence {
+            name,
+            frames: source.frames,
+            length: None,
+            first: 1,
+            init: None,
+            truth: None,
+            colors: Colors::None,
+            damage: source.damage,
+        }
+    } else if let Some(built_in) = built_in(path) {
+        ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
+        built_in
+    } else {
+        let kind = fs::metadata(path).with_context(|| {
+            let known = BUILT_IN.join(", ");
+            format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
+        })?;
+        if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
+    };
+    sequence.init = options.init.or(sequence.init);
+    Ok(sequence)
+}
+
+/// Y4M as it comes, for example from a camera: no boxes lie beside it.
+const STANDARD_INPUT: &str = "-";
+
+/// The recordings that need no file.
+pub const BUILT_IN: [&str; 4] = [synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
+
+/// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
+pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
+
+fn built_in(path: &Path) -> Option<Sequence> {
+    match path.to_str()? {
+        synthetic::NAME => Some(synthetic::sequence()),
+        periodic::NAME => Some(periodic::sequence()),
+        border::NAME => Some(border::sequence()),
+        noise::NAME => Some(noise::sequence()),
+        _ => None,
+    }
+}
+
+/// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
+/// folders of their own.
+pub fn is_sequence(path: &Path) -> bool {
+    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() {
+        return true;
+    }
+    let holds = |folder: &Path, kind: fn(&Path) -> bool| {
+        files_in(folder).is_ok_and(|files| files.iter().any(|file| kind(file)))
+    };
+    holds(path, images::is_picture)
+        || holds(path, is_recording)
+        || INNER.iter().any(|inner| holds(&path.join(inner), images::is_picture))
+}
+
+fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let source = source_in(folder, options)?;
+    with_boxes(folder_name(folder), source, folder)
+}
+
+fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let source = if images::is_picture(file) && options.size.is_none() {
+        Source::pictures(vec![file.to_owned()], file, options)
+    } else {
+        source_of(file, options)?
+    };
+    let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+    with_boxes(name, source, file.parent().unwrap_or(Path::new("")))
+}
+
+fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
+    let truth = boxes::find_truth(folder)?;
+    let first = truth.as_ref().and_then(|truth| *truth.first()?);
+    let init = boxes::find_init(folder)?.or(first);
+    let Source { frames, length, colors, damage } = source;
+    Ok(Sequence { name, frames, length, first: 1, init, truth, colors, damage })
+}
+
+/// `.` and `..` have names too.
+fn folder_name(folder: &Path) -> String {
+    let absolute = fs::canonicalize(folder).unwrap_or_default();
+    let name = folder.file_name().or(absolute.file_name());
+    name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Frames whose boxes have not been looked for yet.
+struct Source {
+    frames: Frames,
+    length: Option<usize>,
+    colors: Colors,
+    damage: Damage,
+}
+
+impl Source {
+    fn new(
+        frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static,
+        length: Option<usize>,
+        at: &Path,
+        reading: Reading,
+    ) -> Self {
+        let damage = reading.damage.clone();
+        let frames = damage::frames(frames, at.display().to_string(), reading);
+        Self { frames, length, colors: Colors::None, damage }
+    }
+
+    /// Frames that are made, not read.
+    fn made(frames: impl Iterator<Item = GrayFrame> + Send + 'static, length: usize, name: &str) -> Self {
+        Self::new(frames.map(Ok), Some(length), Path::new(name), Reading::default())
+    }
+
+    fn pictures(files: Vec<PathBuf>, at: &Path, options: &OpenOptions) -> Self {
+        let length = files.len();
+        let colors = Colors::Pictures(files.clone());
+        Self { colors, ..Self::new(images::frames(files), Some(length), at, options.reading()) }
+    }
+}
+
+fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
+    let files = files_in(folder)?;
+    let mut pictures = images::pictures(&files);
+    for inner in INNER.map(|inner| folder.join(inner)) {
+        if pictures.is_empty() && inner.is_dir() {
+            pictures = images::pictures(&files_in(&inner)?);
+        }
+    }
+    if pictures.is_empty() {
+        let recording = only_recording(folder, &files)?;
+        let name = recording.display();
+        ensure!(options.size.is_none() || raw::is_raw(recording), "--size is for raw dumps: {name} is none");
+        return source_of(recording, options);
+    }
+    let (count, at) = (pictures.len(), folder.display());
+    ensure!(options.size.is_none(), "--size is for raw dumps: {at} holds pictures");
+    if let Some(recording) = files.iter().find(|file| is_recording(file)) {
+        let (picture, recording) = (pictures[0].display(), recording.display());
+        bail!(
+            "{at} holds {recording} and {count} pictures, {picture} first: expected one or the other; name the file meant"
+        );
+    }
+    // Left out, it would shift all boxes that follow.
+    let missing = pictures.iter().position(|picture| !picture.exists());
+    if let Some(frame) = missing {
+        bail!("{} (frame {}) is a link to a file that is not there", pictures[frame].display(), frame + 1);
+    }
+    Ok(Source::pictures(pictures, folder, options))
+}
+
+/// The one file of a folder without pictures that can be a recording.
+fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
+    let mut recordings = files.iter().filter(|file| is_recording(file));
+    let Some(recording) = recordings.next() else {
+        bail!("{} holds no recording: expected pictures (PNG, JPEG, PGM, PPM) or one video", folder.display());
+    };
+    if let Some(second) = recordings.next() {
+        let (first, second) = (recording.display(), second.display());
+        bail!("{} holds several recordings, among them {first} and {second}: name the one meant", folder.display());
+    }
+    Ok(recording)
+}
+
+fn is_recording(file: &Path) -> bool {
+    y4m::is_y4m(file) || raw::is_raw(file) || video::is_video(file)
+}
+
+fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
+    let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
+    // A pipe has no length, and may be read all the same.
+    ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());
+    if options.size.is_some() || raw::is_raw(file) {
+        let size = options.size.with_context(|| {
+            format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
+        })?;
+        let (frames, length) = raw::open(file, size)?;
+        return Ok(Source::new(frames, length, file, options.reading()));
+    }
+    // A pipe is read once.
+    let colors = if data.is_file() { Colors::Video(file.to_owned()) } else { Colors::None };
+    if y4m::is_y4m(file) {
+        return Ok(Source { colors, ..Source::new(y4m::open(file)?, None, file, options.reading()) });
+    }
+    // ffmpeg would: it draws text as a video of a terminal.
+    ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
+    let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
+    Ok(Source { colors, ..Source::new(video::open(file, patience)?, None, file, options.reading()) })
+}
+
+/// True if a file of this name holds frames of the recording that its folder is.
+pub fn is_of_frames(file: &Path) -> bool {
+    images::is_picture(file) || is_recording(file)
+}
+
+/// True if a file of this name holds boxes of the recording beside it, or what another tracker answered on it.
+pub fn is_of_boxes(file: &Path) -> bool {
+    boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
+}
+
+/// The files in a folder, and links to files that are not there. Hidden ones are not meant: systems leave thumbnails and
+/// such there.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let cannot_list = || format!("cannot list the folder {}", folder.display());
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).with_context(cannot_list)? {
+        let path = entry.with_context(cannot_list)?.path();
+        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if !hidden && (path.is_file() || path.is_symlink() && !path.exists()) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn has_extension(file: &Path, extensions: &[&str]) -> bool {
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
+}
+
+/// The paper's tracker, which must do in the built-in scenes what they are there for.
+#[cfg(test)]
+type Paper = smr_core::Paper<65536, 4096>;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,301 @@
+//! What this program writes: a file is written whole or not at all, and an error names it.
+
+use crate::cleanup::{self, Kept};
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write};
+use std::path::{Path, PathBuf};
+use tempfile::{TempDir, TempPath};
+
+/// A file under way. Until [`Output::finish`] nothing has its name: dropped before, it leaves what was there as it was.
+pub struct Output {
+    /// As it was asked for.
+    name: PathBuf,
+    file: BufWriter<fs::File>,
+    /// `None` of a device or a pipe, which cannot be replaced.
+    whole: Option<Whole>,
+}
+
+/// A file that lies beside the one that it will replace.
+struct Whole {
+    path: TempPath,
+    target: PathBuf,
+    _kept: Kept,
+}
+
+impl Output {
+    /// Begins the file `name`. To be called before the work of which it will hold the result.
+    /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
+    pub fn create(name: &Path) -> Result<Self> {
+        Self::at(name, name)
+    }
+
+    /// The same of a file that is at `place` for now.
+    fn at(place: &Path, name: &Path) -> Result<Self> {
+        let folder = folder_of(place);
+        ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
+        let (file, whole) = open(place).with_context(|| cannot_write(name))?;
+        Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
+    }
+
+    /// Where another program writes what will have the name; `None` of a device or a pipe.
+    pub fn path(&self) -> Option<&Path> {
+        self.whole.as_ref().map(|whole| &*whole.path)
+    }
+
+    pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        self.file.write_all(bytes).with_context(|| cannot_write(&self.name))
+    }
+
+    /// Gives the file its name.
+    pub fn finish(self) -> Result<()> {
+        let Self { name, mut file, whole } = self;
+        let finish = || {
+            file.flush()?;
+            whole.map_or(Ok(()), |Whole { path, target, _kept }| path.persist(target).map_err(|error| error.error))
+        };
+        finish().with_context(|| cannot_write(&name))
+    }
+}
+
+/// For encoders, which write by themselves. Their errors are the system's alone: they do not name the file.
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// The folder that a file is in.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn open(name: &Path) -> io::Result<(fs::File, Option<Whole>)> {
+    let there = fs::metadata(name);
+    match &there {
+        Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+        Ok(data) if !data.is_file() => {
+            return Ok((fs::OpenOptions::new().write(true).open(name)?, None));
+        }
+        _ => {}
+    }
+    // A link stays one: what it names is replaced.
+    let target = fs::canonicalize(name).unwrap_or_else(|_| name.to_owned());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".smr-").suffix(".part");
+    // Not for the eyes of the user alone, as temporary files are, but as any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let (made, _kept) = cleanup::file(|| builder.tempfile_in(folder_of(&target)))?;
+    if let Ok(data) = there {
+        fs::set_permissions(made.path(), data.permissions())?;
+    }
+    let (file, path) = made.into_parts();
+    Ok((file, Some(Whole { path, target, _kept })))
+}
+
+/// Writes the file `name`.
+pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
+    let mut output = Output::create(name)?;
+    output.write(bytes)?;
+    output.finish()
+}
+
+/// A new folder under way. Until [`Folder::finish`] nothing has its name.
+pub struct Folder {
+    name: PathBuf,
+    made: TempDir,
+    _kept: Kept,
+}
+
+impl Folder {
+    /// Begins the folder `name`, with all folders above it.
+    /// Errors: There is something in it, or it cannot be made.
+    pub fn create(name: &Path) -> Result<Self> {
+        if fs::symlink_metadata(name).is_ok() {
+            let mut entries = fs::read_dir(name).with_context(|| cannot_make(name))?;
+            let empty = entries.next().is_none();
+            ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
+        }
+        let above = folder_of(name);
+        fs::create_dir_all(above).with_context(|| cannot_make(name))?;
+        let make = || tempfile::Builder::new().prefix(".smr-").tempdir_in(above);
+        let (made, _kept) = cleanup::folder(make).with_context(|| cannot_make(name))?;
+        Ok(Self { name: name.to_owned(), made, _kept })
+    }
+
+    /// Where its files are written until it has its name.
+    pub fn path(&self) -> &Path {
+        self.made.path()
+    }
+
+    /// Begins a file in it.
+    pub fn file(&self, name: &str) -> Result<Output> {
+        Output::at(&self.path().join(name), &self.name.join(name))
+    }
+
+    /// Makes a folder in it.
+    pub fn folder(&self, name: &str) -> Result<()> {
+        fs::create_dir(self.path().join(name)).with_context(|| cannot_make(&self.name.join(name)))
+    }
+
+    /// Writes a file in it.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        let mut output = self.file(name)?;
+        output.write(bytes)?;
+        output.finish()
+    }
+
+    /// Gives the folder its name.
+    pub fn finish(self) -> Result<()> {
+        let Self { name, made, _kept } = self;
+        let finish = || -> io::Result<()> {
+            #[cfg(unix)]
+            {
+                use std::os::unix::fs::PermissionsExt;
+                // As a new folder: the temporary one is closed to others.
+                let like = fs::Permissions::from_mode(0o777);
+                let like = tempfile::Builder::new().permissions(like).tempdir_in(made.path())?;
+                fs::set_permissions(made.path(), fs::metadata(like.path())?.permissions())?;
+            }
+            if name.is_dir() {
+                // It is empty; where it is a mount or a link it stays, and its files are moved into it.
+                for entry in fs::read_dir(made.path())? {
+                    let entry = entry?;
+                    fs::rename(entry.path(), name.join(entry.file_name()))?;
+                }
+                return Ok(());
+            }
+            fs::rename(made.path(), &name)?;
+            // There is nothing to remove under the former name.
+            let _ = made.keep();
+            Ok(())
+        };
+        finish().with_context(|| cannot_make(&name))
+    }
+}
+
+/// A folder for what this program and another one exchange. Dropped, it is removed.
+pub struct Exchange {
+    made: TempDir,
+    _kept: Kept,
+}
+
+impl Exchange {
+    /// Errors: The system has no place for it.
+    pub fn create() -> Result<Self> {
+        let make = || tempfile::Builder::new().prefix("smr-").tempdir();
+        let (made, _kept) = cleanup::folder(make).context("cannot make a temporary folder")?;
+        Ok(Self { made, _kept })
+    }
+
+    pub fn path(&self) -> &Path {
+        self.made.path()
+    }
+}
+
+/// Writes to standard output.
+/// Errors: Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
+pub fn print(text: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
+    let mut out = io::stdout().lock();
+    text(&mut out).and_then(|()| out.flush()).context("cannot write to standard output")
+}
+
+fn cannot_write(name: &Path) -> String {
+    format!("cannot write {}", name.display())
+}
+
+fn cannot_make(folder: &Path) -> String {
+    format!("cannot make the folder {}", folder.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_file_is_there_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("boxes.txt");
+        let mut output = Output::create(&file).unwrap();
+        output.write(b"1,2").unwrap();
+        assert!(!file.exists());
+        drop(output);
+        assert_eq!(names(folder.path()), [""; 0]);
+
+        write(&file, b"former").unwrap();
+        let mut output = Output::create(&file).unwrap();
+        output.write(b"new").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"former");
+        output.finish().unwrap();
+        assert_eq!((fs::read(&file).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 1));
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_said_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [folder.path().to_owned(), folder.path().join("no").join("such")] {
+            let error = format!("{:#}", Output::create(&name).err().unwrap());
+            assert!(error.starts_with(&format!("cannot write {}: ", name.display())), "{error}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_devices_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link, plain) = (folder.path().join("file"), folder.path().join("link"), folder.path().join("plain"));
+        fs::write(&file, "former").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&file) & 0o777, 0o640);
+        fs::write(&plain, "").unwrap();
+        write(&folder.path().join("fresh"), b"").unwrap();
+        assert_eq!(mode(&folder.path().join("fresh")), mode(&plain));
+        write(Path::new("/dev/null"), b"gone").unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_named() {
+        let mut output = Output::create(Path::new("/dev/full")).unwrap();
+        output.write(b"1").unwrap();
+        let error = format!("{:#}", output.finish().unwrap_err());
+        assert!(error.starts_with("cannot write /dev/full: No space left"), "{error}");
+    }
+
+    #[test]
+    fn a_folder_is_there_whole_or_not_at_all() {
+        let above = tempfile::tempdir().unwrap();
+        let name = above.path().join("new").join("folder");
+        let folder = Folder::create(&name).unwrap();
+        fs::write(folder.path().join("1"), "").unwrap();
+        assert!(!name.exists());
+        folder.finish().unwrap();
+        assert_eq!((names(&name), names(&above.path().join("new"))), (vec!["1".to_owned()], vec!["folder".to_owned()]));
+        let error = format!("{:#}", Folder::create(&name).err().unwrap());
+        assert_eq!(error, format!("{} is not empty: expected an empty or a new folder", name.display()));
+
+        let empty = above.path().join("empty");
+        fs::create_dir(&empty).unwrap();
+        drop(Folder::create(&empty).unwrap());
+        let folder = Folder::create(&empty).unwrap();
+        fs::write(folder.path().join("1"), "").unwrap();
+        folder.finish().unwrap();
+        assert_eq!(names(&empty), ["1"]);
+    }
+}

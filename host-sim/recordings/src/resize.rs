@@ -1,0 +1,177 @@
+//! A recording in another size, with its boxes.
+
+use super::{ColorFrame, GrayFrame, Sequence};
+use anyhow::{Context, Result, bail, ensure};
+use rgb::FromSlice as _;
+use std::str::FromStr;
+
+/// The size that frames are brought to: `320x240`, or a fraction of the size that they have, `1/2`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resize {
+    To(u16, u16),
+    By(u16, u16),
+}
+
+impl FromStr for Resize {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let pair = |separator| {
+            let (first, second) = text.split_once(separator)?;
+            let number = |text: &str| text.parse().ok().filter(|&number: &u16| number > 0);
+            Some((number(first)?, number(second)?))
+        };
+        match (pair('x'), pair('/')) {
+            (Some((width, height)), _) => Ok(Self::To(width, height)),
+            (_, Some((numerator, denominator))) => Ok(Self::By(numerator, denominator)),
+            _ => bail!("expected a size like 320x240 or a fraction like 1/2, no number 0"),
+        }
+    }
+}
+
+impl Resize {
+    /// The new size of a frame.
+    fn size(self, width: u16, height: u16) -> Result<(u16, u16)> {
+        let (numerator, denominator) = match self {
+            Self::To(width, height) => return Ok((width, height)),
+            Self::By(numerator, denominator) => (u64::from(numerator), u64::from(denominator)),
+        };
+        let side = |side: u16| {
+            // To the nearest.
+            u16::try_from((2 * u64::from(side) * numerator + denominator) / (2 * denominator)).ok()
+        };
+        let (new_width, new_height) =
+            side(width).zip(side(height)).context("--resize: expected at most 65535 pixels on each side")?;
+        Ok((new_width.max(1), new_height.max(1)))
+    }
+}
+
+/// The most pixels of a frame that is made: 16384x16384.
+const MOST_PIXELS: u64 = 1 << 28;
+
+impl Sequence {
+    /// All frames in another size, and the boxes with them. Where they get smaller, pixels are averaged (with the weights of a triangle).
+    ///
+    /// Reads the first frame, which tells the size.
+    ///
+    /// # Errors
+    /// The new size is too large, or the first frame cannot be read.
+    pub fn resized(self, resize: Resize) -> Result<Self> {
+        self.resized_by(resize).map(|(resized, _)| resized)
+    }
+
+    /// The same, and how many times as wide and high the frames are now.
+    ///
+    /// # Errors
+    /// As [`Sequence::resized`].
+    pub fn resized_by(self, resize: Resize) -> Result<(Self, (f64, f64))> {
+        let mut frames = self.frames;
+        let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
+        let (width, height) = resize.size(first.width, first.height)?;
+        ensure!(
+            u64::from(width) * u64::from(height) <= MOST_PIXELS,
+            "--resize: {width}x{height}: expected at most {MOST_PIXELS} pixels"
+        );
+        let scale = (f64::from(width) / f64::from(first.width), f64::from(height) / f64::from(first.height));
+        let frames = std::iter::once(Ok(first)).chain(frames);
+        let frames = frames.map(move |frame| Ok(resized(frame?, width, height)));
+        let init = self.init.map(|init| init.scaled(scale));
+        let scaled = |truth: Vec<Option<super::BoundingBox>>| {
+            truth.iter().map(|entry| entry.map(|entry| entry.scaled(scale))).collect()
+        };
+        let truth = self.truth.map(scaled);
+        Ok((Self { frames: Box::new(frames), init, truth, ..self }, scale))
+    }
+}
+
+/// The frame in another size, neither side of which may be 0.
+///
+/// # Panics
+/// The frame has fewer pixels than its size says.
+pub fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
+    if (frame.width, frame.height) == (width, height) {
+        return frame;
+    }
+    let mut pixels = vec![0; usize::from(width) * usize::from(height)];
+    let (from, to) = ((frame.width, frame.height), (width, height));
+    scale(resize::Pixel::Gray8, from, frame.pixels.as_gray(), to, pixels.as_gray_mut());
+    GrayFrame { width, height, pixels }
+}
+
+/// The same of a frame in color.
+///
+/// # Panics
+/// The frame has fewer pixels than its size says.
+pub fn resized_colors(frame: ColorFrame, width: u16, height: u16) -> ColorFrame {
+    if (frame.width, frame.height) == (width, height) {
+        return frame;
+    }
+    let mut pixels = vec![[0; 3]; usize::from(width) * usize::from(height)];
+    let (from, to) = ((frame.width, frame.height), (width, height));
+    let (source, target) = (frame.pixels.as_flattened().as_rgb(), pixels.as_flattened_mut().as_rgb_mut());
+    scale(resize::Pixel::RGB8, from, source, to, target);
+    ColorFrame { width, height, pixels }
+}
+
+fn scale<F: resize::PixelFormat>(
+    format: F,
+    from: (u16, u16),
+    source: &[F::InputPixel],
+    to: (u16, u16),
+    target: &mut [F::OutputPixel],
+) {
+    resize::new(from.0.into(), from.1.into(), to.0.into(), to.1.into(), format, resize::Type::Triangle)
+        .and_then(|mut resizer| resizer.resize(source, target))
+        .expect("a frame is made with as many pixels as its size says");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BoundingBox, OpenOptions, open, synthetic};
+    use super::*;
+    use std::path::Path;
+
+    fn synthetic_as(text: &str) -> Sequence {
+        let sequence = open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
+        sequence.resized(text.parse().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn sizes_as_they_are_typed() {
+        assert_eq!("320x240".parse::<Resize>().unwrap(), Resize::To(320, 240));
+        assert_eq!("1/2".parse::<Resize>().unwrap().size(321, 1).unwrap(), (161, 1));
+        assert_eq!(Resize::By(1, 1000).size(320, 240).unwrap(), (1, 1));
+        assert!(Resize::By(1000, 1).size(320, 240).is_err());
+        for refused in ["", "2", "0x3", "1/0", "320x", "1/2/3", "-1x4", "70000x4"] {
+            let error = refused.parse::<Resize>().unwrap_err().to_string();
+            assert!(error.starts_with("expected a size like 320x240"), "{refused}: {error}");
+        }
+    }
+
+    #[test]
+    fn boxes_are_scaled_along() {
+        let (width, height) = (synthetic::WIDTH, synthetic::HEIGHT);
+        let half = synthetic_as("1/2");
+        let BoundingBox { x, y, width: wide, height: high } = synthetic::truth(7).unwrap();
+        let expected = BoundingBox { x: x / 2.0, y: y / 2.0, width: wide / 2.0, height: high / 2.0 };
+        assert_eq!(half.truth.unwrap()[7], Some(expected));
+        let frames: Vec<_> = half.frames.map(Result::unwrap).collect();
+        assert_eq!((frames.len(), frames[3].width, frames[3].height), (synthetic::LENGTH, width / 2, height / 2));
+
+        let wider = synthetic_as(&format!("{}x{height}", width * 2));
+        let start = synthetic::truth(0).unwrap();
+        assert_eq!(wider.init, Some(BoundingBox { x: start.x * 2.0, width: start.width * 2.0, ..start }));
+    }
+
+    #[test]
+    fn means_stay_and_the_same_size_is_the_same() {
+        let same = synthetic_as("1/1");
+        assert!(same.frames.map(Result::unwrap).eq(synthetic::frames()));
+        let mean = |frame: &GrayFrame| {
+            frame.pixels.iter().map(|&pixel| f64::from(pixel)).sum::<f64>() / frame.pixels.len() as f64
+        };
+        let whole = synthetic::frames().next().unwrap();
+        let small = synthetic_as("1/3").frames.next().unwrap().unwrap();
+        assert!((mean(&whole) - mean(&small)).abs() < 1.0);
+    }
+}

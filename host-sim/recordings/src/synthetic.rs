@@ -1,0 +1,316 @@
+//! The built-in recording: generated, so that there is something to check with on a machine that has nothing else.
+//!
+//! 240 frames of 160x120 pixels, the same on every platform: integers only, own random numbers, fixed seeds. A
+//! textured target of 24x28 pixels moves, in whole pixels, over a textured background that pans in sixteenths of a
+//! pixel. All the time the sensor adds noise (standard deviation 2.3); the light drifts from 100 % to 78 % to 113 % to
+//! 98 %.
+//!
+//! | frames (from 0) | what happens |
+//! |---|---|
+//! | 0 to 80 | the target moves freely, at most 3 pixels a frame; from 50 on a post comes in from the right |
+//! | 81 to 129 | the post slides slowly over the target, hides up to 10.8 of its 24 columns, and slowly withdraws |
+//! | 130 to 167 | the post leaves to the right, the target goes to the left edge |
+//! | 168 to 178 | the target leaves the picture; from 173 on more than half of it is outside: no truth |
+//! | 179 to 195 | it is wholly outside |
+//! | 196 to 203 | it comes back, in the light it left in; from 200 on by more than half |
+//! | 204 to 239 | it moves on to the middle, while the light falls |
+
+use super::{BoundingBox, GrayFrame, Sequence, Source};
+use std::sync::LazyLock;
+
+/// What it is called, on the command line and in tables.
+pub const NAME: &str = "synthetic";
+/// Frames in it.
+pub const LENGTH: usize = 240;
+/// Width of a frame in pixels.
+pub const WIDTH: u16 = 160;
+/// Height of a frame in pixels.
+pub const HEIGHT: u16 = 120;
+
+/// Positions are counted in sixteenths of a pixel.
+pub(super) const PIXEL: i32 = 16;
+const TARGET_WIDTH: i32 = 24 * PIXEL;
+const TARGET_HEIGHT: i32 = 28 * PIXEL;
+const POST_WIDTH: i32 = 36 * PIXEL;
+
+/// Frame and value: what holds in that frame; between two of them the value goes smoothly from one to the other.
+pub(super) type Keys = [(i32, i32)];
+
+/// Left and top edge of the target, in pixels. It is moved by whole ones: a template that is replaced every frame loses
+/// a fraction of a pixel at each step of a slow motion, and this recording is to be followed to its end.
+const TARGET_X: &Keys =
+    &[(0, 36), (32, 84), (66, 60), (134, 64), (160, 8), (184, -28), (190, -28), (224, 56), (239, 66)];
+const TARGET_Y: &Keys = &[(0, 24), (32, 52), (66, 66), (134, 62), (184, 46), (190, 46), (239, 54)];
+/// Left edge of the post, which is as high as the picture, in pixels.
+const POST_X: &Keys = &[(48, 161), (75, 85), (100, 76), (110, 76), (134, 88), (154, 161)];
+/// How far the background has moved to the left and up, in pixels: never so far that its texture repeats.
+const PAN_X: &Keys = &[(0, 0), (120, 70), (239, 10)];
+const PAN_Y: &Keys = &[(0, 12), (80, 26), (160, 0), (239, 20)];
+/// Light, 256 being that of the textures. It does not change while the target is outside.
+const LIGHT: &Keys = &[(0, 256), (80, 200), (150, 290), (210, 290), (239, 250)];
+
+/// All frames in order.
+pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
+    (0..LENGTH).map(frame)
+}
+
+/// Frame `index`, counted from 0. After the last one everything stands still, but for the noise.
+pub fn frame(index: usize) -> GrayFrame {
+    let scene = Scene::at(index);
+    let mut noise = Random(0x5EED_0000 + index as u64);
+    let mut pixels = Vec::with_capacity(usize::from(WIDTH) * usize::from(HEIGHT));
+    for y in 0..i32::from(HEIGHT) {
+        pixels.extend((0..i32::from(WIDTH)).map(|x| scene.pixel(x * PIXEL, y * PIXEL, &mut noise)));
+    }
+    GrayFrame { width: WIDTH, height: HEIGHT, pixels }
+}
+
+/// Where the target is in frame `index`; `None` where more than half of it is hidden or outside.
+pub fn truth(index: usize) -> Option<BoundingBox> {
+    let scene = Scene::at(index);
+    let pixels = |length: i32| f64::from(length) / f64::from(PIXEL);
+    (2 * scene.visible() >= TARGET_WIDTH * TARGET_HEIGHT).then(|| BoundingBox {
+        x: pixels(scene.target_x),
+        y: pixels(scene.target_y),
+        width: pixels(TARGET_WIDTH),
+        height: pixels(TARGET_HEIGHT),
+    })
+}
+
+pub(super) fn sequence() -> Sequence {
+    let source = Source::made(frames(), LENGTH, NAME);
+    let truth = (0..LENGTH).map(truth).collect();
+    let init = self::truth(0);
+    Sequence {
+        name: NAME.to_owned(),
+        frames: source.frames,
+        length: source.length,
+        first: 1,
+        init,
+        truth: Some(truth),
+        colors: super::Colors::None,
+        damage: source.damage,
+    }
+}
+
+/// Where everything is in one frame.
+struct Scene {
+    target_x: i32,
+    target_y: i32,
+    post_x: i32,
+    pan_x: i32,
+    pan_y: i32,
+    light: i32,
+}
+
+impl Scene {
+    fn at(index: usize) -> Self {
+        let frame = i32::try_from(index).unwrap_or(i32::MAX);
+        let position = |keys| between(keys, frame, PIXEL);
+        Self {
+            target_x: between(TARGET_X, frame, 1) * PIXEL,
+            target_y: between(TARGET_Y, frame, 1) * PIXEL,
+            post_x: position(POST_X),
+            pan_x: position(PAN_X),
+            pan_y: position(PAN_Y),
+            light: between(LIGHT, frame, 1),
+        }
+    }
+
+    /// The pixel whose top left corner is at (`x`, `y`), as the sensor gives it.
+    fn pixel(&self, x: i32, y: i32, noise: &mut Random) -> u8 {
+        let lit = (self.texture(x, y) * self.light) >> 16;
+        u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)
+    }
+
+    /// What is seen there, in 256ths of a gray level: the post before the target before the background.
+    fn texture(&self, x: i32, y: i32) -> i32 {
+        let textures = &*TEXTURES;
+        // A pixel shows what is at its middle.
+        let (dx, dy) = (x - self.target_x + PIXEL / 2, y - self.target_y + PIXEL / 2);
+        let post = x - self.post_x + PIXEL / 2;
+        if (0..POST_WIDTH).contains(&post) {
+            textures.post.sample(post, y)
+        } else if (0..TARGET_WIDTH).contains(&dx) && (0..TARGET_HEIGHT).contains(&dy) {
+            textures.target.sample(dx, dy)
+        } else {
+            textures.background.sample(x + self.pan_x, y + self.pan_y)
+        }
+    }
+
+    /// How much of the target's area is inside the picture and not behind the post.
+    fn visible(&self) -> i32 {
+        let (width, height) = (i32::from(WIDTH) * PIXEL, i32::from(HEIGHT) * PIXEL);
+        let inside = |from: i32, to: i32| (to.min(width) - from.max(0)).max(0);
+        let (left, right) = (self.target_x, self.target_x + TARGET_WIDTH);
+        let hidden = inside(left.max(self.post_x), right.min(self.post_x + POST_WIDTH));
+        let rows = (self.target_y + TARGET_HEIGHT).min(height) - self.target_y.max(0);
+        (inside(left, right) - hidden) * rows.max(0)
+    }
+}
+
+/// The value in `frame`, times `unit`: slow at each key, fastest half way between (3 t^2 - 2 t^3).
+pub(super) fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
+    let next = keys.partition_point(|&(key, _)| key <= frame);
+    let Some(&(start, from)) = keys.get(next.saturating_sub(1)) else { return 0 };
+    let Some(&(end, to)) = keys.get(next.max(1)) else { return from * unit };
+    let t = (frame - start).clamp(0, end - start) * 256 / (end - start);
+    let smooth = (t * t * (3 * 256 - 2 * t)) >> 8; // of 65536
+    from * unit + (((to - from) * unit * smooth) >> 16)
+}
+
+/// 256x256 gray levels: the low byte of a coordinate is the column or the row.
+pub(super) struct Texture(Vec<u8>);
+
+impl Texture {
+    /// Random gray levels `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between them
+    /// blended; from `darkest` to `brightest`.
+    pub(super) fn new(seed: u64, (coarse, fine): (i32, i32), (darkest, brightest): (i32, i32)) -> Self {
+        let mut random = Random(seed);
+        let mut grid = || Self((0..1 << 16).map(|_| random.next().to_le_bytes()[0]).collect());
+        let (first, second) = (grid(), grid());
+        let at = |grid: &Self, place: i32, cell| grid.sample((place & 255) * PIXEL / cell, (place >> 8) * PIXEL / cell);
+        let level = |place| {
+            let average = (at(&first, place, coarse) + at(&second, place, fine)) / 2;
+            darkest + (((brightest - darkest) * average) >> 16)
+        };
+        Self((0..1 << 16).map(|place| level(place).to_le_bytes()[0]).collect())
+    }
+
+    /// Blended from the four pixels around the position, in 256ths of a gray level.
+    pub(super) fn sample(&self, x: i32, y: i32) -> i32 {
+        let (column, row) = (x.div_euclid(PIXEL), y.div_euclid(PIXEL));
+        let (right, low) = (x.rem_euclid(PIXEL), y.rem_euclid(PIXEL));
+        let upper = self.at(column, row) * (PIXEL - right) + self.at(column + 1, row) * right;
+        let lower = self.at(column, row + 1) * (PIXEL - right) + self.at(column + 1, row + 1) * right;
+        upper * (PIXEL - low) + lower * low
+    }
+
+    fn at(&self, column: i32, row: i32) -> i32 {
+        let (column, row) = (column.to_le_bytes()[0], row.to_le_bytes()[0]);
+        i32::from(self.0[usize::from(row) << 8 | usize::from(column)])
+    }
+}
+
+struct Textures {
+    target: Texture,
+    background: Texture,
+    post: Texture,
+}
+
+static TEXTURES: LazyLock<Textures> = LazyLock::new(|| Textures {
+    target: Texture::new(1, (8, 4), (10, 225)),
+    background: Texture::new(2, (16, 8), (40, 200)),
+    post: Texture::new(3, (32, 4), (20, 120)),
+});
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+pub struct Random(pub u64);
+
+impl Random {
+    /// A number from 0 to one below `end`; 0 if there is none.
+    pub fn below(&mut self, end: i64) -> i64 {
+        let product = u128::from(self.next()) * u128::from(end.max(0).cast_unsigned());
+        i64::try_from(product >> 64).unwrap_or(0)
+    }
+
+    /// A place in a list of so many entries.
+    pub fn place(&mut self, entries: usize) -> usize {
+        let product = u128::from(self.next()) * entries as u128;
+        usize::try_from(product >> 64).unwrap_or(0)
+    }
+
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
+    pub(super) fn noise(&mut self) -> i32 {
+        let [a, b, c, d, ..] = self.next().to_le_bytes().map(i32::from);
+        (a + b + c + d - 4 * 255 / 2 + 32) >> 6
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Paper;
+    use smr_core::paper::Config;
+    use smr_core::{State, Tracker};
+
+    const AREA: i32 = TARGET_WIDTH * TARGET_HEIGHT;
+
+    fn which(condition: impl Fn(&Scene) -> bool) -> Vec<usize> {
+        (0..LENGTH).filter(|&index| condition(&Scene::at(index))).collect()
+    }
+
+    fn all(range: std::ops::RangeInclusive<usize>) -> Vec<usize> {
+        range.collect()
+    }
+
+    /// Whoever changes a pixel changes what others have measured: not without notice.
+    #[test]
+    fn every_pixel_is_as_it_was() {
+        let bytes = frames().flat_map(|frame| frame.pixels);
+        let fnv =
+            bytes.fold(0xCBF2_9CE4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3));
+        assert_eq!(fnv, 0xB71D_F7BB_FDEB_9A1D, "{fnv:#X}");
+    }
+
+    #[test]
+    fn the_script_is_kept() {
+        let no_truth: Vec<usize> = (0..LENGTH).filter(|&index| truth(index).is_none()).collect();
+        assert_eq!(no_truth, all(173..=199));
+        assert_eq!(which(|scene| scene.visible() == 0), all(179..=195));
+        assert_eq!(which(|scene| scene.target_x < 0), all(168..=203));
+        let hidden = |scene: &Scene| scene.target_x >= 0 && scene.visible() < AREA;
+        assert_eq!(which(hidden), all(81..=129));
+        let post = which(|scene| scene.post_x < i32::from(WIDTH) * PIXEL);
+        assert_eq!((post.first(), post.last()), (Some(&50), Some(&152)));
+        let least = (81..=129).map(|index| Scene::at(index).visible()).min();
+        assert_eq!(least, Some(211 * TARGET_HEIGHT)); // 13 3/16 columns
+    }
+
+    #[test]
+    fn the_motion_is_smooth() {
+        for index in 1..LENGTH {
+            let (before, after) = (Scene::at(index - 1), Scene::at(index));
+            let step = (after.target_x - before.target_x).abs().max((after.target_y - before.target_y).abs());
+            let most = if index <= 80 { 3 } else { 4 };
+            assert!(step <= most * PIXEL, "frame {index}: {step} sixteenths");
+        }
+    }
+
+    #[test]
+    fn the_texture_of_the_background_does_not_repeat() {
+        for index in 0..LENGTH {
+            let scene = Scene::at(index);
+            assert!(scene.pan_x >= 0 && scene.pan_x / PIXEL + i32::from(WIDTH) < 255, "frame {index}");
+            assert!(scene.pan_y >= 0 && scene.pan_y / PIXEL + i32::from(HEIGHT) < 255, "frame {index}");
+        }
+    }
+
+    #[test]
+    fn it_stands_still_at_the_end() {
+        assert_eq!(truth(LENGTH - 1), truth(usize::MAX));
+    }
+
+    /// What makes it a recording to check with: every state of the tracker occurs, and the target is found again.
+    #[test]
+    fn the_tracker_follows_loses_and_finds_again() {
+        let mut tracker = Tracker::<Paper>::new(Config::paper()).unwrap();
+        let start = truth(0).and_then(|start| start.to_rect()).unwrap();
+        tracker.lock(&frame(0).frame(), start).unwrap();
+        let answers: Vec<_> = frames().map(|frame| tracker.update(&frame.frame()).unwrap()).collect();
+        for (index, answer) in answers.iter().enumerate() {
+            let overlap = truth(index).map(|truth| truth.iou(&answer.bbox.into()));
+            assert!(overlap.is_none_or(|overlap| overlap > 0.5), "frame {index}: {answer:?}");
+        }
+        for state in [State::Tracking, State::Leaving, State::Lost] {
+            assert!(answers.iter().any(|answer| answer.state == state), "{state:?}");
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Agreement: the early template in the light of the frame against what is seen, part by part.
+
+use super::Numbers;
+use super::grid::Patch;
+use super::lighting::{relit, threshold};
+use super::rounding::{index, real, whole};
+use crate::paper::similarity;
+
+/// One unit of a score: 1.0 is this many.
+const UNITS: f64 = 65535.0;
+
+/// p by difference, for each of the 256 that bytes can have.
+pub struct Similarity(Vec<f64>);
+
+impl Similarity {
+    /// p = exp(-d / scale), rounded to the table's grid.
+    pub fn new(scale: f64) -> Self {
+        Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
+    }
+
+    /// The ratio of the parts that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
+    pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
+        let lit = relit(numbers, early, seen);
+        let (alpha, across) = (threshold(numbers, seen), numbers.parts_across);
+        let mut ratios: Vec<f64> = (0..across * across)
+            .map(|part| {
+                let cut = |side: i64, number: i64| number * side / across;
+                let (left, top) = (cut(seen.columns, part % across), cut(seen.rows, part / across));
+                let (right, bottom) = (cut(seen.columns, part % across + 1), cut(seen.rows, part / across + 1));
+                let cut = |patch: &Patch| patch.cut(left, top, right - left, bottom - top).expect("parts lie in it");
+                (self.score(&cut(seen), &cut(&lit), alpha) / real((right - left) * (bottom - top))).floor()
+            })
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios[numbers.counted_ratio - 1].min(UNITS)
+    }
+
+    pub fn score(&self, seen: &Patch, lit: &Patch, alpha: f64) -> f64 {
+        let differences = seen.pixels.iter().zip(&lit.pixels).map(|(f, g)| (f - g).abs());
+        differences.filter(|&d| d < alpha).map(|d| self.0[index(whole(d))]).sum()
+    }
+}

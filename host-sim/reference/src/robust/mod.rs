@@ -1,0 +1,378 @@
+//! The robust method in f64, written from its description and meant to be checked against it by eye.
+//!
+//! It takes no number, no table and no arithmetic from `smr-core`, and it is slow. Positions are in pixels of the frame. Where the method
+//! rounds a number, so does the reference (`rounding.rs`), so that all numbers of both trackers are equal in every frame. All sums are
+//! exact in f64.
+//!
+//! The files have the names of the stages in `core/src/track/robust`: `grid` (sampling), `features` (gradients), `filter` (learning),
+//! `response`, `refinement` (displacement, too), `agreement` and `lighting` (verification), `confidence`, `refiner`, `place` (motion and redetection).
+
+mod agreement;
+mod confidence;
+mod features;
+mod filter;
+mod gaussian;
+mod grid;
+mod lighting;
+mod numbers;
+mod place;
+mod refinement;
+mod refiner;
+mod response;
+mod rounding;
+
+pub use confidence::Decision;
+pub use features::Cells;
+pub use grid::{Lattice, Patch, Picture, Shape};
+pub use lighting::{relit, threshold};
+pub use numbers::{Numbers, Parts};
+
+use agreement::Similarity;
+use confidence::{FULL, confidence, decision, evidence, running_mean};
+use features::features;
+use filter::{Coded, Filter, Sample};
+use place::{Place, sweep, whole_box};
+use refinement::Displaced;
+use refiner::Refiner;
+use response::{Peak, peak, penalised, responses};
+use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
+
+/// All that happened in one frame.
+pub struct Step {
+    /// The features of the search window, and the filter's responses to them.
+    pub cells: Cells,
+    pub responses: Vec<f64>,
+    /// At the place of the answer.
+    pub response: f64,
+    pub ratio: f64,
+    pub decision: Decision,
+    pub confidence: f64,
+    pub scale: f64,
+    /// The box: left, top, width, height; and its edges rounded, as left, top, width, height.
+    pub fine: [f64; 4],
+    pub bbox: [i64; 4],
+    /// The filter learned from this frame.
+    pub learned: bool,
+    /// A window of the sweep was searched.
+    pub swept: bool,
+    /// The sweep found the target.
+    pub found: bool,
+    /// The target was lost and is not any more: the sweep found it, or it came back where it was followed.
+    pub found_again: bool,
+}
+
+/// The best place in a search window, and what verifies it.
+struct Candidate {
+    cells: Cells,
+    responses: Vec<f64>,
+    place: Place,
+    response: f64,
+    displaced: Displaced,
+    agreement: f64,
+    /// The contrast there is enough for the target.
+    can_show: bool,
+}
+
+impl Candidate {
+    fn evidence(&self) -> f64 {
+        if self.can_show { evidence(self.agreement, self.response) } else { 0.0 }
+    }
+}
+
+/// The tracker in f64.
+pub struct Reference {
+    numbers: Numbers,
+    similarity: Similarity,
+    frame_size: (i64, i64),
+    target_size: (i64, i64),
+    shape: Shape,
+    place: Place,
+    /// In pixels a frame: right and down.
+    velocity: (f64, f64),
+    filter: Filter,
+    /// A running mean on the grid of 1/256.
+    early: Patch,
+    /// The running mean of the evidence.
+    mean_evidence: f64,
+    /// The scale in the last frame with the decision tracking.
+    tracked_scale: f64,
+    /// The number of the sweep's next window.
+    next_window: i64,
+    /// If the box is corrected.
+    refiner: Option<Refiner>,
+}
+
+impl Reference {
+    /// Starts on the `width` x `height` box at (`x`, `y`) of a frame; the box lies inside the frame.
+    /// `refiner` holds the weights of the network that corrects the box.
+    pub fn lock(
+        numbers: Numbers,
+        refiner: &'static [u8],
+        frame: &[u8],
+        frame_size: (i64, i64),
+        target: (i64, i64, i64, i64),
+    ) -> Self {
+        let (x, y, width, height) = target;
+        let shape = Shape::new(&numbers, width, height);
+        let middle = |from: i64, size: i64| real(from) + (real(size) - 1.0) / 2.0;
+        let place = Place { x: middle(x, width), y: middle(y, height), scale: 1.0 };
+        let frame = Picture { pixels: frame, width: frame_size.0, height: frame_size.1 };
+        let window = features(&numbers, &place.window(&numbers, &shape, numbers.reach).sample(&numbers, &frame));
+        let mut filter = Filter::new(&shape);
+        for _ in 0..numbers.first_steps {
+            let responses = responses(&shape, &filter.coded(&numbers), &window, numbers.reach);
+            let sample = Sample { cells: &window, responses: &responses, target: (0.0, 0.0) };
+            filter.learn(&numbers, &shape, &sample, numbers.first_step);
+        }
+        let first = place.bbox((width, height));
+        let refiner = numbers.parts.refiner.then(|| Refiner::new(&numbers, refiner, &frame, first));
+        Self {
+            refiner,
+            similarity: Similarity::new(numbers.similarity_scale),
+            frame_size,
+            target_size: (width, height),
+            shape,
+            place,
+            velocity: (0.0, 0.0),
+            filter,
+            early: without_margin(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
+            mean_evidence: FULL,
+            tracked_scale: 1.0,
+            next_window: 0,
+            numbers,
+        }
+    }
+
+    /// The grid's shape.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// The filter's weights.
+    pub fn weights(&self) -> &[f64] {
+        &self.filter.weights
+    }
+
+    /// The early template in whole gray levels.
+    pub fn early(&self) -> Patch {
+        Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
+    }
+
+    /// The frame pixels that the next update may read around the expected place: left, top, right, bottom. Other scales may be
+    /// searched anywhere in the window.
+    pub fn region(&self) -> [i64; 4] {
+        let Numbers { parts, reach, scale_reach, .. } = self.numbers;
+        let around = |place: Place, reach| self.region_around(place, reach);
+        let centre = self.expected();
+        let mut all = vec![around(centre, reach + self.margin_cells())];
+        if parts.size {
+            let larger = |scale| around(Place { scale, ..centre }, reach + 2 * scale_reach);
+            all.extend(self.other_scales(centre.scale).map(larger));
+        }
+        if let Some(refiner) = &self.refiner {
+            // Up to the next pixel of the grid beyond the search and the margin of the view, at the larger scale.
+            let [_, larger] = self.other_scales(centre.scale);
+            let Numbers { cell, margin, .. } = self.numbers;
+            let by = real((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
+            let target = Place { scale: larger, ..centre }.bbox(self.target_size);
+            all.push(refiner.region(target, by, self.frame_size));
+        }
+        let both = |a: [i64; 4], b: [i64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
+        all.into_iter().reduce(both).expect("there is a window")
+    }
+
+    /// The frame pixels of the sweep's window, if the target would be lost after a frame without evidence.
+    pub fn sweep_region(&self) -> Option<[i64; 4]> {
+        let Numbers { parts, reach, .. } = self.numbers;
+        let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
+        (parts.verification && parts.sweep && lost_next)
+            .then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
+    }
+
+    /// The margin of a view in whole cells.
+    fn margin_cells(&self) -> i64 {
+        (self.numbers.margin + self.numbers.cell - 1) / self.numbers.cell
+    }
+
+    fn region_around(&self, place: Place, reach: i64) -> [i64; 4] {
+        place.window(&self.numbers, &self.shape, reach).region(&self.numbers, self.frame_size)
+    }
+
+    /// One frame.
+    pub fn update(&mut self, frame: &[u8]) -> Step {
+        let frame = Picture { pixels: frame, width: self.frame_size.0, height: self.frame_size.1 };
+        let parts = self.numbers.parts;
+        let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
+        let mut candidate = self.candidate(&frame, &coded, centre);
+        let growth = self.refine(&mut candidate);
+        let was_lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
+        if parts.verification {
+            self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
+        }
+        let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
+        let seen = candidate.evidence() >= self.numbers.learned_from;
+        let learned = !lost && (seen || !parts.gated_learning || !parts.verification);
+        if learned {
+            blend(&mut self.early, &candidate.displaced.seen, self.numbers.early_rate);
+        }
+        // In cells, on a grid of 1/256.
+        let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
+        let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
+        let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));
+        if parts.size {
+            candidate.place.scale = match growth {
+                Some(growth) => self.limited(candidate.place.scale + down(candidate.place.scale * growth, SCALE)),
+                None => self.best_scale(&frame, &coded, &candidate),
+            };
+        }
+        if parts.verification && !candidate.can_show {
+            candidate.place = self.place;
+        }
+        let followed = |to: f64, from: f64, velocity: f64| {
+            down(velocity + (to - from - velocity) * self.numbers.velocity_rate, POSITION)
+        };
+        self.velocity = (
+            followed(candidate.place.x, self.place.x, self.velocity.0),
+            followed(candidate.place.y, self.place.y, self.velocity.1),
+        );
+        let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
+        let swept = lost && parts.sweep;
+        let found = if swept { self.redetect(&frame, &coded, &candidate) } else { None };
+        self.next_window += i64::from(swept);
+        let is_found = found.is_some();
+        if let Some(elsewhere) = found {
+            (self.velocity, self.mean_evidence) = ((0.0, 0.0), elsewhere.evidence());
+            candidate = elsewhere;
+        }
+        self.place = candidate.place;
+        if learned {
+            let sample = Sample { cells: &cells, responses: &responses, target };
+            self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step);
+        }
+        let decision = decision(&self.numbers, self.mean_evidence);
+        if decision == Decision::Tracking {
+            self.tracked_scale = self.place.scale;
+        }
+        let (mut fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
+        if let Some(refiner) = &mut self.refiner {
+            if learned && candidate.agreement >= self.numbers.refined_from {
+                refiner.fade();
+            } else if learned {
+                refiner.update(&self.numbers, &frame, fine);
+            }
+            fine = refiner.correct(fine);
+        }
+        let (response, ratio, confidence) = (candidate.response, candidate.agreement, confidence(self.mean_evidence));
+        let bbox = whole_box(fine);
+        let (found, found_again) = (is_found, was_lost && decision != Decision::Lost);
+        Step {
+            cells,
+            responses,
+            response,
+            ratio,
+            decision,
+            confidence,
+            scale,
+            fine,
+            bbox,
+            learned,
+            swept,
+            found,
+            found_again,
+        }
+    }
+
+    /// Where the target is expected.
+    fn expected(&self) -> Place {
+        let part = if self.numbers.parts.velocity { self.numbers.velocity_part } else { 0.0 };
+        self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
+    }
+
+    /// The sweep's next place.
+    fn sweep(&self) -> Place {
+        sweep(&self.numbers, &self.shape, self.frame_size, self.tracked_scale, self.next_window)
+    }
+
+    fn candidate(&self, frame: &Picture<'_>, coded: &Coded, centre: Place) -> Candidate {
+        let Numbers { reach, cell, parts, .. } = self.numbers;
+        let cells =
+            features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
+        let responses = responses(&self.shape, coded, &cells, reach);
+        let Peak { x, y, response, .. } = if parts.distance_penalty {
+            peak(&penalised(&self.numbers, &responses), reach)
+        } else {
+            peak(&responses, reach)
+        };
+        let cell = real(cell) * self.shape.step_at(centre.scale);
+        let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
+        let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
+        let displaced = refinement::displaced(&self.numbers, &self.similarity, &view, &self.early());
+        let can_show = lighting::can_show(&self.numbers, &self.early(), &displaced.seen);
+        let agreement =
+            if can_show { self.similarity.agreement(&self.numbers, &displaced.seen, &self.early()) } else { 0.0 };
+        Candidate { cells, responses, place, response, displaced, agreement, can_show }
+    }
+
+    /// Moves the place to the best displacement of the early template, if the agreement is high. Returns the growth of the target.
+    fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
+        if candidate.agreement < self.numbers.refined_from {
+            return None;
+        }
+        let (displaced, pixel) = (&candidate.displaced, self.shape.step_at(candidate.place.scale));
+        let step = refinement::step(&self.numbers, &self.early(), &displaced.seen);
+        let place = candidate.place.moved((real(displaced.x) + step.x) * pixel, (real(displaced.y) + step.y) * pixel);
+        candidate.place = place.inside(self.frame_size);
+        Some(step.growth)
+    }
+
+    /// The next smaller scale and the next larger one.
+    fn other_scales(&self, scale: f64) -> [f64; 2] {
+        let Numbers { scale_step, .. } = self.numbers;
+        [self.limited(scale / scale_step), self.limited(scale * scale_step)]
+    }
+
+    /// The scale rounded down, within the bounds.
+    fn limited(&self, scale: f64) -> f64 {
+        let most = self.numbers.most_scale;
+        down(scale, SCALE).clamp(down(1.0 / most, SCALE), most)
+    }
+
+    /// The scale with the highest response: the last one, the next smaller one, or the next larger one.
+    fn best_scale(&self, frame: &Picture<'_>, coded: &Coded, candidate: &Candidate) -> f64 {
+        let Numbers { scale_gain, scale_reach, .. } = self.numbers;
+        let (mut highest, mut best) = (f64::NEG_INFINITY, candidate.place.scale);
+        let [smaller, larger] = self.other_scales(candidate.place.scale);
+        for (scale, part) in [(best, FINE), (smaller, scale_gain), (larger, scale_gain)] {
+            let window = Place { scale, ..candidate.place }.window(&self.numbers, &self.shape, scale_reach);
+            let cells = features(&self.numbers, &window.sample(&self.numbers, frame));
+            let peak = peak(&responses(&self.shape, coded, &cells, scale_reach), scale_reach);
+            let counts = (peak.height * part / FINE).floor();
+            if counts > highest {
+                (highest, best) = (counts, scale);
+            }
+        }
+        best
+    }
+
+    /// The candidate in the sweep's next window, if its evidence is enough and clearly more than that of `followed`.
+    fn redetect(&self, frame: &Picture<'_>, coded: &Coded, followed: &Candidate) -> Option<Candidate> {
+        let Numbers { found_from, better_by, .. } = self.numbers;
+        let candidate = self.candidate(frame, coded, self.sweep());
+        (candidate.evidence() >= found_from && candidate.evidence() >= followed.evidence() + better_by)
+            .then_some(candidate)
+    }
+}
+
+/// A view without its margin.
+fn without_margin(numbers: &Numbers, view: &Patch) -> Patch {
+    let margin = numbers.margin;
+    let middle = view.cut(margin, margin, view.columns - 2 * margin, view.rows - 2 * margin);
+    middle.expect("a view has a margin")
+}
+
+/// Moves a running mean one part in `rate` of the way to `patch`.
+fn blend(mean: &mut Patch, patch: &Patch, rate: f64) {
+    for (mean, new) in mean.pixels.iter_mut().zip(&patch.pixels) {
+        *mean += nearest((new - *mean) * rate, FINE);
+    }
+}

@@ -1,0 +1,166 @@
+//! The refiner: the box corrected by a learned network of four convolutions and two full layers.
+//!
+//! The weights are those that training wrote (`weights.bin`), given by the caller; all arithmetic is written anew. A layer's sum is exact in f64, then rounded down on a grid.
+
+use super::Numbers;
+use super::grid::{Lattice, Picture};
+use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
+
+/// Samples on a side of a crop, and how much wider it is than the box.
+const SIDE: i64 = 32;
+const WIDER: f64 = 1.75;
+/// An input at the mean of its crop.
+const MEAN: f64 = 64.0;
+/// The network's estimates lie on a grid of this.
+const ESTIMATE: f64 = 4096.0;
+
+/// Layers: side of the outputs, step, input channels, outputs, and what sums are divided by. A full layer has one pixel.
+const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
+    [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
+const FULL: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
+
+/// Numbers on a square of pixels with channels; beyond its edge they are `beyond`.
+struct Map {
+    side: i64,
+    channels: i64,
+    beyond: f64,
+    numbers: Vec<f64>,
+}
+
+impl Map {
+    fn at(&self, x: i64, y: i64, channel: i64) -> f64 {
+        let inside = (0..self.side).contains(&x) && (0..self.side).contains(&y);
+        if inside { self.numbers[index((y * self.side + x) * self.channels + channel)] } else { self.beyond }
+    }
+}
+
+/// Reads the bytes of the weights from the front.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn biases(&mut self, count: i64) -> Vec<f64> {
+        let (biases, rest) = self.0.split_at(4 * index(count));
+        self.0 = rest;
+        biases.chunks(4).map(|bias| f64::from(i32::from_le_bytes(bias.try_into().expect("four bytes")))).collect()
+    }
+
+    /// For each output its weights. A row is filled up to a multiple of four.
+    fn weights(&mut self, outputs: i64, inputs: i64) -> Vec<Vec<f64>> {
+        let row = index((inputs + 3) / 4 * 4);
+        let (weights, rest) = self.0.split_at(index(outputs) * row);
+        self.0 = rest;
+        let number = |&byte: &u8| f64::from(byte.cast_signed());
+        weights.chunks(row).map(|row| row[..index(inputs)].iter().map(number).collect()).collect()
+    }
+}
+
+fn activation(sum: f64, divisor: f64) -> f64 {
+    (sum / divisor).floor().clamp(0.0, 127.0)
+}
+
+/// The network's estimate for two crops: right, down, width, height.
+fn network(weights: &[u8], first: &[f64], present: &[f64]) -> [f64; 4] {
+    let mut bytes = Bytes(weights);
+    let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
+    let mut map = Map { side: SIDE, channels: 2, beyond: MEAN, numbers: both };
+    for (side, step, channels, outputs, divisor) in CONVOLUTIONS {
+        let (biases, weights) = (bytes.biases(outputs), bytes.weights(outputs, 9 * channels));
+        let mut numbers = Vec::new();
+        for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
+            let patch: Vec<f64> = (0..3)
+                .flat_map(|down| (0..3).map(move |right| (down, right)))
+                .flat_map(|(down, right)| (0..channels).map(move |channel| (down, right, channel)))
+                .map(|(down, right, channel)| map.at(x * step + right - 1, y * step + down - 1, channel))
+                .collect();
+            numbers.extend(biases.iter().zip(&weights).map(|(bias, row)| activation(bias + dot(row, &patch), divisor)));
+        }
+        map = Map { side, channels: outputs, beyond: 0.0, numbers };
+    }
+    let mut numbers = map.numbers;
+    for (inputs, outputs, divisor) in FULL {
+        let (biases, weights) = (bytes.biases(outputs), bytes.weights(outputs, inputs));
+        let sums = biases.iter().zip(&weights).map(|(bias, row)| bias + dot(row, &numbers));
+        // The last layer's sums are the outputs.
+        numbers = if outputs == 6 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
+    }
+    [numbers[0], numbers[1], numbers[2], numbers[3]].map(|sum| sum / ESTIMATE)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The place of a crop.
+fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
+    let step = |side: f64| down(side * WIDER / real(SIDE), POSITION).max(1.0 / POSITION);
+    let middle = |from: f64, side: f64| from + down(side / 2.0, FINE) - 0.5;
+    let (step, step_down) = (step(width), step(height));
+    Lattice { x: middle(x, width), y: middle(y, height), step, step_down, columns: SIDE, rows: SIDE }
+}
+
+/// The crop of a box: 64 at its mean, and 16 more for each standard deviation.
+fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
+    let pixels = lattice(target).sample(numbers, frame).pixels;
+    let mean = nearest(pixels.iter().sum::<f64>() / real(SIDE * SIDE), 1.0);
+    let squares: f64 = pixels.iter().map(|pixel| (pixel - mean).powi(2)).sum();
+    let gain = (2_097_152.0 / (squares.sqrt().floor() + 128.0)).floor();
+    pixels.iter().map(|pixel| (((pixel - mean) * gain / 4096.0).floor() + MEAN).clamp(0.0, 127.0)).collect()
+}
+
+/// The first frame's target, and the correction that is carried along.
+pub struct Refiner {
+    weights: &'static [u8],
+    first: Vec<f64>,
+    centre: [f64; 2],
+    sides: [f64; 2],
+}
+
+impl Refiner {
+    pub fn new(numbers: &Numbers, weights: &'static [u8], frame: &Picture<'_>, target: [f64; 4]) -> Self {
+        Self { weights, first: crop(numbers, frame, target), centre: [0.0; 2], sides: [1.0; 2] }
+    }
+
+    /// The box, corrected.
+    pub fn correct(&self, [x, y, width, height]: [f64; 4]) -> [f64; 4] {
+        let axis = |from: f64, side: f64, moved: f64, factor: f64| {
+            let new = nearest(side * factor, FINE);
+            (from + down(side / 2.0, FINE) + down(moved * new, FINE) - down(new / 2.0, FINE), new)
+        };
+        let (x, width) = axis(x, width, self.centre[0], self.sides[0]);
+        let (y, height) = axis(y, height, self.centre[1], self.sides[1]);
+        [x, y, width, height]
+    }
+
+    /// Looks at the corrected box, and corrects the correction: by a quarter of the network's estimate, less a sixteenth of all.
+    pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) {
+        let present = crop(numbers, frame, self.correct(target));
+        let [right, below, width, height] =
+            network(self.weights, &self.first, &present).map(|estimate| estimate.clamp(-1.0, 1.0));
+        for (centre, estimate) in self.centre.iter_mut().zip([right, below]) {
+            *centre = down((*centre + estimate / 4.0) * 15.0 / 16.0, ESTIMATE).clamp(-0.5, 0.5);
+        }
+        for (side, estimate) in self.sides.iter_mut().zip([width, height]) {
+            let grown = *side + down(*side * estimate / 4.0, SCALE);
+            *side = (1.0 + down((grown - 1.0) * 15.0 / 16.0, SCALE)).clamp(0.5, 2.0);
+        }
+    }
+
+    /// Place and size are exact without a correction: it fades by a quarter.
+    pub fn fade(&mut self) {
+        self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));
+        self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
+    }
+
+    /// The frame pixels that the crop of a box may read if the box moves by up to `by` pixels: left, top, right, bottom.
+    pub fn region(&self, target: [f64; 4], by: f64, frame_size: (i64, i64)) -> [i64; 4] {
+        let Lattice { x, y, step, step_down, .. } = lattice(self.correct(target));
+        let blocks = step + step_down + 2.0;
+        let pixel = |at: f64, size: i64| whole(at.floor()).clamp(0, size - 1);
+        let range = |middle: f64, step: f64, size: i64| {
+            let (middle, reach) = (middle.clamp(0.0, real(size - 1)), 16.0 * step + blocks + by);
+            (pixel(middle - reach, size), pixel(middle + reach, size) + 1)
+        };
+        let ((left, right), (top, bottom)) = (range(x, step, frame_size.0), range(y, step_down, frame_size.1));
+        [left, top, right, bottom]
+    }
+}
