@@ -1,16 +1,23 @@
 #!/usr/bin/env bash
-# Installs the C library: core/c/install.sh PREFIX [TARGET]
+# Installs the C library: core/c/install.sh [--refiner] PREFIX [TARGET]
 #
 # Builds libsmr.a and installs it under PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config.
 # TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine.
+# --refiner builds it with the refiner, so that smr_init takes what smr_config_refined fills. Both packages say which one it is: `refiner` of
+# pkg-config (pkg-config --variable=refiner smr) and smr_REFINER of CMake, yes or no.
 #
 # Environment:
 #   SMR_PIXELS, SMR_SPAN   the capacity. Both packages define them, so that programs are compiled with the same numbers.
 #   SMR_LIBRARY            a libsmr.a to install instead of building one
 set -euo pipefail
 
-if [ $# -lt 1 ] || [ $# -gt 2 ]; then
-  echo "usage: core/c/install.sh PREFIX [TARGET]" >&2
+refiner=no
+if [ "${1:-}" = --refiner ]; then
+  refiner=yes
+  shift
+fi
+if [ $# -lt 1 ] || [ $# -gt 2 ] || [[ $1 == -* ]]; then
+  echo "usage: core/c/install.sh [--refiner] PREFIX [TARGET]" >&2
   exit 2
 fi
 mkdir -p "$1"
@@ -25,6 +32,7 @@ library=${SMR_LIBRARY:-}
 if [ -z "$library" ]; then
   build=(cargo build -p smr-c --profile firmware --locked --message-format json-render-diagnostics)
   [ -z "$target" ] || build+=(--target "$target")
+  [ "$refiner" = no ] || build+=(--features refiner)
   library=$("${build[@]}" | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 fi
 [ -f "$library" ] || { echo "error: no library: ${library:-cargo did not build libsmr.a}" >&2; exit 1; }
@@ -47,6 +55,7 @@ cp "$library" "$prefix/lib/libsmr.a"
 
 cat >"$prefix/lib/pkgconfig/smr.pc" <<END
 prefix=\${pcfiledir}/../..
+refiner=$refiner
 
 Name: smr
 Description: Visual tracking by the Similarity Matching Ratio
@@ -56,6 +65,7 @@ Libs: -L\${prefix}/lib -lsmr -Wl,--gc-sections $libraries
 END
 
 cat >"$prefix/lib/cmake/smr/smr-config.cmake" <<END
+set(smr_REFINER $refiner)
 get_filename_component(smr_prefix "\${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 if(NOT TARGET smr::smr)
   add_library(smr::smr STATIC IMPORTED)
@@ -79,4 +89,6 @@ if("\${PACKAGE_FIND_VERSION_MAJOR}.\${PACKAGE_FIND_VERSION_MINOR}" VERSION_EQUAL
 endif()
 END
 
-echo "smr $version${target:+ for $target} in $prefix"
+with=
+[ "$refiner" = no ] || with=" with the refiner"
+echo "smr $version$with${target:+ for $target} in $prefix"

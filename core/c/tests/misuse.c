@@ -145,7 +145,7 @@ static void names(void)
     HOLD(strcmp(smr_status_name(SMR_OK), "SMR_OK") == 0);
     HOLD(strcmp(smr_status_name(SMR_ERROR_WINDOW_NOT_IN_MEMORY), "SMR_ERROR_WINDOW_NOT_IN_MEMORY") == 0);
     HOLD(strcmp(smr_status_name(-1), "SMR_ERROR_UNKNOWN") == 0);
-    HOLD(strcmp(smr_status_name(SMR_ERROR_LINE_MISSING + 1), "SMR_ERROR_UNKNOWN") == 0);
+    HOLD(strcmp(smr_status_name(SMR_ERROR_REFINER_NOT_BUILT_IN + 1), "SMR_ERROR_UNKNOWN") == 0);
 }
 
 static void version(void)

@@ -27,7 +27,12 @@ pub(super) fn save<const PIXELS: usize>(
     bytes: &mut [u8],
 ) -> Result<usize, SaveError> {
     let (Some(track), Some(image)) = (track, template.image()) else { return Err(SaveError::NotLocked) };
-    let mut to = Writer::new(bytes, saved_size(Some(track))?, Kind::Paper, &settings(config, &numbers(config)))?;
+    let mut to = Writer::new(
+        bytes,
+        saved_size(Some(track))?,
+        Kind::Paper,
+        &Settings { table: config.table, numbers: &numbers(config) },
+    )?;
     to.i32(track.target.x);
     to.i32(track.target.y);
     for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
@@ -44,7 +49,7 @@ pub(super) fn save<const PIXELS: usize>(
 
 /// A reader of the state, if the configuration is the one that the target was saved with.
 pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, RestoreError> {
-    Reader::new(bytes, Kind::Paper, &settings(config, &numbers(config)))
+    Reader::new(bytes, Kind::Paper, &Settings { table: config.table, numbers: &numbers(config) })
 }
 
 /// Restores the template and returns the track. If it fails, the template is unchanged.
@@ -80,10 +85,6 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     let fits = !target.is_empty() && target.width <= bounds.width && target.height <= bounds.height;
     let reachable = track.nearest_on(padding) == target;
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))
-}
-
-pub(super) const fn settings<'a>(config: &Config, numbers: &'a [(Setting, u16)]) -> Settings<'a> {
-    Settings { table: config.table, numbers }
 }
 
 /// The numbers that answers depend on: all but the table, backend and pruning.

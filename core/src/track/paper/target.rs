@@ -8,6 +8,7 @@ use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};
 use crate::similarity::{self, Backend, Contrast, CutTable, Scorer};
+use crate::track::saved::Settings;
 use crate::track::target::{lock_goes_on, lockable};
 use crate::track::update::{Locking, Owner, Seal, Steps, UnderWay};
 use crate::track::{
@@ -222,7 +223,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     fn identify(&self, owner: &mut Owner, _: &Seal) {
         let numbers = saved::numbers(&self.config);
-        saved::settings(&self.config, &numbers).each(|number| owner.add(number.into()));
+        Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
         self.locking.identify(owner);
         if let Some(track) = &self.track {
             track.identify(owner);

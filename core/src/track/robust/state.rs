@@ -190,7 +190,12 @@ impl Memory {
 
     pub(super) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
         let track = self.track.ok_or(SaveError::NotLocked)?;
-        let mut to = Writer::new(bytes, self.saved_size(config)?, Kind::Robust, &settings(config, &numbers(config)))?;
+        let mut to = Writer::new(
+            bytes,
+            self.saved_size(config)?,
+            Kind::Robust,
+            &Settings { table: config.table, numbers: &numbers(config) },
+        )?;
         for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
             to.u16(side);
         }
@@ -286,11 +291,7 @@ fn read_correction(from: &mut Reader<'_>) -> Option<Correction> {
 
 /// A reader of the state, if the configuration is the one that the target was saved with.
 pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, RestoreError> {
-    Reader::new(bytes, Kind::Robust, &settings(config, &numbers(config)))
-}
-
-pub(super) const fn settings<'a>(config: &Config, numbers: &'a [(Setting, u16)]) -> Settings<'a> {
-    Settings { table: config.table, numbers }
+    Reader::new(bytes, Kind::Robust, &Settings { table: config.table, numbers: &numbers(config) })
 }
 
 /// The numbers that answers depend on: all but the table and the backend. The refiner comes last: a flight record names it only if it is on.

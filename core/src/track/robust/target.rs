@@ -14,6 +14,7 @@ use super::scale::other_scales;
 use super::state::{self, Memory, Track};
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
+use crate::track::saved::Settings;
 use crate::track::target::{lock_goes_on, lockable};
 #[cfg(feature = "unstable")]
 use crate::track::update::SEAL;
@@ -243,7 +244,7 @@ impl Steps for Robust {
 
     fn identify(&self, owner: &mut Owner, _: &Seal) {
         let numbers = state::numbers(&self.config);
-        state::settings(&self.config, &numbers).each(|number| owner.add(number.into()));
+        Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
         self.locking.identify(owner);
         self.memory.identify(owner);
     }
