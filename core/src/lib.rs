@@ -71,6 +71,7 @@
 //! - `verify`: compares every call of a faster backend with the plain loops, and panics if they differ. For tests.
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
 //! - `unstable`: the module `unstable` gives host-sim and the tests access to the inside of the trackers. It may change in any version.
+//! - `refiner`: a small learned network corrects the box of [`Robust`]. 25 KB of flash.
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]

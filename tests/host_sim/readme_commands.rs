@@ -12,7 +12,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Beginnings of lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 8] = [
+const NOT_RUN: [(&str, &str); 9] = [
+    ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
     ("cargo run --profile bench", "bench takes minutes; tests of its own run it"),

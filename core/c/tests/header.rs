@@ -161,3 +161,50 @@ fn the_header_and_the_library_agree_on_every_size() {
         .expect("cc runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+/// What a size of the header is on 32 bits, with other capacities than those of this library.
+fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
+    let header = include_str!("../include/smr.h");
+    let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;
+    let words = definition.split_once(" * sizeof(size_t)").expect("it counts words").0.split(' ').next_back();
+    let words: usize = words.unwrap().trim_start_matches('(').parse().expect("a number of words");
+    let eights = |number: usize| number.next_multiple_of(8);
+    let own = if name.starts_with("SMR_PAPER") { eights(PIXELS) } else { eights(pixels) };
+    let offsets = |span: usize| if name == "SMR_PAPER_WORKSPACE_SIZE" { eights(20 * span) } else { 0 };
+    size - words * (size_of::<usize>() - 4) - own + eights(pixels) - offsets(SPAN) + offsets(span)
+}
+
+#[test]
+fn the_readmes_state_the_sizes_of_the_header() {
+    let target = |pixels| on_32_bits(PAPER_TARGET_SIZE, "SMR_PAPER_TARGET_SIZE", pixels, 0);
+    let workspace = |pixels, span| on_32_bits(PAPER_WORKSPACE_SIZE, "SMR_PAPER_WORKSPACE_SIZE", pixels, span);
+    let robust = on_32_bits(ROBUST_TARGET_SIZE, "SMR_ROBUST_TARGET_SIZE", 0, 0);
+    let scratch = on_32_bits(ROBUST_WORKSPACE_SIZE, "SMR_ROBUST_WORKSPACE_SIZE", 0, 0);
+    let (usual, room) = (target(4096), workspace(4096, 161));
+    let row = |pixels, span| format!("| {} bytes | {} bytes |\n", target(pixels), workspace(pixels, span));
+    let readme = include_str!("../README.md");
+    for words in [
+        format!("from frame to frame: {usual} bytes"),
+        format!("any number of these trackers: {room} bytes"),
+        format!("`smr_paper_target`, {usual} | `smr_robust_target`, {robust} |"),
+        format!("`smr_paper_workspace`, {room} | `smr_robust_workspace`, {scratch} |"),
+        format!("161 (+-80), the default: the paper's {}", row(4096, 161)),
+        format!("| 4096 (64x64) | 33 (+-16) {}", row(4096, 33)),
+        format!("| 1024 (32x32) | 33 (+-16) {}", row(1024, 33)),
+    ] {
+        assert!(readme.contains(&words), "core/c/README.md: expected {words}");
+    }
+    // In KB of 1000 bytes.
+    let kb = |bytes: usize| format!("{}.{}", (bytes + 50) / 1000, (bytes + 50) % 1000 / 100);
+    let heap = format!(
+        "A `Paper` takes {} KB and a `Robust` {} KB. The first tracker of each kind also takes a\nworkspace ({} KB, {} KB)",
+        kb(usual),
+        kb(robust),
+        kb(room),
+        kb(scratch)
+    );
+    assert!(include_str!("../../micropython/README.md").contains(&heap), "core/micropython/README.md: expected {heap}");
+    let largest =
+        format!("{} KB for a robust tracker, {} KB for the paper's", kb(robust), target(65536).div_ceil(1000));
+    assert!(include_str!("../../web/README.md").contains(&largest), "core/web/README.md: expected {largest}");
+}
