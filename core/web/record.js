@@ -3,6 +3,8 @@
 // The documentation of smr_core::record describes every byte. A record begins with the configuration and the saved target, so that old frames
 // can be dropped.
 
+import { whole } from "./errors.js";
+
 const VERSION = 1;
 const STATE_CODES = { tracking: 0, leaving: 1, uncertain: 2, lost: 3 };
 const DEFAULT_BYTES = 16 << 20;
@@ -25,7 +27,7 @@ export class Recorder {
   /** Records `tracker` from now on. `bytes`: memory to keep; older frames are dropped. */
   constructor(tracker, { bytes = DEFAULT_BYTES } = {}) {
     this.#tracker = tracker;
-    this.#most = bytes / 2;
+    this.#most = whole(bytes, 1, Number.MAX_SAFE_INTEGER, "bytes") / 2;
     this.#begin();
     tracker.observe(this);
   }
@@ -35,9 +37,9 @@ export class Recorder {
     return joined(this.#segments.flatMap((segment) => segment.flatMap((entry, number) => encoded(entry, number))));
   }
 
-  /** Records no longer. */
+  /** Records no longer. Other recorders of the tracker go on. */
   stop() {
-    this.#tracker.observe(null);
+    this.#tracker.unobserve(this);
   }
 
   // What the tracker tells its observer. Pixels are valid during the call only.

@@ -162,8 +162,10 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   restore(saved: Uint8Array): void;
   /** The robust tracker's responses as the next update would see them, in units of 1/16384, row by row, one for each cell. May change. */
   responseMap(frame: Frame): { span: number; responses: Int32Array };
-  /** Tells `observer` of every call from now on; null: nobody. */
-  observe(observer: Observer | null): void;
+  /** Tells `observer` too of every call from now on. */
+  observe(observer: Observer): void;
+  /** Tells `observer` no longer; others still. */
+  unobserve(observer: Observer): void;
   /** Gives the memory back. Later calls throw. */
   free(): void;
 }

@@ -232,7 +232,7 @@ export class Tracker {
   #storage = 0;
   #table = 0;
   #at = 0;
-  #observer = null;
+  #observers = new Set();
 
   constructor(library, method, preset, scale, options) {
     if (!(library instanceof Library)) {
@@ -284,7 +284,7 @@ export class Tracker {
     const windows = this.#show(given, [this.#library.rect(scratch + WINDOWS[0])]);
     this.#library.call("smr_lock", this.#at, scratch + FRAME, scratch + BOX);
     this.answer = null;
-    this.#observer?.locked({ width: given.width, height: given.height, box: this.#library.rect(scratch + BOX), window: windows[0] });
+    this.#tell("locked", { width: given.width, height: given.height, box: this.#library.rect(scratch + BOX), window: windows[0] });
     return this.quality;
   }
 
@@ -296,7 +296,7 @@ export class Tracker {
     const windows = this.#showWindows(given);
     this.#library.call("smr_update", this.#at, scratch + FRAME, scratch + ANSWER);
     this.answer = this.#readAnswer();
-    this.#observer?.updated({ width: given.width, height: given.height, windows, answer: this.answer });
+    this.#tell("updated", { width: given.width, height: given.height, windows, answer: this.answer });
     return this.answer;
   }
 
@@ -306,7 +306,7 @@ export class Tracker {
     whole(right, -MOST_I32, MOST_I32, "right");
     whole(down, -MOST_I32, MOST_I32, "down");
     this.#library.call("smr_moved", this.#at, right, down);
-    this.#observer?.moved({ right, down });
+    this.#tell("moved", { right, down });
   }
 
   /** The target as bytes. */
@@ -341,7 +341,7 @@ export class Tracker {
       memory.give(bytes);
     }
     this.answer = null;
-    this.#observer?.restored({ saved });
+    this.#tell("restored", { saved });
   }
 
   // The name of the first setting that differs from those of a saved target.
@@ -405,10 +405,21 @@ export class Tracker {
     return { span, responses: Int32Array.from({ length: span * span }, (_, i) => memory.view.getInt32(at(i), true)) };
   }
 
-  /** Tells `observer` of every lock, update, move and restored target from now on: see record.js. null: nobody. */
+  /** Tells `observer` too of every lock, update, move and restored target from now on: see record.js. */
   observe(observer) {
     this.#live();
-    this.#observer = observer;
+    this.#observers.add(object(observer, "observer", "an object with the calls of Observer"));
+  }
+
+  /** Tells `observer` no longer. */
+  unobserve(observer) {
+    this.#observers.delete(observer);
+  }
+
+  #tell(call, event) {
+    for (const observer of this.#observers) {
+      observer[call](event);
+    }
   }
 
   /** The similarities of two pixels by their difference, in units of 1/65535. */
@@ -422,7 +433,7 @@ export class Tracker {
     this.#library.memory.give(this.#storage);
     this.#library.memory.give(this.#table);
     this.#storage = this.#table = this.#at = 0;
-    this.#observer = null;
+    this.#observers.clear();
   }
 
   #live() {

@@ -66,6 +66,12 @@ impl<'a> Pixels<'a> {
         Rect::new(0, 0, self.width, self.height)
     }
 
+    /// The frame with a single pixel in memory, whose value does not matter: for checks.
+    pub fn corner(&self) -> PyResult<Frame<'static>> {
+        let pixel = Image::new(&[0], 1, 1).map_err(refused)?;
+        Frame::part(pixel, 0, 0, self.width, self.height).map_err(refused)
+    }
+
     /// The frame for a call that reads `windows`. `gray` holds the pixels that are converted.
     pub fn frame<'b>(&self, windows: [Option<Rect>; 2], gray: &'b mut Vec<u8>) -> PyResult<Frame<'b>>
     where

@@ -85,6 +85,22 @@ impl Target {
         })
     }
 
+    /// Whether `update` can be called with this frame. Changes nothing and reads no pixel.
+    pub fn check(&mut self, pixels: &Pixels<'_>) -> PyResult<()> {
+        let frame = pixels.corner()?;
+        SCRATCH.with_borrow_mut(|Scratch { paper, robust, .. }| {
+            let begun = match self {
+                Self::Paper(of) => of.begin(paper.get_or_insert_default(), &frame).map(drop),
+                Self::Robust(of) => of.begin(robust.get_or_insert_default(), &frame).map(drop),
+            };
+            match begun {
+                // Asked last, so all else is as it should be.
+                Err(UpdateError::WindowNotInMemory) => Ok(()),
+                begun => begun.map_err(not_updated),
+            }
+        })
+    }
+
     pub fn update(&mut self, pixels: &Pixels<'_>) -> PyResult<Answer> {
         let windows = each!(self, of => [of.window(), of.sweep_window()]);
         SCRATCH.with_borrow_mut(|Scratch { paper, robust, gray }| {

@@ -94,6 +94,11 @@ impl Tracker {
         answer::answer(py, &self.next(frame)?)
     }
 
+    /// For `Group`: raises what `follow` would raise, and changes nothing.
+    fn _check(&self, frame: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.target()?.check(&Borrowed::new(frame)?.pixels())
+    }
+
     /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {

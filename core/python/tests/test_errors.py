@@ -2,6 +2,7 @@
 
 import random
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -97,6 +98,7 @@ def test_recordings(tmp_path):
         (lambda: smr.Recording(tmp_path / "none"), "cannot open .*none: expected a folder, a file"),
         (lambda: smr.Recording("-"), "standard input can be read only once"),
         (lambda: smr.evaluate(tmp_path / "none"), "neither a recording nor a folder"),
+        (lambda: smr.evaluate([]), "paths: expected a recording, a folder of recordings, or a list of them, found an empty list"),
         (lambda: smr.evaluate("noise", starts="some"), "starts: expected 'given', 'near' or the number of frames"),
         (lambda: smr.evaluate("noise", starts=0), "starts: expected"),
         (lambda: smr.Recording("synthetic").score([(1, 2, 3, 4)]), "there are 1 frames, but the ground truth has 240 boxes"),
@@ -164,6 +166,58 @@ def test_a_thousand_bad_calls():
     for tracker in trackers:
         tracker.init(FRAME, BOX)
         assert tracker.follow(FRAME).box == BOX
+
+
+@pytest.mark.parametrize("threads", [1, 2, 4])
+def test_a_group_that_cannot_follow_changes_nothing(threads):
+    """Not even while the exception is handled: no thread works on."""
+    large = np.random.default_rng(3).integers(0, 256, (1200, 1600), np.uint8)
+    group = smr.Group(threads)
+    for tracker in (smr.Robust(), smr.Paper(), smr.Robust()):
+        group.add(tracker, large, (300, 300, 200, 200))
+    other = smr.Robust()
+    other.init(large[:900], (300, 300, 200, 200))
+    targets = list(group.trackers)
+    before = [tracker.save() for tracker in targets]
+    for trackers, frame, kind, words in [
+        ([smr.Robust(), *targets], large, RuntimeError, "there is no target yet: call init first"),
+        ([*targets, other], large, ValueError, "the frame has another size than the one that was locked on"),
+        ([*targets, targets[0]], large, ValueError, "trackers: expected each tracker once, found one twice"),
+        (targets, large.astype(float), TypeError, EXPECTED),
+        (targets, None, TypeError, EXPECTED),
+    ]:
+        group.trackers = trackers
+        with pytest.raises(kind, match=words):
+            group.follow(np.roll(large, 3, axis=1) if frame is large else frame)
+        assert [tracker.save() for tracker in targets] == before
+    group.trackers = targets
+    assert [answer.box[0] for answer in group.follow(np.roll(large, 3, axis=1))] == [303] * 3
+
+
+def test_a_group_waits_for_all_its_threads():
+    """Also for those that work on when one has failed."""
+    running, failed = [], threading.Event()
+
+    class Broken:
+        def _check(self, frame):
+            pass
+
+        def follow(self, frame):
+            failed.set()
+            raise RuntimeError("broken")
+
+    class Slow(Broken):
+        def follow(self, frame):
+            running.append(self)
+            failed.wait()
+            time.sleep(0.2)
+            running.remove(self)
+
+    group = smr.Group(3)
+    group.trackers = [Broken(), Slow(), Slow()]
+    with pytest.raises(RuntimeError, match="broken"):
+        group.follow(None)
+    assert failed.is_set() and running == []
 
 
 def test_an_array_is_kept_while_it_is_read():

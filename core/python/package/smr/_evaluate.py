@@ -36,6 +36,8 @@ def evaluate(
     if isinstance(trackers, Tracker):
         trackers = {type(trackers).__name__.lower(): trackers}
     found = recordings(paths)
+    if not found:
+        raise ValueError("paths: expected a recording, a folder of recordings, or a list of them, found an empty list")
     if executor is not None:
         return _rows(executor, found, trackers, starts)
     with ThreadPoolExecutor(os.cpu_count()) as threads:

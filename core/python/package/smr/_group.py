@@ -1,7 +1,7 @@
 """Several targets in one frame."""
 
 import os
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Optional
 
 from ._answer import Answer, Box, State
@@ -34,14 +34,25 @@ class Group:
         self.trackers.remove(tracker)
 
     def follow(self, frame) -> list[Answer]:
-        """The answer for each target in the next frame, in the order of `trackers`."""
+        """The answer for each target in the next frame, in the order of `trackers`.
+
+        All are asked first whether they can follow in this frame: if one cannot, none does. Nothing is still running when an exception leaves.
+        """
         trackers, threads = tuple(self.trackers), min(self._threads, len(self.trackers))
+        if len({id(tracker) for tracker in trackers}) < len(trackers):
+            raise ValueError("trackers: expected each tracker once, found one twice")
+        for tracker in trackers:
+            tracker._check(frame)
         if threads <= 1:
             return [tracker.follow(frame) for tracker in trackers]
-        shares = self._executor.map(_follow, (trackers[first::threads] for first in range(threads)), [frame] * threads)
-        answers = [None] * len(trackers)
-        for first, share in enumerate(shares):
-            answers[first::threads] = share
+        answers, shares = [None] * len(trackers), []
+        try:
+            for first in range(threads):
+                shares.append(self._executor.submit(_follow, trackers[first::threads], frame))
+            for first, share in enumerate(shares):
+                answers[first::threads] = share.result()
+        finally:
+            wait(shares)
         return answers
 
     def update(self, frame) -> tuple[bool, list[Box]]:

@@ -42,11 +42,12 @@ use core::fmt;
 /// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up`
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+#[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Config,
-    template: Template<PIXELS>,
     pub(super) track: Option<Track>,
     locking: Locking,
+    template: Template<PIXELS>,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
