@@ -13,7 +13,7 @@ use crate::bench::{Bench as Run, Settings, goals, table};
 use crate::clock::{Patience, timed};
 use crate::emulator::qemu::Machine;
 use crate::evaluate::{self, CoreKind, MethodKind, Variant};
-use crate::output::Output;
+use crate::output::{Output, complain};
 use crate::report::{diagram, speeds};
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
@@ -101,7 +101,7 @@ impl Bench {
         }
         tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
         for difference in &report.differences {
-            eprintln!("error: different answers: {difference}");
+            complain(&format!("error: different answers: {difference}"));
         }
         Ok(if report.differences.is_empty() { Outcome::Holds } else { Outcome::CheckFailed })
     }

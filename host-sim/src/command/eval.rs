@@ -10,7 +10,7 @@ use super::{Outcome, progress};
 use crate::evaluate::robustness::{Former, Robustness, Starts, TABLES};
 use crate::evaluate::{self, Evaluation, MethodKind, Results, TableName, Variant, published};
 use crate::evaluate::{covered, faults};
-use crate::output::Output;
+use crate::output::{Output, complain};
 use crate::report::calibration;
 use crate::report::diagram::Form;
 use crate::sequence::fault::{Fault, Faults};
@@ -314,7 +314,7 @@ fn is_published(path: &Path) -> bool {
 
 fn say_what_to_know(evaluations: &[Evaluation]) {
     for note in evaluations.iter().flat_map(|evaluation| &evaluation.notes) {
-        eprintln!("note: {note}");
+        complain(&format!("note: {note}"));
     }
 }
 

@@ -40,7 +40,7 @@ mod trax;
 mod vectors;
 
 use crate::evaluate::Refused;
-use crate::output::print;
+use crate::output::{complain, print};
 use crate::{ending, words};
 use anyhow::{Context, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
@@ -51,7 +51,7 @@ use places::Places;
 pub use recordings::recordings;
 use serde::Serialize;
 use std::error::Error;
-use std::io::{self, ErrorKind, StdoutLock, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -253,7 +253,7 @@ pub fn run() -> ExitCode {
         Ok(line) => line.run(&name),
         Err(error) => match bad_value(&error) {
             Some(said) => refused(&anyhow::anyhow!(said), &name),
-            None => error.exit(),
+            None => misused(error),
         },
     }
 }
@@ -278,6 +278,21 @@ fn bad_value(error: &clap::Error) -> Option<String> {
     Some(format!("{name} {shown}: {expected}"))
 }
 
+/// Prints other bad usage as clap does, or the help that was asked for. Without the advice to put `--` before an option that there is not.
+fn misused(mut error: clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        error.exit();
+    }
+    if let Some(ContextValue::StyledStrs(mut advice)) = error.remove(ContextKind::Suggested) {
+        advice.retain(|advice| !advice.to_string().starts_with("to pass "));
+        if !advice.is_empty() {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
+        }
+    }
+    error.render().to_string().trim_end().lines().for_each(complain);
+    ExitCode::from(2)
+}
+
 /// What is printed of an error of this command; a box that is refused comes with what the command has against it.
 fn told(error: &anyhow::Error, command: &str) -> String {
     let said = words::of(error);
@@ -290,7 +305,7 @@ fn told(error: &anyhow::Error, command: &str) -> String {
 
 fn refused(error: &anyhow::Error, command: &str) -> ExitCode {
     ending::yield_to_signal();
-    eprintln!("error: {}", told(error, command));
+    complain(&format!("error: {}", told(error, command)));
     ExitCode::from(2)
 }
 
@@ -323,11 +338,7 @@ trait WritesNoFile {
 impl<T> WritesNoFile for T {}
 
 /// Prints a result, as JSON or in words.
-fn tell<T: Serialize>(
-    json: bool,
-    result: &T,
-    words: impl FnOnce(&T, &mut StdoutLock<'_>) -> io::Result<()>,
-) -> Result<()> {
+fn tell<T: Serialize>(json: bool, result: &T, words: impl FnOnce(&T, &mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let json = json.then(|| serde_json::to_string_pretty(result)).transpose()?;
     say(|out| match json {
         Some(json) => writeln!(out, "{json}"),
@@ -336,7 +347,7 @@ fn tell<T: Serialize>(
 }
 
 /// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
-fn say(report: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
+fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     match print(report) {
         Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),

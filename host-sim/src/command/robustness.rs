@@ -5,6 +5,7 @@ use super::{Outcome, progress, told};
 use crate::ending;
 use crate::evaluate::Variant;
 use crate::evaluate::robustness::{self, Progress, Robustness, Starts};
+use crate::output::complain;
 use anyhow::{Error, Result, bail};
 use std::path::{Path, PathBuf};
 
@@ -37,7 +38,7 @@ pub fn measure(
 pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command: &str) -> usize {
     let say = |error: &Error| {
         ending::yield_to_signal();
-        eprintln!("error: {}", told(error, command));
+        complain(&format!("error: {}", told(error, command)));
     };
     errors.into_iter().map(say).count()
 }
