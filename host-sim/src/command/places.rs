@@ -165,19 +165,19 @@ mod tests {
         let check = |name: &str, taken| {
             let output = folder.path().join(name);
             let checked = Places::default().writes_as("--out", Some(&output), taken).check();
-            checked.map_err(|error| error.to_string().split(name).last().unwrap().to_owned())
+            checked.map_err(|error| error.to_string().split_once(": expected ").unwrap().1.to_owned())
         };
         fs::create_dir(folder.path().join("run.7")).unwrap();
         for name in ["page.HTML", "pages", "new.7/", "run.7"] {
             assert_eq!(check(name, Taken::PAGE), Ok(()), "{name}");
         }
-        let expected = ": expected a file that ends in .html, or a folder (no ending, or a / after it)";
+        let expected = "a file that ends in .html, or a folder (no ending, or a / after it)";
         assert_eq!(check("page.pdf", Taken::PAGE).unwrap_err(), expected);
-        assert_eq!(check("x.jpg", Taken::PICTURE).unwrap_err(), ": expected a file that ends in .png");
-        assert_eq!(check("picture", Taken::PICTURE).unwrap_err(), ": expected a file that ends in .png");
+        assert_eq!(check("x.jpg", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
+        assert_eq!(check("picture", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
         assert!(check("x.png", Taken::FOLDER).is_err());
         let two = Taken { endings: &["html", "png"], folder: false };
-        assert_eq!(check("x", two).unwrap_err(), ": expected a file that ends in .html or .png");
+        assert_eq!(check("x", two).unwrap_err(), "a file that ends in .html or .png");
     }
 
     #[test]
