@@ -13,6 +13,9 @@
 //! - `bench` (feature `bench`): how fast it is here and on the emulated boards, beside OpenCV and a plain SAD search.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
+// What is printed goes through `output`.
+#![cfg_attr(not(test), warn(clippy::print_stderr, clippy::print_stdout))]
+
 #[cfg(feature = "bench")]
 pub mod bench;
 pub mod check;

@@ -136,18 +136,18 @@ fn a_file_is_written_whole_or_not_at_all() {
 fn what_cannot_be_written_is_said_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("no").join("such").join("file.svg");
-    let file = utf8(&file);
+    let (file, picture) = (utf8(&file), utf8(&file).replace(".svg", ".png"));
     // Each fails before it reads its frames, which do not exist.
     let missing = folder.path().join("empty.y4m");
     fs::write(&missing, "YUV4MPEG2 W9 H9 Cmono\n").unwrap();
     let recording = utf8(&missing);
     for arguments in [
         &["track", recording, "--init", "0,0,4,4", "--out", file][..],
-        &["report", recording, "--init", "0,0,4,4", "--png", file],
+        &["report", recording, "--init", "0,0,4,4", "--png", &picture],
         &["eval", recording, "--robustness", "--calibration", file],
         &["bench", recording, "--plot", file],
     ] {
-        host_sim(arguments).refuses(&["cannot write", file]);
+        host_sim(arguments).refuses(&["cannot write", arguments.last().unwrap()]);
     }
 }
 
@@ -243,8 +243,13 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
 
     host_sim(&["track", &clip, "--init", "9,9,9,9", "--video", &one, "--out", &one])
         .refuses(&["--out", "--video", &one, "two"]);
-    let page = format!("{}/synthetic.html", path("new"));
-    host_sim(&["report", "synthetic", "--out", &path("new"), "--png", &page]).refuses(&["--out", "--png", "two"]);
+    #[cfg(unix)]
+    {
+        let picture = path("page.png");
+        std::os::unix::fs::symlink("new/synthetic.html", &picture).unwrap();
+        host_sim(&["report", "synthetic", "--out", &path("new"), "--png", &picture])
+            .refuses(&["--out", "--png", "two"]);
+    }
     for arguments in [
         &["convert", &clip, "-o", &clip][..],
         &["track", &clip, "--init", "9,9,9,9", "--out", &clip],
@@ -404,6 +409,13 @@ fn messages_are_in_peoples_words() {
     track(&["--settings", "no/such.toml"])
         .refuses(&["cannot read no/such.toml: there is no such file: expected a TOML file"]);
     track(&["--out", "no/such/boxes.txt"]).refuses(&["cannot write no/such/boxes.txt: there is no folder no/such"]);
+    track(&["--size", "99999x99999"]).refuses(&["--size 99999x99999: expected two whole numbers", "at most 65535"]);
+    track(&["--resize", "99999x99999"]).refuses(&["--resize 99999x99999: expected a size", "from 1 to 65535"]);
+    track(&["--resize", "1/1000"]).refuses(&["--resize 1/1000", "smaller than a pixel: expected larger frames"]);
+    track(&["--resize", "1000/1"]).refuses(&["--resize 1000/1 of 160x120: expected at most 65535 pixels on each side"]);
+    host_sim(&["track", "rtsp://camera/1"]).refuses(&["rtsp://camera/1 is an address", "`host-sim track -`"]);
+    #[cfg(unix)]
+    host_sim(&["track", "/dev/null", "--init", "0,0,2,2"]).refuses(&["/dev/null is a device", "`host-sim track -`"]);
     host_sim(&["track", "no/such"])
         .refuses(&["cannot open no/such: expected a folder, a file, or one of synthetic", "there is no such file"]);
     for (name, holds, expected) in [
@@ -424,6 +436,146 @@ fn messages_are_in_peoples_words() {
         .refuses(&["former.json: line 1: expected what `host-sim eval --robustness --json` writes"]);
     let firmware = file("firmware.elf", b"hello");
     host_sim(&["run", &firmware]).refuses(&["firmware.elf is not firmware: expected an ELF file"]);
+}
+
+#[test]
+fn an_audio_file_is_said_to_have_no_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("song.wav");
+    if film("an_audio_file_is_said_to_have_no_pictures", &file, &["sine=d=1"]).is_some() {
+        host_sim(&["track", utf8(&file), "--init", "0,0,9,9"]).refuses(&["song.wav holds no pictures", "a video"]);
+    }
+}
+
+/// With several threads ffmpeg puts something else in place of damage in every run.
+#[test]
+fn a_damaged_video_is_read_alike_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("clip.avi");
+    let source = ["testsrc2=s=640x480:d=4", "-c:v", "mpeg4", "-q:v", "4"];
+    if film("a_damaged_video_is_read_alike_every_time", &file, &source).is_none() {
+        return;
+    }
+    let mut bytes = fs::read(&file).unwrap();
+    let end = bytes.len() - 30_000;
+    for at in (8_000..end).step_by(7_001) {
+        bytes[at] ^= 0x5a;
+    }
+    fs::write(&file, &bytes).unwrap();
+    let written = |name: &str| {
+        let out = folder.path().join(name);
+        let said = host_sim(&["convert", utf8(&file), "--lenient", "-o", utf8(&out)]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        assert!(said.err.contains("damaged"), "{}", said.err);
+        (fs::read(&out).unwrap(), said.err)
+    };
+    let first = written("1.raw");
+    assert!((2..=5).all(|number| written(&format!("{number}.raw")) == first), "ffmpeg decodes on one thread");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_name_of_a_file_does_not_steer_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
+    let (clip, picture) = (path("a\u{1b}[31m\n\u{9b}.y4m"), path("\u{1b}c.png"));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &clip]).code, Some(0));
+    let settings = path("settings.toml");
+    fs::write(&settings, "\"\\u001b[2J\" = 1\n").unwrap();
+    for arguments in [
+        &["frame", &clip, "-o", &picture, "--init", "1,1,9,9"][..],
+        &["track", &clip],
+        &["eval", &clip],
+        &["track", "synthetic", "--settings", &settings],
+        &["track", "synthetic", "--method", "\u{1b}[2J"],
+        &["track", "\u{1b}[2J"],
+    ] {
+        let said = host_sim(arguments);
+        let all = said.out + &said.err;
+        assert!(
+            all.contains("\\u001b") && !all.contains(|letter: char| letter.is_control() && letter != '\n'),
+            "{all:?}"
+        );
+    }
+    host_sim(&["track", &clip]).refuses(&["a\\u001b[31m\\u000a\\u009b: no box to start from"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_among_pictures_is_not_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("frames");
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", utf8(&frames)]).code, Some(0));
+    let pipe = |file: &Path| assert!(Command::new("mkfifo").arg(file).status().unwrap().success());
+    fs::remove_file(frames.join("00002.png")).unwrap();
+    pipe(&frames.join("00002.png"));
+    for command in ["track", "eval"] {
+        host_sim(&[command, utf8(&frames)]).refuses(&["00002.png (frame 2) is a pipe or a device: expected a file"]);
+    }
+    let alone = folder.path().join("alone");
+    fs::create_dir(&alone).unwrap();
+    pipe(&alone.join("clip.y4m"));
+    host_sim(&["track", utf8(&alone)]).refuses(&["clip.y4m is a pipe or a device"]);
+}
+
+#[test]
+fn the_name_of_an_output_says_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
+    for (command, option, name, expected) in [
+        ("report", "--out", "r.pdf", "ends in .html, or a folder"),
+        ("report", "--png", "r.jpg", "ends in .png"),
+        ("demo", "--out", "r.pdf", "ends in .html, or a folder"),
+        ("convert", "--out", "r.foo", "ends in .y4m, .raw, .gray, .bin, .y8 or .h, or a folder"),
+        ("frame", "--out", "f.txt", "ends in .html or .png"),
+        ("frame", "--out", "f", "ends in .html or .png"),
+        ("figures", "--out", "f.png", "a folder"),
+    ] {
+        let sequence: &[&str] = if command == "demo" { &[] } else { &["synthetic"] };
+        host_sim(&[&[command], sequence, &[option, &path(name)]].concat()).refuses(&[option, name, expected]);
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    let convert = |out: &str| host_sim(&["convert", "synthetic", "--frames", "1..2", "-o", out]).code;
+    assert_eq!(convert(&path("run.7/")), Some(0));
+    assert!(folder.path().join("run.7/00002.png").is_file());
+    let sequence = ["convert", "synthetic", "--format", "vot", "-o", &path("jogging.1")];
+    assert_eq!(host_sim(&sequence).code, Some(0));
+}
+
+#[test]
+fn an_empty_folder_is_filled_where_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(PROGRAM);
+    let convert = command.args(["convert", "synthetic", "--frames", "1..2", "-o", "."]).current_dir(folder.path());
+    assert_eq!(convert.output().unwrap().status.code(), Some(0));
+    let mut names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["00001.png", "00002.png", "gt.txt", "init.txt"]);
+}
+
+#[test]
+fn many_poor_targets_are_one_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let flat = folder.path().join("flat.raw");
+    fs::write(&flat, vec![90; 2 * 40 * 30]).unwrap();
+    let boxes: Vec<String> = (1..=25).map(|number| format!("--init=t{number}=1,1,9,9")).collect();
+    let boxes: Vec<&str> = boxes.iter().map(String::as_str).collect();
+    let said = host_sim(&[&["track", utf8(&flat), "--size", "40x30"][..], &boxes].concat());
+    assert_eq!((said.code, said.err.lines().count()), (Some(0), 1), "{}", said.err);
+    assert!(said.err.starts_with("warning: flat: each of 25 targets can hardly be told"), "{}", said.err);
+    assert!(said.err.ends_with(": t1, t2, t3, t4, t5, t6, t7, t8, t9, t10, t11, t12, t13, t14, t15, t16, t17, t18, t19, t20, t21, t22, t23, t24, t25\n"));
+}
+
+#[test]
+fn usage_is_told_without_misleading_advice() {
+    let folder = tempfile::tempdir().unwrap();
+    let boxes = folder.path().join("boxes.txt");
+    assert_eq!(host_sim(&["track", "periodic", "-o", utf8(&boxes)]).code, Some(0));
+    assert_eq!(fs::read_to_string(&boxes).unwrap(), host_sim(&["track", "periodic"]).out);
+    let said = host_sim(&["eval", "synthetic", "-o", "x"]);
+    said.refuses_usage("unexpected argument '-o' found");
+    assert!(!said.err.contains("as a value") && !said.err.contains("\n\n\n"), "{}", said.err);
+    host_sim(&["eval", "--metho", "smr"]).refuses_usage("a similar argument exists: '--method'");
 }
 
 #[test]

@@ -66,6 +66,28 @@ fn the_page_of_a_folder_has_the_options_and_the_numbers_of_the_recording() {
     assert_eq!(said["frame"], 11, "a picture has the same numbers");
 }
 
+/// A picture of another size is damage: `track` ends there.
+#[test]
+fn the_page_of_a_folder_ends_where_track_does() {
+    let folder = folder("pick-damaged");
+    let (frames, small, page) = (folder.join("frames"), folder.join("small"), folder.join("pick.html"));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..20", "-o", utf8(&frames)]).code, Some(0));
+    let one = ["convert", "synthetic", "--frames", "1..1", "--resize", "80x60", "-o", utf8(&small)];
+    assert_eq!(host_sim(&one).code, Some(0));
+    fs::copy(small.join("00001.png"), frames.join("00010.png")).unwrap();
+    assert_eq!(host_sim(&["track", utf8(&frames)]).out.lines().count(), 9);
+    let said = host_sim(&["frame", utf8(&frames), "-o", utf8(&page)]);
+    assert_eq!((said.code, numbers(&data(&page))), (Some(0), (1..=9).collect()));
+    assert!(
+        said.err.starts_with("note: the page ends before damage: ") && said.err.contains("frame 10"),
+        "{}",
+        said.err
+    );
+    let beyond = host_sim(&["frame", utf8(&frames), "15", "-o", utf8(&page)]);
+    assert_eq!(beyond.code, Some(2));
+    assert!(beyond.err.contains("there is no frame 15: expected 1 to 9"), "{}", beyond.err);
+}
+
 /// A user with a mouse, then with keys, then with a second target.
 const SCRIPT: &str = r##"
   const byId = (id) => document.getElementById(id);

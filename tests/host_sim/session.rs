@@ -209,6 +209,17 @@ fn a_c_array_compiles() {
         Command::new("cc").args(["-std=c99", "-Wall", "-Werror", "-pedantic", "-o"]).args([&program, &source]).status();
     assert!(compiler.unwrap().success());
     assert!(Command::new(program).status().unwrap().success());
+    // Recordings that are called like something of the language or of its headers.
+    for name in ["int", "default", "size", "time", "linux"] {
+        let header = folder.path().join(format!("{name}.h"));
+        assert_eq!(host_sim(&["convert", "periodic", "-o", utf8(&header), "--frames", "1..1"]).code, Some(0));
+        let text = format!(
+            "#include <limits.h>\n#include <stdint.h>\n#include <time.h>\n#include \"{name}.h\"\nconst unsigned char *first = frames_{name}[0];\n"
+        );
+        fs::write(&source, text).unwrap();
+        let checked = Command::new("cc").args(["-Wall", "-Werror", "-fsyntax-only"]).arg(&source).status();
+        assert!(checked.unwrap().success(), "{name}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 use crate::program::{PROGRAM, kill};
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -113,6 +114,24 @@ fn a_qemu_that_crashes_is_quoted() {
     Bench::new("sleep 5 & echo gone >&2; exit 1").refuses(&[], "ended (exit status: 1)");
     Bench::new("kill -SEGV $$").refuses(&[], "ended (signal: 11");
     Bench::new("exit 0").refuses(&[], "while waiting for an answer of the firmware");
+}
+
+/// `host-sim run firmware | head -n 1`: the firmware fails when nobody reads its log any more.
+#[test]
+fn a_reader_that_goes_away_does_not_hide_that_firmware_fails() {
+    for (code, expected) in [(3, 1), (0, 0)] {
+        let bench = Bench::new(&format!("echo first; sleep 0.3; yes another | head -n 100000; exit {code}"));
+        let mut command = Command::new(PROGRAM);
+        command.arg("run").arg(bench.path("firmware")).arg("--qemu").arg(bench.path("qemu"));
+        let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("host-sim runs");
+        let mut log = BufReader::new(run.stdout.take().expect("it is piped"));
+        let mut first = String::new();
+        log.read_line(&mut first).expect("the log is text");
+        drop(log);
+        let output = run.wait_with_output().expect("host-sim ends");
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((first.as_str(), output.status.code(), err.as_ref()), ("first\n", Some(expected), ""));
+    }
 }
 
 #[test]

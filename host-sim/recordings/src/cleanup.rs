@@ -69,6 +69,12 @@ pub fn folder(make: impl FnOnce() -> io::Result<tempfile::TempDir>) -> io::Resul
     keep(make, |folder| Thing::Folder(folder.path().to_owned()))
 }
 
+/// Does something that a signal must not interrupt: one that comes meanwhile ends this program afterwards.
+pub fn undisturbed<T>(act: impl FnOnce() -> T) -> T {
+    let _things = locked(&THINGS);
+    act()
+}
+
 /// A program that was started. Dropped, it is ended and reaped.
 pub struct Process {
     child: Arc<Mutex<Child>>,

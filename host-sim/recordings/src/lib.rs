@@ -164,6 +164,11 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
     } else {
+        ensure!(
+            !path.to_string_lossy().contains("://"),
+            "{} is an address, and host-sim reads files: {LIVE}",
+            path.display()
+        );
         let kind = fs::metadata(path).with_context(|| {
             let known = BUILT_IN.join(", ");
             format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
@@ -171,8 +176,13 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
     };
     sequence.init = options.init.or(sequence.init);
+    // It stands in tables, a line for each recording.
+    sequence.name = words::line(&sequence.name);
     Ok(sequence)
 }
+
+/// What to do with frames that do not lie in a file.
+const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
 
 /// Y4M as it comes, for example from a camera: no boxes lie beside it.
 const STANDARD_INPUT: &str = "-";
@@ -292,9 +302,8 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
         );
     }
     // Left out, it would shift all boxes that follow.
-    let missing = pictures.iter().position(|picture| !picture.exists());
-    if let Some(frame) = missing {
-        bail!("{} (frame {}) is a link to a file that is not there", pictures[frame].display(), frame + 1);
+    for (number, picture) in (1..).zip(&pictures) {
+        check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
     Ok(Source::pictures(pictures, folder, options))
 }
@@ -309,7 +318,15 @@ fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
         let (first, second) = (recording.display(), second.display());
         bail!("{} holds several recordings, among them {first} and {second}: name the one meant", folder.display());
     }
+    check_file(recording, &recording.display().to_string())?;
     Ok(recording)
+}
+
+/// Errors: What is in a folder under the name of a file, here called `name`, is none.
+fn check_file(file: &Path, name: &str) -> Result<()> {
+    ensure!(file.exists(), "{name} is a link to a file that is not there");
+    ensure!(file.is_file(), "{name} is a pipe or a device: expected a file, or nothing of that name in the folder");
+    Ok(())
 }
 
 fn is_recording(file: &Path) -> bool {
@@ -326,6 +343,10 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
         })?;
         let (frames, length) = raw::open(file, size)?;
         return Ok(Source::new(frames, length, file, options.reading()));
+    }
+    #[cfg(unix)]
+    if std::os::unix::fs::FileTypeExt::is_char_device(&data.file_type()) {
+        bail!("{} is a device, and host-sim reads files: {LIVE}", file.display());
     }
     // A pipe is read once.
     let colors = if data.is_file() { Colors::Video(file.to_owned()) } else { Colors::None };
@@ -348,7 +369,7 @@ pub fn is_of_boxes(file: &Path) -> bool {
     boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
 }
 
-/// The files in a folder, and links to files that are not there. Hidden ones are not meant: systems leave thumbnails and
+/// What is in a folder but for folders: files, links to nothing, pipes and devices. Hidden ones are not meant: systems leave thumbnails and
 /// such there.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let cannot_list = || format!("cannot list the folder {}", folder.display());
@@ -356,7 +377,7 @@ fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
     for entry in fs::read_dir(folder).with_context(cannot_list)? {
         let path = entry.with_context(cannot_list)?.path();
         let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if !hidden && (path.is_file() || path.is_symlink() && !path.exists()) {
+        if !hidden && !path.is_dir() {
             files.push(path);
         }
     }

@@ -1,9 +1,10 @@
 //! What this program writes: a file is written whole or not at all, and an error names it.
 
 use crate::cleanup::{self, Kept};
+use crate::words;
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, TempPath};
 
@@ -32,9 +33,10 @@ impl Output {
 
     /// The same of a file that is at `place` for now.
     fn at(place: &Path, name: &Path) -> Result<Self> {
-        let folder = folder_of(place);
+        let target = behind_links(place).with_context(|| cannot_write(name))?;
+        let folder = folder_of(&target);
         ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
-        let (file, whole) = open(place).with_context(|| cannot_write(name))?;
+        let (file, whole) = open(target).with_context(|| cannot_write(name))?;
         Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
     }
 
@@ -74,17 +76,29 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn open(name: &Path) -> io::Result<(fs::File, Option<Whole>)> {
-    let there = fs::metadata(name);
+/// Where links lead, whether there is something or not. A link stays one: what it names is written.
+pub fn behind_links(name: &Path) -> io::Result<PathBuf> {
+    let mut target = name.to_owned();
+    // As many as Linux follows.
+    for _ in 0..40 {
+        match fs::read_link(&target) {
+            Ok(next) if fs::metadata(&target).is_err() => target = folder_of(&target).join(next),
+            // Links to pipes, as in /proc, have no other name.
+            _ => return Ok(fs::canonicalize(&target).unwrap_or(target)),
+        }
+    }
+    Err(io::Error::other("its links lead to no end"))
+}
+
+fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
+    let there = fs::metadata(&target);
     match &there {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
         Ok(data) if !data.is_file() => {
-            return Ok((fs::OpenOptions::new().write(true).open(name)?, None));
+            return Ok((fs::OpenOptions::new().write(true).open(target)?, None));
         }
         _ => {}
     }
-    // A link stays one: what it names is replaced.
-    let target = fs::canonicalize(name).unwrap_or_else(|_| name.to_owned());
     let mut builder = tempfile::Builder::new();
     builder.prefix(".smr-").suffix(".part");
     // Not for the eyes of the user alone, as temporary files are, but as any new file.
@@ -105,9 +119,10 @@ pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     output.finish()
 }
 
-/// A new folder under way. Until [`Folder::finish`] nothing has its name.
+/// A new folder under way, or one that is there and empty. Until [`Folder::finish`] nothing is in it.
 pub struct Folder {
     name: PathBuf,
+    target: PathBuf,
     made: TempDir,
     _kept: Kept,
 }
@@ -116,16 +131,23 @@ impl Folder {
     /// Begins the folder `name`, with all folders above it.
     /// Errors: There is something in it, or it cannot be made.
     pub fn create(name: &Path) -> Result<Self> {
-        if fs::symlink_metadata(name).is_ok() {
-            let mut entries = fs::read_dir(name).with_context(|| cannot_make(name))?;
+        let target = behind_links(name).with_context(|| cannot_make(name))?;
+        let is_there = fs::symlink_metadata(&target).is_ok();
+        if is_there {
+            let mut entries = fs::read_dir(&target).with_context(|| cannot_make(name))?;
             let empty = entries.next().is_none();
             ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
         }
-        let above = folder_of(name);
+        let above = folder_of(&target);
         fs::create_dir_all(above).with_context(|| cannot_make(name))?;
-        let make = || tempfile::Builder::new().prefix(".smr-").tempdir_in(above);
-        let (made, _kept) = cleanup::folder(make).with_context(|| cannot_make(name))?;
-        Ok(Self { name: name.to_owned(), made, _kept })
+        let make = |place: &Path| cleanup::folder(|| tempfile::Builder::new().prefix(".smr-").tempdir_in(place));
+        let made = match make(if is_there && stays(&target) { &target } else { above }) {
+            // Only the empty folder is the user's.
+            Err(_) if is_there => make(&target),
+            made => made,
+        };
+        let (made, _kept) = made.with_context(|| cannot_make(name))?;
+        Ok(Self { name: name.to_owned(), target, made, _kept })
     }
 
     /// Where its files are written until it has its name.
@@ -152,31 +174,62 @@ impl Folder {
 
     /// Gives the folder its name.
     pub fn finish(self) -> Result<()> {
-        let Self { name, made, _kept } = self;
+        let Self { name, target, made, _kept } = self;
         let finish = || -> io::Result<()> {
+            if made.path().parent() == Some(&target) {
+                return fill(made.path(), &target);
+            }
             #[cfg(unix)]
             {
                 use std::os::unix::fs::PermissionsExt;
-                // As a new folder: the temporary one is closed to others.
+                // As the folder that it replaces, or as a new one: the temporary one is closed to others.
                 let like = fs::Permissions::from_mode(0o777);
                 let like = tempfile::Builder::new().permissions(like).tempdir_in(made.path())?;
-                fs::set_permissions(made.path(), fs::metadata(like.path())?.permissions())?;
+                let like = fs::metadata(&target).or_else(|_| fs::metadata(like.path()))?;
+                fs::set_permissions(made.path(), like.permissions())?;
             }
-            if name.is_dir() {
-                // It is empty; where it is a mount or a link it stays, and its files are moved into it.
-                for entry in fs::read_dir(made.path())? {
-                    let entry = entry?;
-                    fs::rename(entry.path(), name.join(entry.file_name()))?;
-                }
-                return Ok(());
-            }
-            fs::rename(made.path(), &name)?;
+            // The system replaces an empty folder at once.
+            fs::rename(made.path(), &target)?;
             // There is nothing to remove under the former name.
             let _ = made.keep();
             Ok(())
         };
         finish().with_context(|| cannot_make(&name))
     }
+}
+
+/// True of a folder that cannot be replaced, or should not be: the root of a file system, or the folder that this program was started in.
+fn stays(folder: &Path) -> bool {
+    let Ok(folder) = fs::canonicalize(folder) else { return true };
+    let is_current = std::env::current_dir().is_ok_and(|current| current == folder);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let device = |folder: &Path| fs::metadata(folder).map(|data| data.dev()).ok();
+        is_current || folder.parent().is_none_or(|above| device(above) != device(&folder))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = is_current;
+        true
+    }
+}
+
+/// Moves all that is in `from` into `to`. After an error nothing of it is there.
+fn fill(from: &Path, to: &Path) -> io::Result<()> {
+    let entries = fs::read_dir(from)?.collect::<io::Result<Vec<_>>>()?;
+    cleanup::undisturbed(|| {
+        for (count, entry) in entries.iter().enumerate() {
+            if let Err(error) = fs::rename(entry.path(), to.join(entry.file_name())) {
+                for moved in &entries[..count] {
+                    // What cannot be moved back cannot be removed either.
+                    let _ = fs::rename(to.join(moved.file_name()), moved.path());
+                }
+                return Err(error);
+            }
+        }
+        Ok(())
+    })
 }
 
 /// A folder for what this program and another one exchange. Dropped, it is removed.
@@ -198,11 +251,20 @@ impl Exchange {
     }
 }
 
-/// Writes to standard output.
+/// Writes text to standard output, [in plain letters](words::plain).
 /// Errors: Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
-pub fn print(text: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
+pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
+    let mut bytes = Vec::new();
+    text(&mut bytes)?;
     let mut out = io::stdout().lock();
-    text(&mut out).and_then(|()| out.flush()).context("cannot write to standard output")
+    let plain = words::plain(&String::from_utf8_lossy(&bytes));
+    out.write_all(plain.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
+}
+
+/// Says something on standard error, in one line.
+#[allow(clippy::print_stderr)] // the one place
+pub fn complain(text: &str) {
+    eprintln!("{}", words::line(text));
 }
 
 fn cannot_write(name: &Path) -> String {
@@ -297,5 +359,57 @@ mod tests {
         fs::write(folder.path().join("1"), "").unwrap();
         folder.finish().unwrap();
         assert_eq!(names(&empty), ["1"]);
+    }
+
+    /// Something else is in the folder when it is to be filled.
+    #[test]
+    fn a_folder_that_was_empty_is_filled_whole_or_not_at_all() {
+        let above = tempfile::tempdir().unwrap();
+        let name = above.path().join("empty");
+        fs::create_dir(&name).unwrap();
+        let folder = Folder::create(&name).unwrap();
+        assert_eq!(names(&name), [""; 0]);
+        let numbers = || (0..100).map(|number: u8| number.to_string());
+        numbers().for_each(|number| folder.write(&number, b"").unwrap());
+        fs::create_dir_all(name.join("50").join("other")).unwrap();
+        let error = format!("{:#}", folder.finish().unwrap_err());
+        assert!(error.starts_with(&format!("cannot make the folder {}: ", name.display())), "{error}");
+        assert_eq!((names(&name), names(above.path())), (vec!["50".to_owned()], vec!["empty".to_owned()]));
+
+        // A folder that stays gets what is moved into it.
+        let made = tempfile::tempdir_in(above.path()).unwrap();
+        numbers().for_each(|number| fs::write(made.path().join(number), "").unwrap());
+        assert!(fill(made.path(), &name).is_err());
+        assert_eq!((names(&name), names(made.path()).len()), (vec!["50".to_owned()], 100));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_link_names_is_made() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("below")).unwrap();
+        symlink("below/file", path("first")).unwrap();
+        symlink("first", path("second")).unwrap();
+        write(&path("second"), b"new").unwrap();
+        assert!(path("first").is_symlink() && path("second").is_symlink());
+        assert_eq!(fs::read(path("below/file")).unwrap(), b"new");
+        symlink("below/no/file", path("nowhere")).unwrap();
+        let error = format!("{:#}", write(&path("nowhere"), b"").unwrap_err());
+        let begins = format!("cannot write {}: there is no folder ", path("nowhere").display());
+        assert!(error.starts_with(&begins) && error.ends_with("below/no"), "{error}");
+        symlink("below/folder", path("pictures")).unwrap();
+        for _ in 0..2 {
+            let made = Folder::create(&path("pictures")).unwrap();
+            made.write("1", b"").unwrap();
+            made.finish().unwrap();
+            assert!(path("pictures").is_symlink());
+            assert_eq!((names(&path("below/folder")), names(&path("below")).len()), (vec!["1".to_owned()], 2));
+            // Empty, it is there the next time.
+            fs::remove_file(path("below/folder/1")).unwrap();
+        }
+        symlink("circle", path("circle")).unwrap();
+        assert!(Output::create(&path("circle")).is_err() && Folder::create(&path("circle")).is_err());
     }
 }

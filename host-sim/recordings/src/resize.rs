@@ -3,6 +3,7 @@
 use super::{ColorFrame, GrayFrame, Sequence};
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
+use std::fmt;
 use std::str::FromStr;
 
 /// The size that frames are brought to: `320x240`, or a fraction of the size that they have, `1/2`.
@@ -24,7 +25,17 @@ impl FromStr for Resize {
         match (pair('x'), pair('/')) {
             (Some((width, height)), _) => Ok(Self::To(width, height)),
             (_, Some((numerator, denominator))) => Ok(Self::By(numerator, denominator)),
-            _ => bail!("expected a size like 320x240 or a fraction like 1/2, no number 0"),
+            _ => bail!("expected a size like 320x240 or a fraction like 1/2, of numbers from 1 to 65535"),
+        }
+    }
+}
+
+/// As it is typed.
+impl fmt::Display for Resize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::To(width, height) => write!(f, "{width}x{height}"),
+            Self::By(numerator, denominator) => write!(f, "{numerator}/{denominator}"),
         }
     }
 }
@@ -40,8 +51,9 @@ impl Resize {
             // To the nearest.
             u16::try_from((2 * u64::from(side) * numerator + denominator) / (2 * denominator)).ok()
         };
-        let (new_width, new_height) =
-            side(width).zip(side(height)).context("--resize: expected at most 65535 pixels on each side")?;
+        let (new_width, new_height) = side(width).zip(side(height)).with_context(|| {
+            format!("--resize {self} of {width}x{height}: expected at most 65535 pixels on each side")
+        })?;
         Ok((new_width.max(1), new_height.max(1)))
     }
 }
@@ -70,7 +82,7 @@ impl Sequence {
         let (width, height) = resize.size(first.width, first.height)?;
         ensure!(
             u64::from(width) * u64::from(height) <= MOST_PIXELS,
-            "--resize: {width}x{height}: expected at most {MOST_PIXELS} pixels"
+            "--resize to {width}x{height}: expected at most {MOST_PIXELS} pixels"
         );
         let scale = (f64::from(width) / f64::from(first.width), f64::from(height) / f64::from(first.height));
         let frames = std::iter::once(Ok(first)).chain(frames);

@@ -18,6 +18,9 @@ use std::time::Duration;
 /// How long ffmpeg may be silent, unless said otherwise.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Decodes on one thread: with several, what ffmpeg puts in place of damage is different in every run.
+pub(super) const ONE_THREAD: [&str; 2] = ["-threads", "1"];
+
 /// What is looked for in a folder. A file that is named is given to ffmpeg whatever its extension.
 const EXTENSIONS: [&str; 22] = [
     "mpg", "mpeg", "mp4", "m4v", "mov", "avi", "mkv", "webm", "wmv", "flv", "ts", "mts", "m2ts", "ogv", "3gp", "m1v",
@@ -39,6 +42,7 @@ fn open_with(program: &str, file: &Path, patience: Duration) -> Result<Frames> {
     // No byte at all means that ffmpeg has ended, and knows why.
     if stream.fill_buf().with_context(|| format!("cannot read {name} through ffmpeg"))?.is_empty() {
         let Ended { status, said } = ffmpeg.end()?;
+        ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
         ensure!(said.last.is_empty() && status.success(), "ffmpeg cannot decode {name}: {}", said.or(status));
         bail!("{name} holds no frame that ffmpeg decodes");
     }
@@ -202,7 +206,11 @@ pub fn input(file: &Path) -> OsString {
 fn command(program: &str, file: &Path) -> Command {
     let mut command = Command::new(program);
     // Frames of another size would be scaled without a word: without a new filter there is at least a warning.
-    command.args(["-nostdin", "-v", "level+warning", "-reinit_filter", "0", "-i"]).arg(input(file));
+    command
+        .args(["-nostdin", "-v", "level+warning", "-reinit_filter", "0"])
+        .args(ONE_THREAD)
+        .arg("-i")
+        .arg(input(file));
     command.args(["-pix_fmt", "gray", "-fps_mode", "passthrough", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command

@@ -4,7 +4,7 @@
 //! `showinfo`, on standard error.
 
 use super::color::{ColorFrame, Moment};
-use super::video::{Patient, input};
+use super::video::{ONE_THREAD, Patient, input};
 use crate::cleanup::Process;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -16,7 +16,8 @@ use std::time::Duration;
 /// The frames from the one with the number `first` on, no side longer than `side`. `None` if there is no ffmpeg.
 pub(super) fn open(file: &Path, first: usize, side: u16, patience: Duration) -> Option<Frames> {
     let mut command = Command::new("ffmpeg");
-    command.args(["-nostdin", "-nostats", "-v", "level+info", "-reinit_filter", "0", "-i"]).arg(input(file));
+    command.args(["-nostdin", "-nostats", "-v", "level+info", "-reinit_filter", "0"]);
+    command.args(ONE_THREAD).arg("-i").arg(input(file));
     let skip = first - 1;
     let within = format!("scale='min({side},iw)':'min({side},ih)':force_original_aspect_ratio=decrease");
     let filter = format!("select='gte(n,{skip})',{within},showinfo=checksum=0");

@@ -31,10 +31,43 @@ pub fn of_io(error: &io::Error) -> String {
     words.to_owned()
 }
 
+/// The text with its control characters written out, as `\u001b`: the name of a file must not steer a terminal. Ends of lines and tabs stay. JSON means
+/// the same as before.
+#[must_use]
+pub fn plain(text: &str) -> String {
+    written_out(text, |letter| letter == '\n' || letter == '\t')
+}
+
+/// The same in one line.
+#[must_use]
+pub fn line(text: &str) -> String {
+    written_out(text, |_| false)
+}
+
+fn written_out(text: &str, stays: impl Fn(char) -> bool) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if letter.is_control() && !stays(letter) {
+            plain += &format!("\\u{:04x}", u32::from(letter));
+        } else {
+            plain.push(letter);
+        }
+    }
+    plain
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use anyhow::Context;
+
+    #[test]
+    fn control_characters_are_written_out() {
+        assert_eq!(plain("a\u{1b}[2Jb\r\nü\u{9b}\u{7f}"), "a\\u001b[2Jb\\u000d\nü\\u009b\\u007f");
+        assert_eq!((line("a\nb\t"), plain("a\tb")), ("a\\u000ab\\u0009".to_owned(), "a\tb".to_owned()));
+        let json = serde_json::to_string("\u{1b}\u{9b}").unwrap();
+        assert_eq!(serde_json::from_str::<String>(&plain(&json)).unwrap(), "\u{1b}\u{9b}");
+    }
 
     #[test]
     fn no_number_and_no_name_of_the_system_is_left() {

@@ -18,7 +18,7 @@ use smr_core::paper::{Config, Radius};
 use smr_evaluation::clock::{Patience, timed};
 use smr_evaluation::{CoreKind, MethodKind, Variant};
 use smr_pages::report::diagram;
-use smr_recordings::output::Output;
+use smr_recordings::output::{Output, complain};
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
@@ -101,7 +101,7 @@ impl Bench {
         }
         tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
         for difference in &report.differences {
-            eprintln!("error: different answers: {difference}");
+            complain(&format!("error: different answers: {difference}"));
         }
         Ok(if report.differences.is_empty() { Outcome::Holds } else { Outcome::CheckFailed })
     }

@@ -1,14 +1,17 @@
 //! `host-sim convert`: a recording as files that other programs read and firmware replays.
 
-use super::places::Places;
+use super::places::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, tell};
 use anyhow::{Result, bail, ensure};
 use serde::Serialize;
 use smr_pages::export::{Format, Writer, Written, is_whole};
+use smr_recordings::output::complain;
 use smr_recordings::{BoundingBox, Sequence};
 use std::io::Write;
 use std::path::PathBuf;
+
+const TAKEN: Taken = Taken { endings: &Format::OF_FILES, folder: true };
 
 #[derive(Debug, clap::Args)]
 pub struct Convert {
@@ -50,7 +53,10 @@ struct Report {
 impl Convert {
     /// What is read and written.
     pub fn places(&self) -> Places<'_> {
-        Places::of([&self.sequence]).writes("--out", Some(&self.out))
+        let (places, out) = (Places::of([&self.sequence]), Some(&self.out));
+        // The sequence of a toolkit is a folder, whatever it is called.
+        let is_folder = self.format.is_some_and(Format::needs_boxes);
+        if is_folder { places.writes("--out", out) } else { places.writes_as("--out", out, TAKEN) }
     }
 
     pub fn run(self) -> Result<Outcome> {
@@ -75,7 +81,7 @@ impl Convert {
         let written = writer.finish(truth.as_deref())?;
         let whole = truth.is_some_and(|truth| is_whole(&truth, written.frames));
         if format.needs_boxes() && !whole {
-            eprintln!("note: {name}: no ground truth for each frame: only the box to start from is written");
+            complain(&format!("note: {name}: no ground truth for each frame: only the box to start from is written"));
         }
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),

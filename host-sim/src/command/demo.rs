@@ -1,6 +1,6 @@
 //! The first thing to run: follows the target of a built-in recording, writes a page, and says what to type next.
 
-use super::places::Places;
+use super::places::{Places, Taken};
 use super::{Command, HostSim, Outcome, say};
 use anyhow::Result;
 use clap::Parser;
@@ -19,7 +19,7 @@ pub struct Demo {
 impl Demo {
     /// What is read and written.
     pub fn places(&self) -> Places<'_> {
-        Places::default().writes("--out", Some(&self.out))
+        Places::default().writes_as("--out", Some(&self.out), Taken::PAGE)
     }
 
     /// Runs `report`, as a user would type it.

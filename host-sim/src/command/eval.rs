@@ -16,7 +16,7 @@ use smr_evaluation::{covered, faults};
 use smr_pages::report::calibration;
 use smr_pages::report::diagram::Form;
 use smr_recordings::fault::{Fault, Faults};
-use smr_recordings::output::Output;
+use smr_recordings::output::{Output, complain};
 use smr_recordings::{OpenOptions, Resize, Sequence, slow, synthetic};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -314,7 +314,7 @@ fn is_published(path: &Path) -> bool {
 
 fn say_what_to_know(evaluations: &[Evaluation]) {
     for note in evaluations.iter().flat_map(|evaluation| &evaluation.notes) {
-        eprintln!("note: {note}");
+        complain(&format!("note: {note}"));
     }
 }
 

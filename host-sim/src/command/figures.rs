@@ -1,7 +1,7 @@
 //! `host-sim figures`: the paper's five figures of a recording.
 
 use super::number::from;
-use super::places::Places;
+use super::places::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, say};
@@ -81,7 +81,7 @@ struct LeftOut {
 impl Figures {
     /// What is read and written.
     pub fn places(&self) -> Places<'_> {
-        Places::of([&self.sequence]).writes("--out", Some(&self.out))
+        Places::of([&self.sequence]).writes_as("--out", Some(&self.out), Taken::FOLDER)
     }
 
     pub fn run(self) -> Result<Outcome> {

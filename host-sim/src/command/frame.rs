@@ -1,13 +1,14 @@
 //! `host-sim frame`: the box to start from is dragged on a page, or read off a frame with its coordinates.
 
 use super::number::from;
-use super::places::Places;
+use super::places::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, say};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use smr_pages::report::{self, Choosing, SIDE, Shots};
-use smr_recordings::output::{self, Output};
+use smr_recordings::output::{self, Output, complain};
+use smr_recordings::words;
 use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence};
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -15,6 +16,8 @@ use std::path::{Path, PathBuf};
 
 /// A page beyond this has fewer frames.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
+
+const TAKEN: Taken = Taken { endings: &["html", "png"], folder: false };
 
 #[derive(Debug, clap::Args)]
 pub struct Frame {
@@ -60,7 +63,7 @@ struct Written {
 impl Frame {
     /// What is read and written.
     pub fn places(&self) -> Places<'_> {
-        Places::of([&self.sequence]).writes("--out", Some(&self.out))
+        Places::of([&self.sequence]).writes_as("--out", Some(&self.out), TAKEN)
     }
 
     pub fn run(self) -> Result<Outcome> {
@@ -102,7 +105,7 @@ impl Frame {
         let output = Output::create(&self.out)?;
         let Sequence { name, mut frames, init, length, first, colors, .. } =
             self.recording.in_own_size().open(&self.sequence)?;
-        // The first frame tells the size. Damage in later frames is reported by the commands that follow the target, not here.
+        // The first frame tells the size.
         let gray = frames.next().with_context(|| format!("{name} holds no frame"))??;
         let size = (gray.width, gray.height);
         let bbox = self.target(init);
@@ -120,17 +123,28 @@ impl Frame {
         let budget = self.budget.get().saturating_mul(1_000_000);
         let patience = self.recording.ffmpeg_patience();
         let count = self.recording.frames.and_then(|part| part.last()).map_or(usize::MAX, |last| last + 1 - first);
-        let in_color: Box<dyn Iterator<Item = Result<ColorFrame>>> = match colors {
-            Colors::None => Box::new(std::iter::once(Ok(gray)).chain(frames).map(|frame| Ok((&frame?).into()))),
-            ref colors => Box::new(colors.clone().within(first, SIDE, patience).take(count).map(Ok)),
+        let mut damage = None;
+        let in_color: Box<dyn Iterator<Item = ColorFrame>> = match colors {
+            // A second ffmpeg makes them small, which is quick.
+            Colors::Video(_) => Box::new(colors.clone().within(first, SIDE, patience).take(count)),
+            // They end where the gray ones do.
+            ref colors => {
+                let mut colors = colors.clone().open(first, patience);
+                let sound = frames.map_while(|frame| frame.map_err(|error| damage = Some(error)).ok());
+                Box::new(std::iter::once(gray).chain(sound).map(move |gray| colors.next(&gray).0))
+            }
         };
         let shots = Shots {
             frames: in_color.inspect(|_| bar.inc(1)),
             size,
             shown: colors.within(self.number(), u16::MAX, patience).next(),
         };
-        let picked = report::pick(shots, &choosing, least, budget)?;
+        let picked = report::pick(shots, &choosing, least, budget);
         bar.finish_and_clear();
+        if let Some(damage) = damage {
+            complain(&format!("note: the page ends before damage: {}", words::of(&damage)));
+        }
+        let picked = picked?;
         write(output, picked.page.as_bytes())?;
         Ok(self.written(choosing.name, picked.page.len(), picked.size, Some(picked.pictures), bbox))
     }

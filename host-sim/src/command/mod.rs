@@ -46,10 +46,10 @@ use not_built::NotBuilt;
 use places::Places;
 use serde::Serialize;
 use smr_evaluation::Refused;
-use smr_recordings::output::print;
+use smr_recordings::output::{complain, print};
 use smr_recordings::{cleanup, words};
 use std::error::Error;
-use std::io::{self, ErrorKind, StdoutLock, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -251,7 +251,7 @@ pub fn run() -> ExitCode {
         Ok(line) => line.run(&name),
         Err(error) => match bad_value(&error) {
             Some(said) => refused(&anyhow::anyhow!(said), &name),
-            None => error.exit(),
+            None => misused(error),
         },
     }
 }
@@ -276,6 +276,21 @@ fn bad_value(error: &clap::Error) -> Option<String> {
     Some(format!("{name} {shown}: {expected}"))
 }
 
+/// Prints other bad usage as clap does, or the help that was asked for. Without the advice to put `--` before an option that there is not.
+fn misused(mut error: clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        error.exit();
+    }
+    if let Some(ContextValue::StyledStrs(mut advice)) = error.remove(ContextKind::Suggested) {
+        advice.retain(|advice| !advice.to_string().starts_with("to pass "));
+        if !advice.is_empty() {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
+        }
+    }
+    error.render().to_string().trim_end().lines().for_each(complain);
+    ExitCode::from(2)
+}
+
 /// What is printed of an error of this command; a box that is refused comes with what the command has against it.
 fn told(error: &anyhow::Error, command: &str) -> String {
     let said = words::of(error);
@@ -288,7 +303,7 @@ fn told(error: &anyhow::Error, command: &str) -> String {
 
 fn refused(error: &anyhow::Error, command: &str) -> ExitCode {
     cleanup::yield_to_signal();
-    eprintln!("error: {}", told(error, command));
+    complain(&format!("error: {}", told(error, command)));
     ExitCode::from(2)
 }
 
@@ -321,11 +336,7 @@ trait WritesNoFile {
 impl<T> WritesNoFile for T {}
 
 /// Prints a result, as JSON or in words.
-fn tell<T: Serialize>(
-    json: bool,
-    result: &T,
-    words: impl FnOnce(&T, &mut StdoutLock<'_>) -> io::Result<()>,
-) -> Result<()> {
+fn tell<T: Serialize>(json: bool, result: &T, words: impl FnOnce(&T, &mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let json = json.then(|| serde_json::to_string_pretty(result)).transpose()?;
     say(|out| match json {
         Some(json) => writeln!(out, "{json}"),
@@ -334,7 +345,7 @@ fn tell<T: Serialize>(
 }
 
 /// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
-fn say(report: impl FnOnce(&mut StdoutLock<'_>) -> io::Result<()>) -> Result<()> {
+fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     match print(report) {
         Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),

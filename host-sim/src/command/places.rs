@@ -1,6 +1,8 @@
 //! What a command reads and writes: no two outputs are one file, and none of them is an input.
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
+use smr_recordings::output;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +15,44 @@ pub struct Places<'a> {
     pub files: Vec<&'a Path>,
     /// Options, and what is written by them.
     pub outputs: Vec<(&'static str, &'a Path)>,
+    /// Outputs whose names say what is written.
+    named: Vec<(&'static str, &'a Path, Taken)>,
+}
+
+/// What an output can be, as its name says: a file with one of these endings, or a folder.
+#[derive(Clone, Copy)]
+pub struct Taken {
+    pub endings: &'static [&'static str],
+    pub folder: bool,
+}
+
+impl Taken {
+    pub const PICTURE: Self = Self { endings: &["png"], folder: false };
+    pub const FOLDER: Self = Self { endings: &[], folder: true };
+    /// A page, or a folder for it.
+    pub const PAGE: Self = Self { endings: &["html"], folder: true };
+
+    fn takes(self, output: &Path) -> bool {
+        // A device takes anything. A file in place of a folder, or the other way round, is refused by who writes it.
+        if fs::metadata(output).is_ok_and(|data| !data.is_file()) {
+            return true;
+        }
+        let Some(ending) = output.extension() else { return self.folder };
+        let is_folder = output.as_os_str().as_encoded_bytes().ends_with(b"/");
+        self.folder && is_folder || self.endings.iter().any(|known| ending.eq_ignore_ascii_case(known))
+    }
+}
+
+impl fmt::Display for Taken {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let folder = "a folder (no ending, or a / after it)";
+        match self.endings {
+            [] => return f.write_str(folder),
+            [one] => write!(f, "a file that ends in .{one}")?,
+            [others @ .., last] => write!(f, "a file that ends in .{} or .{last}", others.join(", ."))?,
+        }
+        if self.folder { write!(f, ", or {folder}") } else { Ok(()) }
+    }
 }
 
 impl<'a> Places<'a> {
@@ -33,8 +73,17 @@ impl<'a> Places<'a> {
         self
     }
 
-    /// Errors: Two outputs are one file, or an output is an input.
+    /// The same of an output whose name says what is written.
+    pub fn writes_as(mut self, option: &'static str, output: Option<&'a PathBuf>, taken: Taken) -> Self {
+        self.named.extend(output.map(|output| (option, output.as_path(), taken)));
+        self.writes(option, output)
+    }
+
+    /// Errors: The name of an output does not say what it is, two outputs are one file, or an output is an input.
     pub fn check(&self) -> Result<()> {
+        for &(option, output, taken) in &self.named {
+            ensure!(taken.takes(output), "{option} {}: expected {taken}", output.display());
+        }
         for (index, &(option, output)) in self.outputs.iter().enumerate() {
             let shown = output.display();
             if let Some((other, _)) = self.outputs[..index].iter().find(|(_, other)| is_same(output, other)) {
@@ -71,6 +120,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
 
 /// A name without links; of what is not there yet, in the folder where it will be.
 fn real(path: &Path) -> PathBuf {
+    let path = &output::behind_links(path).unwrap_or_else(|_| path.to_owned());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_folder = || Some(fs::canonicalize(folder).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
@@ -104,8 +154,31 @@ mod tests {
             std::os::unix::fs::symlink(path("a"), path("link")).unwrap();
             fs::hard_link(path("a"), path("hard")).unwrap();
             assert!(is_same(&path("link"), &path("a")) && is_same(&path("hard"), &path("a")));
+            std::os::unix::fs::symlink("new", path("early")).unwrap();
+            assert!(is_same(&path("early"), &path("new")));
             assert!(!is_same(Path::new("/dev/null"), Path::new("/dev/null")));
         }
+    }
+
+    #[test]
+    fn a_name_says_what_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let check = |name: &str, taken| {
+            let output = folder.path().join(name);
+            let checked = Places::default().writes_as("--out", Some(&output), taken).check();
+            checked.map_err(|error| error.to_string().split_once(": expected ").unwrap().1.to_owned())
+        };
+        fs::create_dir(folder.path().join("run.7")).unwrap();
+        for name in ["page.HTML", "pages", "new.7/", "run.7"] {
+            assert_eq!(check(name, Taken::PAGE), Ok(()), "{name}");
+        }
+        let expected = "a file that ends in .html, or a folder (no ending, or a / after it)";
+        assert_eq!(check("page.pdf", Taken::PAGE).unwrap_err(), expected);
+        assert_eq!(check("x.jpg", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
+        assert_eq!(check("picture", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
+        assert!(check("x.png", Taken::FOLDER).is_err());
+        let two = Taken { endings: &["html", "png"], folder: false };
+        assert_eq!(check("x", two).unwrap_err(), "a file that ends in .html or .png");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! How far a command has got: on standard error, and only if it is a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use smr_recordings::words;
 
 /// A bar of so many frames; without their number they are counted.
 pub fn bar(name: &str, frames: Option<usize>) -> ProgressBar {
@@ -16,5 +17,5 @@ pub fn of(name: &str, count: Option<usize>, what: &str) -> ProgressBar {
         None => (ProgressBar::new_spinner(), format!("{{msg}} {{spinner}} {{pos}} {what}, {{per_sec}}")),
     };
     let style = ProgressStyle::with_template(&template);
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(name.to_owned())
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(words::line(name))
 }

@@ -4,6 +4,7 @@ use super::number::whole;
 use super::tracker_options::Pair;
 use anyhow::{Result, bail, ensure};
 use clap::Args;
+use smr_recordings::output::complain;
 use smr_recordings::recordings;
 use smr_recordings::{
     self, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence, Start, Target,
@@ -70,13 +71,9 @@ impl RecordingOptions {
 
     /// The options as they are typed, but for those of the box to start from.
     pub fn words(&self) -> Vec<String> {
-        let resize = self.resize.map(|resize| match resize {
-            Resize::To(width, height) => format!("{width}x{height}"),
-            Resize::By(numerator, denominator) => format!("{numerator}/{denominator}"),
-        });
         let given = [
             ("--size", self.size.map(|size| size.to_string())),
-            ("--resize", resize),
+            ("--resize", self.resize.map(|resize| resize.to_string())),
             ("--frames", self.frames.map(|frames| frames.to_string())),
             ("--ffmpeg-timeout", self.ffmpeg_timeout.map(|seconds| seconds.to_string())),
         ];
@@ -103,6 +100,14 @@ impl RecordingOptions {
     /// Opens the recording at `path`, for a command that follows all targets that are given, or else the one beside the recording.
     pub fn open_with_targets(&self, path: &Path) -> Result<(Sequence, Vec<Target>)> {
         let (sequence, targets) = self.open_all(path)?;
+        if let Some(resize) = self.resize {
+            let mut boxes =
+                targets.iter().flat_map(|target| &target.starts).map(|(_, bbox)| bbox).chain(&sequence.init);
+            ensure!(
+                boxes.all(|bbox| bbox.width.min(bbox.height) >= 0.5),
+                "--resize {resize} makes a box to start from smaller than a pixel: expected larger frames"
+            );
+        }
         if !targets.is_empty() {
             return Ok((sequence, targets));
         }
@@ -195,8 +200,8 @@ impl Drop for Announced {
     fn drop(&mut self) {
         match self.damage.frames() {
             0 => {}
-            1 => eprintln!("note: {}: a frame is damaged", self.name),
-            frames => eprintln!("note: {}: {frames} frames are damaged", self.name),
+            1 => complain(&format!("note: {}: a frame is damaged", self.name)),
+            frames => complain(&format!("note: {}: {frames} frames are damaged", self.name)),
         }
     }
 }

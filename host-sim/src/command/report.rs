@@ -1,7 +1,7 @@
 //! `host-sim report`: recordings as people look at them, a page or a picture.
 
 use super::number::from;
-use super::places::Places;
+use super::places::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress};
@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
 use smr_pages::report::{self, About, Choice, Film, Refusal};
-use smr_recordings::output::{Output, print};
+use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{BUILT_IN, Sequence, Target};
 use std::fs;
 use std::io::Write;
@@ -64,7 +64,8 @@ struct Written {
 impl Report {
     /// What is read and written.
     pub fn places(&self) -> Places<'_> {
-        Places::of(&self.paths).writes("--out", self.out.as_ref()).writes("--png", self.png.as_ref())
+        let places = Places::of(&self.paths).writes_as("--out", self.out.as_ref(), Taken::PAGE);
+        places.writes_as("--png", self.png.as_ref(), Taken::PICTURE)
     }
 
     pub fn run(self) -> Result<Outcome> {
@@ -82,7 +83,7 @@ impl Report {
         let png = self.png.clone().map(File::create).transpose()?;
         let mut films = self.watch(&found, sequences, &methods)?;
         for film in &films {
-            film.notes.iter().for_each(|note| eprintln!("note: {}: {note}", film.name));
+            film.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", film.name)));
         }
         let mut files = Vec::new();
         if let Some(file) = page {

@@ -6,6 +6,7 @@ use anyhow::{Error, Result, bail};
 use smr_evaluation::Variant;
 use smr_evaluation::robustness::{self, Progress, Robustness, Starts};
 use smr_recordings::cleanup;
+use smr_recordings::output::complain;
 use std::path::{Path, PathBuf};
 
 /// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
@@ -37,7 +38,7 @@ pub fn measure(
 pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command: &str) -> usize {
     let say = |error: &Error| {
         cleanup::yield_to_signal();
-        eprintln!("error: {}", told(error, command));
+        complain(&format!("error: {}", told(error, command)));
     };
     errors.into_iter().map(say).count()
 }

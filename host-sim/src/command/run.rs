@@ -6,7 +6,7 @@ use crate::emulator::qemu::Qemu;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
 use smr_recordings::input;
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, StdoutLock, Write};
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -55,10 +55,29 @@ fn chunks(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
     receiver
 }
 
+/// Where the log goes. That nobody reads it any more (`| head`) does not end the firmware: its verdict is still wanted.
+struct Log {
+    out: StdoutLock<'static>,
+    is_read: bool,
+}
+
+impl Log {
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        if !self.is_read {
+            return Ok(());
+        }
+        match self.out.write_all(bytes).and_then(|()| self.out.flush()) {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => self.is_read = false,
+            written => written.context("cannot write to standard output")?,
+        }
+        Ok(())
+    }
+}
+
 /// Prints the log until it ends.
 fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Result<()> {
     let mut decoder = table.map(Table::new_stream_decoder);
-    let mut out = std::io::stdout().lock();
+    let mut out = Log { out: std::io::stdout().lock(), is_read: true };
     let mut last = Instant::now();
     loop {
         let bytes = match log.recv_timeout(Duration::from_millis(50)) {
@@ -71,7 +90,7 @@ fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Res
         };
         last = Instant::now();
         let Some(decoder) = &mut decoder else {
-            out.write_all(&bytes).context("cannot write to standard output")?;
+            out.write(&bytes)?;
             continue;
         };
         decoder.received(&bytes);
@@ -79,8 +98,7 @@ fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Res
             match decoder.decode() {
                 Ok(frame) => {
                     let level = frame.level().map_or("", |level| level.as_str());
-                    writeln!(out, "{level:5} {}", frame.display_message())
-                        .context("cannot write to standard output")?;
+                    out.write(format!("{level:5} {}\n", frame.display_message()).as_bytes())?;
                 }
                 Err(DecodeError::UnexpectedEof) => break,
                 Err(DecodeError::Malformed) => bail!("the firmware's log is not defmt's"),

@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 use smr_core::Quality;
 use smr_evaluation::{Followed, MethodKind};
 use smr_pages::export::{Plan, Rate};
-use smr_recordings::output::{Output, print};
+use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{GrayFrame, Sequence};
 use std::io::{IsTerminal, Write, stdout};
 use std::ops::RangeInclusive;
@@ -37,7 +37,7 @@ pub struct Track {
     #[arg(long, conflicts_with = "format")]
     json: bool,
     /// Write to this file instead of standard output; after an error there is no file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4 (needs ffmpeg), .gif, or a new folder for PNG pictures
     ///
@@ -57,8 +57,8 @@ pub struct Track {
     tracker: TrackerOptions,
 }
 
-/// What is said of a target of poor quality.
-const POOR: &str = "the target can hardly be told from what lies beside it: expected a box with more texture";
+/// What is said of targets of poor quality.
+const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 impl Track {
     /// What is read and written.
@@ -132,13 +132,13 @@ struct Pass {
 
 impl Pass {
     fn frame(&mut self, number: usize, frame: &GrayFrame) -> Result<()> {
-        let mut shown = Vec::new();
+        let (mut shown, mut poor) = (Vec::new(), Vec::new());
         for target in &mut self.targets {
             let locks = target.next_start() == Some(number);
             let report = target.step(number, frame).with_context(|| self.name.clone())?;
             let quality = target.quality().filter(|_| locks);
             if quality.is_some_and(Quality::is_poor) {
-                self.bar.suspend(|| eprintln!("warning: {}{}: {POOR}", self.name, named(target)));
+                poor.push(target.name.as_deref());
             }
             let name = target.name.as_deref();
             let answer = Answer { target: name, frame: number, report: report.as_ref(), quality };
@@ -146,6 +146,9 @@ impl Pass {
             shown.push(Shown { name, report });
         }
         self.film.as_mut().map_or(Ok(()), |film| film.frame(frame, number, &shown))?;
+        if let Some(warning) = warning(&poor) {
+            self.bar.suspend(|| complain(&format!("warning: {}: {warning}", self.name)));
+        }
         self.bar.inc(1);
         Ok(())
     }
@@ -161,6 +164,19 @@ impl Pass {
         }
         self.film.map_or(Ok(()), Film::finish)?;
         self.lines.finish()
+    }
+}
+
+/// What is said of the targets of a frame that are of poor quality.
+fn warning(poor: &[Option<&str>]) -> Option<String> {
+    match poor {
+        [] => None,
+        [None, ..] => Some(format!("the target {POOR}")),
+        [Some(one)] => Some(format!("the target {one} {POOR}")),
+        several => {
+            let names: Vec<&str> = several.iter().copied().flatten().collect();
+            Some(format!("each of {} targets {POOR}: {}", names.len(), names.join(", ")))
+        }
     }
 }
 

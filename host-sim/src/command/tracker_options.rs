@@ -380,7 +380,8 @@ impl FromStr for Pair {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let (x, y) = two(text, 'x').ok_or_else(|| anyhow!("expected two whole numbers like 60x50"))?;
+        let (x, y) =
+            two(text, 'x').ok_or_else(|| anyhow!("expected two whole numbers like 60x50, each at most 65535"))?;
         Ok(Self(x, y))
     }
 }

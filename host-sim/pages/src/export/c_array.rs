@@ -6,11 +6,28 @@ use std::fmt::Write;
 /// Bytes in a line of the file.
 const IN_A_LINE: usize = 24;
 
-/// `name` as a C identifier.
+/// Names that mean something else: keywords of C23 and C++23, what GNU compilers and C23's limits define, and functions of the usual headers
+/// that a recording may be called like.
+const TAKEN: &str = "
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class co_await co_return co_yield compl concept const const_cast
+    consteval constexpr constinit continue decltype default delete do double dynamic_cast else enum explicit export extern false float for friend
+    goto if inline int long mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
+    reinterpret_cast requires restrict return short signed sizeof static static_assert static_cast struct switch template this thread_local
+    throw true try typedef typeid typename typeof typeof_unqual union unsigned using virtual void volatile while xor xor_eq
+    arm far fortran i386 interrupt linux main near unix errno std stderr stdin stdout size uint ulong
+    abort abs accept access alarm assert bind ceil clock close complex connect div dup exit exp floor fork free gamma imaginary index kill link
+    listen log nice open pause pipe poll pow raise rand random read remainder remove rename rewind round select send shutdown signal sin sleep
+    socket sqrt stat sync system tan time truncate unlink wait write y0 y1";
+
+/// `name` as a C identifier that means nothing else.
 pub(super) fn identifier(name: &str) -> String {
     let allowed = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '_' };
     let plain: String = name.chars().map(allowed).collect();
-    if plain.starts_with(|first: char| first.is_ascii_alphabetic()) { plain } else { format!("smr_{plain}") }
+    let is_name = plain.starts_with(|first: char| first.is_ascii_alphabetic());
+    // `_t` is POSIX's, `smr_` that of smr.h.
+    let is_taken = plain.ends_with("_t") || plain.starts_with("smr_");
+    let is_free = !is_taken && TAKEN.split_whitespace().all(|taken| taken != plain);
+    if is_name && is_free { plain } else { format!("frames_{plain}") }
 }
 
 /// What stands before the first frame.
@@ -59,9 +76,13 @@ mod tests {
 
     #[test]
     fn names_become_identifiers() {
-        for (name, expected) in [("Car1", "car1"), ("my clip-2", "my_clip_2"), ("2fast", "smr_2fast"), ("ü", "smr__")]
+        for (name, expected) in
+            [("Car1", "car1"), ("my clip-2", "my_clip_2"), ("2fast", "frames_2fast"), ("ü", "frames__")]
         {
             assert_eq!(identifier(name), expected);
+        }
+        for taken in ["int", "Class", "co_await", "linux", "time", "uint8_t", "smr_lock"] {
+            assert_eq!(identifier(taken), format!("frames_{}", taken.to_lowercase()));
         }
     }
 }

@@ -66,6 +66,9 @@ impl Format {
         matches!(self, Self::Y4m | Self::Raw | Self::H)
     }
 
+    /// The extensions of files that hold all frames.
+    pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
+
     /// That of a file of this name, if the extension tells.
     #[must_use]
     pub fn of_file(path: &Path) -> Option<Self> {

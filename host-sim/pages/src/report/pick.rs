@@ -84,9 +84,9 @@ pub struct Shots<F> {
 /// A page of at most `budget` bytes. `least` is the smallest box.
 ///
 /// # Errors
-/// A frame that cannot be read, none with the number to show, or a budget that is too small for it.
+/// No frame with the number to show, or a budget that is too small for it.
 pub fn pick(
-    Shots { frames, size, shown: large }: Shots<impl Iterator<Item = Result<ColorFrame>>>,
+    Shots { frames, size, shown: large }: Shots<impl Iterator<Item = ColorFrame>>,
     choosing: &Choosing,
     least: (u16, u16),
     budget: usize,
@@ -95,7 +95,6 @@ pub fn pick(
     let mut kept = Frames { first, every: 1, kept: Vec::new() };
     let (mut shown, mut last) = (None, first - 1);
     for (number, frame) in (first..).zip(frames) {
-        let frame = frame?;
         last = number;
         if number == choosing.shown {
             shown = Some((number, encode::color_jpeg(large.as_ref().unwrap_or(&frame))?));
@@ -217,7 +216,7 @@ mod tests {
     }
 
     fn made(choosing: &Choosing, frames: usize, budget: usize) -> Result<(Picked, Value)> {
-        let frames = (choosing.first - 1..).take(frames).map(|index| Ok((&synthetic::frame(index)).into()));
+        let frames = (choosing.first - 1..).take(frames).map(|index| (&synthetic::frame(index)).into());
         let picked = pick(Shots { frames, size: (160, 120), shown: None }, choosing, (2, 3), budget)?;
         let data = picked.page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
         let data = serde_json::from_str(data).unwrap();
@@ -261,7 +260,7 @@ mod tests {
     #[test]
     fn the_frame_that_is_shown_first_has_all_its_pixels() {
         let wide = |width: u16| ColorFrame { width, height: 8, pixels: vec![[90, 200, 40]; usize::from(width) * 8] };
-        let shots = |width, shown| Shots { frames: (0..3).map(move |_| Ok(wide(width))), size: (1920, 8), shown };
+        let shots = |width, shown| Shots { frames: (0..3).map(move |_| wide(width)), size: (1920, 8), shown };
         let picked = pick(shots(1920, None), &choosing(1, 2), (1, 1), BUDGET).unwrap();
         let small = pick(shots(480, Some(wide(1920))), &choosing(1, 2), (1, 1), BUDGET).unwrap();
         let widths = |picked: &Picked| {
@@ -279,7 +278,7 @@ mod tests {
     #[test]
     fn of_a_long_recording_frames_are_left_out() {
         let frame = || ColorFrame { width: 8, height: 8, pixels: vec![[90, 200, 40]; 64] };
-        let shots = Shots { frames: (0..1300).map(|_| Ok(frame())), size: (8, 8), shown: None };
+        let shots = Shots { frames: (0..1300).map(|_| frame()), size: (8, 8), shown: None };
         let picked = pick(shots, &choosing(1, 2), (1, 1), BUDGET).unwrap();
         // Every fourth, and the one that is shown.
         assert_eq!(picked.pictures, 1300 / 4 + 1);
