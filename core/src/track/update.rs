@@ -19,8 +19,8 @@ pub(super) const SEAL: &Seal = &Seal(());
 
 /// Whose update or lock is under way: a fingerprint of the target's state.
 ///
-/// Two sums of 32 bits, word by word: 10 instructions of a Cortex-M0+ a word. The first takes in the word, the second the first, so they are equal for two states only by
-/// chance, once in 2^64. It protects from confusion, not from malice.
+/// Two sums of 32 bits, word by word: 10 instructions of a Cortex-M0+ a word. The first takes in the word, the second the
+/// first, so they are equal for two states only by chance, once in 2^64. It protects from confusion, not from malice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Owner {
     word: u32,
