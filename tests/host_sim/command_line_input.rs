@@ -442,7 +442,8 @@ fn messages_are_in_peoples_words() {
 fn an_audio_file_is_said_to_have_no_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("song.wav");
-    if film("an_audio_file_is_said_to_have_no_pictures", &file, &["sine=d=1"]).is_some() {
+    if has_ffmpeg("an_audio_file_is_said_to_have_no_pictures") {
+        film(&file, &["sine=d=1"]);
         host_sim(&["track", utf8(&file), "--init", "0,0,9,9"]).refuses(&["song.wav holds no pictures", "a video"]);
     }
 }
@@ -453,9 +454,10 @@ fn a_damaged_video_is_read_alike_every_time() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("clip.avi");
     let source = ["testsrc2=s=640x480:d=4", "-c:v", "mpeg4", "-q:v", "4"];
-    if film("a_damaged_video_is_read_alike_every_time", &file, &source).is_none() {
+    if !has_ffmpeg("a_damaged_video_is_read_alike_every_time") {
         return;
     }
+    film(&file, &source);
     let mut bytes = fs::read(&file).unwrap();
     let end = bytes.len() - 30_000;
     for at in (8_000..end).step_by(7_001) {
