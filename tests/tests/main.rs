@@ -5,6 +5,7 @@ mod conformance;
 mod micropython;
 mod mutants;
 mod paper_rows;
+mod programs;
 mod pursuit;
 mod readme;
 mod readout;
