@@ -25,7 +25,7 @@ fn bad_usage_is_exit_code_2() {
 fn what_is_not_there_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let empty = utf8(folder.path());
-    for command in ["track", "check", "eval", "bench"] {
+    for command in ["track", "check", "eval"] {
         host_sim(&[command, "no/such/recording"]).refuses(&["no/such/recording"]);
         host_sim(&[command, empty]).refuses(&[empty, "no recording"]);
     }
@@ -45,71 +45,6 @@ fn check_reports_as_json() {
     assert_eq!(always[0]["runners_up"], 18);
     let text = host_sim(&["check", "periodic", "--config", "camera"]).out;
     assert!(text.contains("templates; the runner-up in 13 frames, where it is asked for\n"), "{text}");
-}
-
-/// The least work that can be timed.
-const SHORT: [&str; 12] = [
-    "bench",
-    "synthetic",
-    "--every",
-    "120",
-    "--template",
-    "16x16",
-    "--window",
-    "4x3",
-    "--repeat",
-    "1",
-    "--python",
-    "no-such-python",
-];
-
-#[test]
-fn bench_reports_as_json_and_draws() {
-    let folder = tempfile::tempdir().unwrap();
-    let (png, svg) = (folder.path().join("speeds.png"), folder.path().join("speeds.svg"));
-    let report = host_sim(&[&SHORT[..], &["--json", "--plot", utf8(&png)]].concat()).json();
-    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
-
-    let window = &report["windows"][0];
-    assert_eq!((&window["window"], &window["offsets"]), (&Value::from("4x3"), &Value::from(63)));
-    let searches = window["cases"].as_u64().unwrap();
-    assert!(searches > 0, "{window}");
-    let ways = window["ways"].as_array().unwrap();
-    let robust = ways.iter().find(|way| way["way"] == "robust, Scalar").expect("both trackers are timed");
-    assert!(robust["work"].as_u64() > Some(0) && robust["work_left"].is_null(), "{robust}");
-    assert_eq!(
-        (&report["methods"], &report["version"]),
-        (&json!(["smr", "robust"]), &env!("CARGO_PKG_VERSION").into())
-    );
-    let plain = ways.iter().find(|way| way["way"] == "Scalar, exhaustive").expect("every machine has the plain loop");
-    assert_eq!(plain["work_left"].as_f64(), Some(1.0));
-    assert!(plain["nanoseconds"]["max"].as_u64() >= plain["nanoseconds"]["median"].as_u64());
-    assert!(ways.iter().any(|way| way["way"] == "SAD, plain loop"));
-    assert!(report["opencv"]["not_timed"].as_str().unwrap().contains("cannot start no-such-python"));
-    assert_eq!(report["differences"], Value::Array(vec![]));
-    assert!(report["goals_stated_for"].as_str().unwrap().contains("six TLD recordings"));
-    assert!(report["goals"].as_array().unwrap().iter().all(|goal| goal["at_most"].as_f64() > Some(0.0)));
-
-    let text = host_sim(&[&SHORT[..], &["--plot", utf8(&svg)]].concat());
-    assert_eq!((text.code, text.err.as_str()), (Some(0), ""));
-    for words in ["window +-4x3: 63 offsets", "OpenCV was not timed", "frames per second", "not measured"] {
-        assert!(text.out.contains(words), "`{words}` is not in: {}", text.out);
-    }
-    assert!(fs::read_to_string(&svg).unwrap().starts_with("<svg"));
-}
-
-#[test]
-fn bench_says_what_it_cannot_time() {
-    host_sim(&["bench", "synthetic", "--plot", "speeds.gif"]).refuses(&["speeds.gif", ".svg or .png"]);
-    host_sim(&["bench", "periodic"]).refuses(&["periodic", "no ground truth"]);
-    for arguments in [["--template", "64"], ["--template", "0x9"], ["--window", "16"], ["--every", "0"]] {
-        let said = host_sim(&["bench", "synthetic", arguments[0], arguments[1]]);
-        assert_eq!(said.code, Some(2), "{arguments:?}");
-        assert!(said.err.contains(arguments[0]), "{}", said.err);
-    }
-    let none = host_sim(&["bench", "synthetic", "--every", "120", "--repeat", "1", "--window", "100x100"]);
-    assert_eq!(none.code, Some(0), "{}", none.err);
-    assert!(none.out.contains("0 searches; "), "{}", none.out);
 }
 
 #[test]
@@ -349,12 +284,11 @@ fn options_of_another_method_are_refused() {
     assert!(!page.exists());
     // If several trackers run, it is enough that one of them takes the option.
     assert_eq!(host_sim(&["eval", "synthetic", "--method", "robust,smr", "--k", "1/2"]).code, Some(0));
-    for command in ["target", "bench", "check"] {
+    for command in ["target", "check"] {
         let said = host_sim(&[command, "synthetic", "--method", "sad"]);
         assert_eq!(said.code, Some(2), "{command}");
         assert!(said.err.contains("--method") && said.err.contains("smr, robust"), "{}", said.err);
     }
-    assert_eq!(host_sim(&["vectors", "--method", "ncc"]).code, Some(2));
 }
 
 #[test]
@@ -375,27 +309,6 @@ fn eval_counts_and_draws_what_a_ratio_is_worth() {
     let no_ratio = ["--method", "sad", "--calibration", "plot.svg"];
     host_sim(&[&robustness[..], &no_ratio].concat()).refuses(&["--calibration", "smr and robust", "--method"]);
     assert_eq!(host_sim(&["eval", "synthetic", "--calibration", "plot.svg"]).code, Some(2));
-}
-
-#[test]
-fn ablate_has_a_row_for_every_part() {
-    let arguments = ["ablate", "synthetic", "--starts-every", "150"];
-    let said = host_sim(&arguments);
-    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
-    let names = said.out.lines().skip(1).map(|line| line.split("  ").next().unwrap());
-    let expected = ["smr", "robust", "without velocity", "without distance-penalty", "without size"];
-    assert_eq!(names.clone().take(5).collect::<Vec<_>>(), expected);
-    assert_eq!(names.count(), 9);
-
-    let report = host_sim(&[&arguments[..], &["--json"]].concat()).json();
-    let means = report["means"].as_array().unwrap();
-    assert_eq!((means.len(), &means[8]["tracker"]), (9, &Value::from("without refiner")));
-    let alone =
-        host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "150", "--method", "robust", "--json"])
-            .json();
-    assert_eq!(alone["means"][0]["mean_correct"], means[1]["mean_correct"]);
-    host_sim(&["ablate", "no/such/recording"]).refuses(&["no/such/recording"]);
-    host_sim(&["ablate", "periodic"]).code.filter(|&code| code == 2).expect("there is no ground truth");
 }
 
 #[test]

@@ -145,7 +145,6 @@ fn what_cannot_be_written_is_said_before_the_work() {
         &["track", recording, "--init", "0,0,4,4", "--out", file][..],
         &["report", recording, "--init", "0,0,4,4", "--png", &picture],
         &["eval", recording, "--robustness", "--calibration", file],
-        &["bench", recording, "--plot", file],
     ] {
         host_sim(arguments).refuses(&["cannot write", arguments.last().unwrap()]);
     }
@@ -197,7 +196,7 @@ fn options_that_nothing_takes_are_refused() {
     }
     assert_eq!(host_sim(&["eval", "synthetic", "--method", "sad,smr", "--k", "1/2"]).code, Some(0));
     host_sim(&["track", "synthetic", "--size", "9x9"]).refuses(&["--size", "synthetic"]);
-    for command in [&["eval"][..], &["eval", "--robustness"], &["check"], &["bench"]] {
+    for command in [&["eval"][..], &["eval", "--robustness"], &["check"]] {
         host_sim(&[command, &["synthetic", "periodic", "--init", "1,1,9,9"]].concat()).refuses(&["--init", "2"]);
     }
     host_sim(&["check", "--init", "1,1,9,9"]).refuses(&["--init", "3"]);
@@ -256,7 +255,6 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
         &["frame", &frames, "-o", &picture],
         &["track", &frames, "--out", &truth],
         &["report", &frames, "--png", &picture],
-        &["bench", &frames, "--plot", &picture],
         &["eval", &frames, "--robustness", "--calibration", &picture],
     ] {
         let output = arguments.last().unwrap();
@@ -348,10 +346,6 @@ fn a_box_that_is_refused_has_the_same_words_everywhere() {
             "--init",
         ]);
     }
-    // It has no option for the tracker; the other trackers are measured.
-    let ablate = host_sim(&[&["ablate", &large], &size[..]].concat());
-    assert_eq!(ablate.code, Some(2));
-    assert!(said.iter().all(|word| ablate.err.contains(word)) && !ablate.err.contains("--method"), "{}", ablate.err);
     host_sim(&[
         "track",
         &large,
@@ -392,7 +386,8 @@ fn messages_are_in_peoples_words() {
             .refuses(&["--rate", "expected frames a second like 25"]);
     }
     track(&["--method", "kcf"]).refuses(&["--method kcf: expected one of smr, robust, sad, ssd, ncc, lk"]);
-    host_sim(&["soak", "--frames", "0"]).refuses(&["--frames 0: expected a whole number, 1 or more"]);
+    host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "0"])
+        .refuses(&["--starts-every 0: expected a whole number, 1 or more"]);
     host_sim(&["report", "synthetic", "-o", "x.html", "--strip", "1,x"])
         .refuses(&["--strip x: expected a whole number"]);
     for (text, expected) in [

@@ -98,23 +98,6 @@ fn live_input_takes_no_more_memory_with_time() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_soak_holds_and_takes_little_memory() {
-    let report = host_sim(&["soak", "--frames", "520", "--reference-every", "2", "--json"]).json();
-    assert_eq!(
-        (&report["frames"], &report["sessions"], &report["reference_frames"]),
-        (&520.into(), &2.into(), &50.into())
-    );
-    assert!(report["difference"].is_null() && report["method"] == "smr");
-    assert!(report["peak_kib"].as_u64().is_some_and(|kib| kib < 128 * 1024), "{report}");
-    let folder = tempfile::tempdir().unwrap();
-    let scene = folder.path().join("scene");
-    assert_eq!(host_sim(&["soak", "--frames", "12", "--seed", "3", "--write", utf8(&scene)]).code, Some(0));
-    assert_eq!(host_sim(&["track", utf8(&scene), "--method", "robust"]).out.lines().count(), 12);
-    host_sim(&["soak", "--frames", "1", "--write", utf8(&folder.path().join("one"))]).refuses(&["at least 2"]);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
 fn a_full_disk_is_said_and_leaves_nothing_half_written() {
     host_sim(&["track", "synthetic", "--frames", "1..5", "--out", "/dev/full"])
         .refuses(&["cannot write /dev/full", "No space left"]);
@@ -123,8 +106,6 @@ fn a_full_disk_is_said_and_leaves_nothing_half_written() {
         &["eval", "synthetic", "--frames", "1..5", "--json"],
         &["eval", "synthetic", "--fault", "black:1", "--frames", "1..40"],
         &["check", "periodic", "--frames", "..2"],
-        &["soak", "--frames", "20"],
-        &["vectors"],
     ] {
         let full = File::options().write(true).open("/dev/full").unwrap();
         let output = command(arguments).stdout(full).output().expect("host-sim runs");

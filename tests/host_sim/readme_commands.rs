@@ -16,14 +16,11 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
-    ("cargo run --profile bench", "bench takes minutes; tests of its own run it"),
-    (
-        "cargo run --release -p host-sim --features",
-        "they need an emulator or the bench profile; tests of their own run them",
-    ),
+    ("cargo run --profile bench -p smr-bench", "it takes minutes; tests of its own run it"),
+    ("cargo run --release -p smr-bench", "it needs an emulator, too"),
+    ("cargo run --release -p smr-tests", "they take minutes; tests of their own run them"),
+    ("cargo run --release -p host-sim --features", "they need an emulator; tests of their own run them"),
     ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
-    ("host-sim bench", "it takes minutes"),
-    ("host-sim soak", "a million frames: .ci/soak"),
     ("ffmpeg -v error -f v4l2", "it needs a camera"),
 ];
 

@@ -104,7 +104,7 @@ fn parts_are_shown_and_checked_as_they_are_followed() {
     let said = host_sim(&["check", "synthetic", "--frames", "20..40", "--json"]).json();
     assert_eq!(said[0]["frames"], Value::from(20), "one is locked on");
     host_sim(&["report", "synthetic", "--frames", "300..", "-o", utf8(&page)]).refuses(&["no frame 300"]);
-    host_sim(&["bench", "synthetic", "--frames", "7"]).refuses_usage("20..80");
+    host_sim(&["check", "synthetic", "--frames", "7"]).refuses_usage("20..80");
 }
 
 /// Other trackers' results cover the whole recording. For a part of the recording, the same part of the results is compared.
@@ -321,7 +321,7 @@ fn each_command_has_an_example_completions_and_a_page() {
     assert!(host_sim(&["man"]).out.contains("host\\-sim"));
     host_sim(&["man", "woman"]).refuses(&["no command woman", "track"]);
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(host_sim(&["completions", shell]).out.contains("ablate"), "{shell}");
+        assert!(host_sim(&["completions", shell]).out.contains("figures"), "{shell}");
     }
 }
 

@@ -107,8 +107,6 @@ fn every_table_is_flat_and_the_same_as_csv() {
     );
     let robustness = ["eval", recordings, "--robustness", "--method", "robust,sad", "--starts-every", "30"];
     check(&robustness, &[("measured", 4), ("starts", 8), ("means", 2), ("paired", 1), ("calibration", 40)]);
-    let ablate = ["ablate", "synthetic", "--frames", "..20", "--starts-every", "30"];
-    check(&ablate, &[("measured", 9), ("starts", 9), ("means", 9), ("paired", 0), ("calibration", 360)]);
     let fault = ["eval", "synthetic", "--frames", "..90", "--fault", "black:3,gap:5", "--without", "size"];
     check(&fault, &[("measured", 6)]);
     check(&["eval", "--covered", "--method", "lk"], &[("measured", 25), ("means", 5)]);

@@ -1,20 +1,19 @@
 //! The conformance vectors are those of the reference, and smr-core gives their answers: at once, in steps, and saved and restored in
 //! between.
 
+use crate::programs::{VECTORS, said};
 use smr_core::{Answer, Frame, Robust, Tracker};
 use smr_tests::{FRAME_PIXELS, PAPER, Passed, REFINER, ROBUST, SmallPaper, Vectors, follow};
 
 #[test]
 fn the_vectors_are_current() {
-    for (method, kept, made) in [
-        ("smr", PAPER, host_sim::vectors::text()),
-        ("robust", ROBUST, host_sim::vectors::robust::text()),
-        ("robust --refiner", REFINER, host_sim::vectors::robust::refined_text()),
-    ] {
+    for (method, kept) in [(&["smr"][..], PAPER), (&["robust"], ROBUST), (&["robust", "--refiner"], REFINER)] {
+        let made = said(VECTORS, &[&["--method"], method].concat());
         assert!(
             made == kept,
             "the vectors are not current: \
-             cargo run --release -p host-sim -- vectors --method {method} --out tests/vectors/..."
+             cargo run --release -p smr-tests --bin vectors -- --method {} --out tests/vectors/...",
+            method.join(" ")
         );
     }
 }

@@ -7,6 +7,7 @@ mod micropython;
 mod missing;
 mod mutants;
 mod paper_rows;
+mod programs;
 mod pursuit;
 mod readme;
 mod readout;

@@ -10,7 +10,7 @@ import { bundle } from "./bundle.mjs";
 
 const MOST_BYTES = 320_000;
 const BUILT = new URL(`${process.env.SMR_WEB ?? "../../../target/web"}/`, import.meta.url);
-const BASE = new URL("../../../host-sim/src/report/base.css", import.meta.url);
+const BASE = new URL("../../../host-sim/pages/src/report/base.css", import.meta.url);
 
 const text = (name) => readFileSync(new URL(name, import.meta.url), "utf8");
 const hash = (content) => `'sha256-${createHash("sha256").update(content).digest("base64")}'`;

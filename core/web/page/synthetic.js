@@ -1,4 +1,4 @@
-// The built-in recording, pixel by pixel that of host-sim: host-sim/src/sequence/synthetic.rs says what happens in it. It is generated, because
+// The built-in recording, pixel by pixel that of host-sim: host-sim/recordings/src/synthetic.rs says what happens in it. It is generated, because
 // its noise makes it 2 MB however it is packed.
 
 export const BUILT_IN = { name: "synthetic", width: 160, height: 120, length: 240, rate: 25, box: { x: 36, y: 24, width: 24, height: 28 } };

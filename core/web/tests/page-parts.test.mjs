@@ -21,7 +21,7 @@ const ANSWER = {
 };
 
 test("every pixel of the built-in recording is that of host-sim", () => {
-  const source = readFileSync(join(PROJECT, "host-sim/src/sequence/synthetic.rs"), "utf8");
+  const source = readFileSync(join(PROJECT, "host-sim/recordings/src/synthetic.rs"), "utf8");
   const expected = BigInt(source.match(/assert_eq!\(fnv, (0x\w+),/)[1].replaceAll("_", ""));
   // FNV-1a of 64 bits.
   let hash = 0xcbf29ce484222325n;

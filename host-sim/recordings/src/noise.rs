@@ -9,7 +9,7 @@ use super::{BoundingBox, GrayFrame, Sequence, Source};
 /// What it is called, on the command line and in tables.
 pub const NAME: &str = "noise";
 
-/// `host-sim bench` times a search in 60 frames, and needs the two before each.
+/// smr-bench times a search in 60 frames, and needs the two before each.
 const LENGTH: usize = 62;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;

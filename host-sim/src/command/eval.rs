@@ -6,7 +6,7 @@ use super::recording_options::RecordingOptions;
 use super::robustness::{self, end, say_what_failed};
 use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, progress};
+use super::{Outcome, named, progress};
 use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -154,7 +154,7 @@ impl Eval {
             // Nothing else was asked for: one line says it all.
             return Err(failures.remove(0));
         }
-        let failed = say_what_failed(&failures, NAME);
+        let failed = say_what_failed(&failures, &named(NAME));
         say_what_to_know(&evaluations);
         let results = Results::new(&evaluations);
         self.tables.print(&results.tables()?, |layout| results.text(layout))?;
@@ -198,7 +198,8 @@ impl Eval {
             None if self.single_start => Starts::Given,
             None => Starts::Near,
         };
-        let (mut robustness, failed) = robustness::measure(NAME, &self.paths, &self.recording, variants, starts)?;
+        let (mut robustness, failed) =
+            robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts)?;
         match &former {
             Some(former) => robustness.compare_with(former)?,
             None => robustness.compare_with_first(),
@@ -234,7 +235,7 @@ impl Eval {
         if recordings == 1 && failures.len() == 1 {
             return Err(failures.remove(0));
         }
-        let failed = say_what_failed(&failures, NAME);
+        let failed = say_what_failed(&failures, &named(NAME));
         let rows = all.rows(variants, &list);
         self.tables.print(&faults::tables(&rows)?, |layout| faults::table(&rows, layout))?;
         end(failed)
@@ -259,7 +260,7 @@ impl Eval {
         let generated = generated.into_par_iter().map(|sequence| measure(Ok(sequence), Path::new(synthetic::NAME)));
         let measured: Vec<_> = given.collect::<Vec<_>>().into_iter().chain(generated.collect::<Vec<_>>()).collect();
         bar.finish_and_clear();
-        let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), NAME);
+        let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), &named(NAME));
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
         self.tables.print(&results.tables()?, |layout| results.text(layout))?;

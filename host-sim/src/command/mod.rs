@@ -1,9 +1,7 @@
-//! The command line, one file a command. Each file holds the command's arguments and what it does with them.
+//! The command line, one file a command. Each file holds the command's arguments and what it does with them. Programs of the tests are
+//! made of the same options ([`program`]).
 
-mod ablate;
 mod answer_line;
-#[cfg(feature = "bench")]
-mod bench;
 mod check;
 #[cfg(feature = "manual")]
 mod completions;
@@ -15,33 +13,31 @@ mod film;
 mod frame;
 #[cfg(feature = "manual")]
 mod man;
-#[cfg(any(test, not(all(feature = "bench", feature = "manual"))))]
+#[cfg(any(test, not(all(feature = "emulator", feature = "manual"))))]
 mod not_built;
-mod number;
-mod places;
-mod progress;
+pub mod number;
+pub mod places;
+pub mod progress;
 #[cfg(feature = "emulator")]
-mod qemu_options;
-mod recording_options;
+pub mod qemu_options;
+pub mod recording_options;
 mod replay;
 mod report;
-mod robustness;
+pub mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
 pub mod settings;
-mod soak;
-mod table_options;
+pub mod table_options;
 #[cfg(feature = "emulator")]
 mod target;
 mod track;
-mod tracker_options;
+pub mod tracker_options;
 mod trax;
-mod vectors;
 
 use anyhow::{Context, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-#[cfg(not(all(feature = "bench", feature = "manual")))]
+use clap::{CommandFactory, Parser, Subcommand};
+#[cfg(not(all(feature = "emulator", feature = "manual")))]
 use not_built::NotBuilt;
 use places::Places;
 use serde::Serialize;
@@ -49,6 +45,7 @@ use smr_evaluation::Refused;
 use smr_recordings::output::{complain, print};
 use smr_recordings::{cleanup, words};
 use std::error::Error;
+use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -100,17 +97,6 @@ enum Command {
   host-sim eval sequences --method smr,robust
   host-sim eval sequences --fault all --config camera")]
     Eval(eval::Eval),
-    /// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
-    #[command(after_help = "Example:
-  host-sim ablate sequences --starts-every 1000")]
-    Ablate(ablate::Ablate),
-    #[cfg(feature = "bench")]
-    /// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
-    #[command(after_help = "Example:\n  host-sim bench sequences/car --window 16x16")]
-    Bench(bench::Bench),
-    #[cfg(not(feature = "bench"))]
-    /// Measure how fast it is (not built in: --features bench)
-    Bench(NotBuilt<{ not_built::BENCH }>),
     /// Write a recording as files that other programs read and firmware replays
     ///
     /// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
@@ -135,14 +121,6 @@ enum Command {
   host-sim figures sequences/car -o figures --figure 1,2 --frame 180 --form png
   host-sim figures sequences/car -o figures --figure occlusion --hidden 45..60")]
     Figures(figures::Figures),
-    /// Run a tracker over a long generated video in two different ways, and compare every answer
-    ///
-    /// The generated video has motion, jumps of the light, things in front of the target, faults of the camera, turns of the camera, and targets that
-    /// are saved and restored. One tracker has the fastest backend and whole frames. The other has the plain loops, sees only the parts of a frame that
-    /// it asks for, and updates in steps of any size.
-    #[command(after_help = "Example:
-  host-sim soak --method robust --frames 1000000")]
-    Soak(soak::Soak),
     /// Run a flight record of firmware again, and name the first answer that differs
     ///
     /// A record that was cut off, for example when power was lost, is replayed up to its last whole entry, and host-sim says so. If the last update has
@@ -176,10 +154,6 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     /// With version 4 the client may give several objects at a time. If the client breaks the protocol, it gets `quit` with the reason, and the exit
     /// code is 2.
     Trax(trax::Trax),
-    /// Print the conformance vectors, made from the float reference
-    #[command(after_help = "Example:
-  host-sim vectors > vectors.json")]
-    Vectors(vectors::Vectors),
     #[cfg(not(feature = "manual"))]
     /// Print the completions of a shell (not built in: --features manual)
     Completions(NotBuilt<{ not_built::MANUAL }>),
@@ -207,17 +181,13 @@ macro_rules! each {
             Command::Track($command) => $do,
             Command::Check($command) => $do,
             Command::Eval($command) => $do,
-            Command::Ablate($command) => $do,
-            Command::Bench($command) => $do,
             Command::Convert($command) => $do,
             Command::Report($command) => $do,
             Command::Figures($command) => $do,
-            Command::Soak($command) => $do,
             Command::Replay($command) => $do,
             Command::Target($command) => $do,
             Command::Run($command) => $do,
             Command::Trax($command) => $do,
-            Command::Vectors($command) => $do,
             Command::Completions($command) => $do,
             Command::Man($command) => $do,
         }
@@ -233,26 +203,50 @@ pub enum Outcome {
 
 /// Runs what the command line of this process says.
 pub fn run() -> ExitCode {
-    if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
-        return refused(&error, "");
-    }
-    let arguments = match settings::arguments(std::env::args_os().collect()) {
-        Ok(mut arguments) => {
-            if arguments.len() == 1 {
-                arguments.push("demo".into());
-            }
-            arguments
+    let arguments = || {
+        let mut arguments = settings::arguments(std::env::args_os().collect())?;
+        if arguments.len() == 1 {
+            arguments.push("demo".into());
         }
-        Err(error) => return refused(&error, ""),
+        Ok(arguments)
     };
-    let matches = HostSim::command().try_get_matches_from(arguments);
-    let name = matches.as_ref().ok().and_then(|matches| matches.subcommand_name()).unwrap_or("").to_owned();
-    match matches.and_then(|matches| HostSim::from_arg_matches(&matches)) {
-        Ok(line) => line.run(&name),
-        Err(error) => match bad_value(&error) {
-            Some(said) => refused(&anyhow::anyhow!(said), &name),
-            None => misused(error),
-        },
+    obey(arguments, HostSim::run)
+}
+
+/// The same of another program, of one command: signals, errors and exit codes are those of host-sim.
+pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
+    obey(|| Ok(std::env::args_os().collect()), run)
+}
+
+/// Errors are one line on standard error: what, where, what was expected.
+fn obey<T: Parser>(
+    arguments: impl FnOnce() -> Result<Vec<OsString>>,
+    run: impl FnOnce(T) -> Result<Outcome>,
+) -> ExitCode {
+    let all = T::command();
+    let arguments = match cleanup::heed_signals().context("cannot wait for signals").and_then(|()| arguments()) {
+        Ok(arguments) => arguments,
+        Err(error) => return refused(&error, &all),
+    };
+    let matches = all.clone().try_get_matches_from(arguments);
+    let name = matches.as_ref().ok().and_then(|matches| matches.subcommand_name()).unwrap_or("");
+    let command = all.find_subcommand(name).unwrap_or(&all).clone();
+    let line = match matches.and_then(|matches| T::from_arg_matches(&matches)) {
+        Ok(line) => line,
+        Err(error) => {
+            return match bad_value(&error) {
+                Some(said) => refused(&anyhow::anyhow!(said), &command),
+                None => misused(error),
+            };
+        }
+    };
+    let done = run(line);
+    cleanup::yield_to_signal();
+    match done {
+        Ok(Outcome::Holds) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => refused(&error, &command),
     }
 }
 
@@ -291,33 +285,29 @@ fn misused(mut error: clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
+/// The command of host-sim with this name.
+fn named(name: &str) -> clap::Command {
+    HostSim::command().find_subcommand(name).cloned().unwrap_or_default()
+}
+
 /// What is printed of an error of this command; a box that is refused comes with what the command has against it.
-fn told(error: &anyhow::Error, command: &str) -> String {
+fn told(error: &anyhow::Error, command: &clap::Command) -> String {
     let said = words::of(error);
     let Some(box_) = error.chain().find_map(|cause| cause.downcast_ref::<Refused>()) else { return said };
-    let all = HostSim::command();
-    let options = all.find_subcommand(command);
-    let has = |name: &str| options.is_some_and(|of| of.get_arguments().any(|option| option.get_long() == Some(name)));
+    let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));
     format!("{said}: {}", box_.way_out(has))
 }
 
-fn refused(error: &anyhow::Error, command: &str) -> ExitCode {
+fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {
     cleanup::yield_to_signal();
     complain(&format!("error: {}", told(error, command)));
     ExitCode::from(2)
 }
 
 impl HostSim {
-    /// Runs the command, which is called `name`. Errors are one line on standard error: what, where, what was expected.
-    fn run(self, name: &str) -> ExitCode {
-        let done = self.places().check().and_then(|()| each!(self.command, command => command.run()));
-        cleanup::yield_to_signal();
-        match done {
-            Ok(Outcome::Holds) => ExitCode::SUCCESS,
-            Ok(Outcome::CheckFailed) => ExitCode::from(1),
-            Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
-            Err(error) => refused(&error, name),
-        }
+    fn run(self) -> Result<Outcome> {
+        self.places().check()?;
+        each!(self.command, command => command.run())
     }
 
     /// What is read and written.
@@ -336,7 +326,11 @@ trait WritesNoFile {
 impl<T> WritesNoFile for T {}
 
 /// Prints a result, as JSON or in words.
-fn tell<T: Serialize>(json: bool, result: &T, words: impl FnOnce(&T, &mut Vec<u8>) -> io::Result<()>) -> Result<()> {
+pub fn tell<T: Serialize>(
+    json: bool,
+    result: &T,
+    words: impl FnOnce(&T, &mut Vec<u8>) -> io::Result<()>,
+) -> Result<()> {
     let json = json.then(|| serde_json::to_string_pretty(result)).transpose()?;
     say(|out| match json {
         Some(json) => writeln!(out, "{json}"),
@@ -345,7 +339,7 @@ fn tell<T: Serialize>(json: bool, result: &T, words: impl FnOnce(&T, &mut Vec<u8
 }
 
 /// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
-fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
+pub fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     match print(report) {
         Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),

@@ -5,14 +5,12 @@ use anyhow::{Result, bail};
 use std::ffi::OsString;
 
 /// The features of this package, as places in [`FEATURES`].
-#[cfg(any(test, not(feature = "bench")))]
-pub const BENCH: usize = 0;
-#[cfg(not(feature = "emulator"))]
-pub const EMULATOR: usize = 1;
+#[cfg(any(test, not(feature = "emulator")))]
+pub const EMULATOR: usize = 0;
 #[cfg(not(feature = "manual"))]
-pub const MANUAL: usize = 2;
+pub const MANUAL: usize = 1;
 
-const FEATURES: [&str; 3] = ["bench", "emulator", "manual"];
+const FEATURES: [&str; 2] = ["emulator", "manual"];
 
 /// A command that needs `FEATURES[FEATURE]`.
 #[derive(Debug, clap::Args)]
@@ -27,11 +25,9 @@ impl<const FEATURE: usize> NotBuilt<FEATURE> {
     /// Always fails. The error says what to type instead.
     pub fn run(self) -> Result<Outcome> {
         let feature = FEATURES[FEATURE];
-        // The figures of speed are for this profile, which takes longer to build.
-        let profile = if feature == "bench" { "--profile bench" } else { "--release" };
         bail!(
             "this command is not built into this program, so that the program builds quickly: \
-             expected `cargo run {profile} -p host-sim --features {feature} -- ...`"
+             expected `cargo run --release -p host-sim --features {feature} -- ...`"
         )
     }
 }
@@ -44,15 +40,14 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        command: NotBuilt<BENCH>,
+        command: NotBuilt<EMULATOR>,
     }
 
     #[test]
     fn whatever_is_given_the_answer_is_how_to_get_the_command() {
-        for arguments in [&["bench"][..], &["bench", "--help"], &["bench", "synthetic", "--window", "9x9", "--", "-x"]]
-        {
+        for arguments in [&["run"][..], &["run", "--help"], &["run", "f.elf", "--machine", "virt", "--", "-x"]] {
             let error = Line::try_parse_from(arguments).unwrap().command.run().unwrap_err().to_string();
-            assert!(error.contains("cargo run --profile bench -p host-sim --features bench -- "), "{error}");
+            assert!(error.contains("cargo run --release -p host-sim --features emulator -- "), "{error}");
         }
     }
 }

@@ -12,14 +12,14 @@ use std::path::{Path, PathBuf};
 /// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
 /// Errors: No recording is there, or the only thing that was asked for failed.
 pub fn measure(
-    command: &str,
+    command: &clap::Command,
     paths: &[PathBuf],
     recording: &RecordingOptions,
     variants: &[Variant],
     starts: Starts,
 ) -> Result<(Robustness, usize)> {
     let found = recording.find(paths)?;
-    let bar = progress::bar(command, Some(0));
+    let bar = progress::bar(command.get_name(), Some(0));
     let open = |path: &Path| recording.open(path);
     let mut robustness = robustness::measure(&found, open, variants, starts, &|progress| match progress {
         Progress::Expected(frames) => bar.inc_length(frames),
@@ -35,7 +35,7 @@ pub fn measure(
 }
 
 /// One line on standard error for everything that could not be measured; how many there are.
-pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command: &str) -> usize {
+pub fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>, command: &clap::Command) -> usize {
     let say = |error: &Error| {
         cleanup::yield_to_signal();
         complain(&format!("error: {}", told(error, command)));

@@ -1,20 +1,23 @@
-//! `host-sim ablate`: what each part of the robust tracker is worth, measured by leaving it out.
+//! Measures what each part of the robust tracker is worth by leaving it out: `cargo run --release -p smr-tests --bin ablation -- RECORDINGS`.
 
-use super::number::from;
-use super::recording_options::RecordingOptions;
-use super::table_options::TableOptions;
-use super::tracker_options::Part;
-use super::{Outcome, robustness};
 use anyhow::Result;
-use clap::ValueEnum;
+use clap::{CommandFactory, Parser, ValueEnum};
+use host_sim::command::number::from;
+use host_sim::command::recording_options::RecordingOptions;
+use host_sim::command::table_options::TableOptions;
+use host_sim::command::tracker_options::Part;
+use host_sim::command::{Outcome, program, robustness};
 use smr_core::{paper, robust};
 use smr_evaluation::robustness::{Starts, TABLES};
 use smr_evaluation::{MethodKind, Variant};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-#[derive(Debug, clap::Args)]
-pub struct Ablate {
+/// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 120)]
+struct Ablation {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
@@ -27,11 +30,16 @@ pub struct Ablate {
     recording: RecordingOptions,
 }
 
-impl Ablate {
-    pub fn run(self) -> Result<Outcome> {
+fn main() -> ExitCode {
+    program(Ablation::run)
+}
+
+impl Ablation {
+    fn run(self) -> Result<Outcome> {
         self.tables.check(TABLES)?;
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
-        let (robustness, failed) = robustness::measure("ablate", &self.paths, &self.recording, &variants(), starts)?;
+        let (robustness, failed) =
+            robustness::measure(&Self::command(), &self.paths, &self.recording, &variants(), starts)?;
         self.tables.print(&robustness.tables()?, |layout| robustness.summary(layout))?;
         robustness::end(failed)
     }

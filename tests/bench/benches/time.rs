@@ -1,5 +1,5 @@
 //! Time of the parts that matter, on the built-in recording, for every backend that this machine has: `cargo bench -p
-//! host-sim --bench time`. `host-sim bench` measures whole recordings.
+//! smr-bench --bench time`. The program smr-bench measures whole recordings.
 
 mod scene;
 

@@ -2,7 +2,7 @@
 //! loops. That it is the method, too, is what `host-sim check` shows; these hold every other compiler,
 //! instruction set and language to the same answers.
 
-use super::{hash, hex, pixels};
+use crate::paper::{hash, hex, pixels};
 use smr_core::robust::Config;
 use smr_core::similarity::Backend;
 use smr_core::unstable::weights;
@@ -42,7 +42,7 @@ pub fn refined_text() -> String {
 }
 
 fn text_of(option: &str, cases: impl Iterator<Item = Case>) -> String {
-    let command = format!("host-sim vectors --method robust{option}");
+    let command = format!("vectors --method robust{option}");
     let header = format!("# Made by `{command}`. The form: README.md beside this file.\n");
     let mut text = format!("{header}smr-robust-vectors 3\n");
     cases.for_each(|case| case.write(&mut text));

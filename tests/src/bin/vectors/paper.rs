@@ -3,8 +3,6 @@
 //! With them, smr-core can be checked without this program: built by another compiler, for another instruction set, or called
 //! from C. `tests/vectors/README.md` describes the form.
 
-pub mod robust;
-
 use smr_reference::{Decision, Numbers, Reference, Step};
 use std::fmt::Write;
 
@@ -20,7 +18,7 @@ struct Case {
 
 /// All vectors as text.
 pub fn text() -> String {
-    let header = "# Made by `host-sim vectors` from the float reference. The form: README.md beside this file.\n";
+    let header = "# Made by `vectors` from the float reference. The form: README.md beside this file.\n";
     let mut text = format!("{header}smr-vectors 3\n");
     for case in [paper(), edges(), camera(), other_numbers(), ties(), one_pixel()] {
         case.write(&mut text);
@@ -125,7 +123,7 @@ fn one_pixel() -> Case {
     Case { name: "one-pixel", numbers: Numbers::paper(), size: (1, 1), target: (0, 0, 1, 1), frames }
 }
 
-fn pixels((width, height): (i64, i64), level: impl Fn(i64, i64) -> u8) -> Vec<u8> {
+pub fn pixels((width, height): (i64, i64), level: impl Fn(i64, i64) -> u8) -> Vec<u8> {
     (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
 }
 
@@ -142,7 +140,7 @@ fn scenes(size: (i64, i64), target: (i64, i64), path: &[(i64, i64)]) -> Vec<Vec<
 }
 
 /// A byte that looks random, the same on every machine.
-fn hash(x: i64, y: i64, seed: u32) -> u8 {
+pub fn hash(x: i64, y: i64, seed: u32) -> u8 {
     let mut bits = seed;
     for coordinate in [x, y] {
         let [low, high, ..] = coordinate.to_le_bytes();
@@ -232,7 +230,7 @@ fn template_hash(template: &[f64]) -> u32 {
     template.iter().fold(0x811C_9DC5, |hash, &level| (hash ^ u32::from(level as u8)).wrapping_mul(0x0100_0193))
 }
 
-fn hex(pixels: &[u8]) -> String {
+pub fn hex(pixels: &[u8]) -> String {
     pixels.iter().fold(String::new(), |mut text, pixel| {
         // Writing to a String cannot fail.
         let _ = write!(text, "{pixel:02x}");

@@ -2,8 +2,8 @@
 
 use super::case::{self, Case, Size, Triple};
 use super::searches;
-use crate::spread::Spread;
 use anyhow::Result;
+use host_sim::spread::Spread;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;

@@ -204,7 +204,7 @@ mod tests {
         open("noise".as_ref(), &OpenOptions::default()).unwrap()
     }
 
-    /// What the recording `noise` is there for, in both windows that `host-sim bench` has by itself.
+    /// What the recording `noise` is there for, in both windows that smr-bench has by itself.
     #[test]
     fn in_noise_there_is_room_in_every_frame_and_nothing_is_excluded() {
         assert_eq!(count(&noise(), 1).unwrap(), 60);

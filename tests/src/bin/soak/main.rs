@@ -1,21 +1,30 @@
-//! `host-sim soak`: as many frames as there is time for, every answer compared.
+//! Compares every answer of as many frames as there is time for: `cargo run --release -p smr-tests --bin soak -- --method robust`.
 
-use super::number::from;
-use super::places::Places;
-use super::{Outcome, progress, say, tell};
-use crate::soak::video::Video;
-use crate::soak::{self, Report, Settings, peak_memory};
+mod sessions;
+mod video;
+
 use anyhow::{Result, ensure};
+use host_sim::command::number::from;
+use host_sim::command::{Outcome, program, progress, say, tell};
 use serde::Serialize;
 use serde_json::Map;
+use sessions::{Report, Settings, peak_memory};
 use smr_evaluation::{CoreKind, Origin};
 use smr_pages::export::{Format, Writer};
 use std::io::{self, Write};
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use video::Video;
 
-#[derive(Debug, clap::Args)]
-pub struct Soak {
+/// Run a tracker over a long generated video in two different ways, and compare every answer
+///
+/// The generated video has motion, jumps of the light, things in front of the target, faults of the camera, turns of the camera, and targets that
+/// are saved and restored. One tracker has the fastest backend and whole frames. The other has the plain loops, sees only the parts of a frame that
+/// it asks for, and updates in steps of any size.
+#[derive(Debug, clap::Parser)]
+#[command(version, max_term_width = 120)]
+struct Soak {
     /// Which tracker
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
@@ -48,20 +57,19 @@ struct Soaked<'a> {
     peak_kib: Option<u64>,
 }
 
-impl Soak {
-    /// What is read and written.
-    pub fn places(&self) -> Places<'_> {
-        Places::default().writes("--write", self.write.as_ref())
-    }
+fn main() -> ExitCode {
+    program(Soak::run)
+}
 
-    pub fn run(self) -> Result<Outcome> {
+impl Soak {
+    fn run(self) -> Result<Outcome> {
         let frames = self.frames.get();
         if let Some(folder) = &self.write {
             return write(folder, frames, self.seed);
         }
         let Self { method, reference_every, seed, .. } = self;
         let bar = progress::bar("soak", usize::try_from(frames).ok());
-        let report = soak::soak(Settings { method, frames, reference_every, seed }, |done| bar.inc(done))?;
+        let report = sessions::soak(Settings { method, frames, reference_every, seed }, |done| bar.inc(done))?;
         bar.finish_and_clear();
         let origin = Origin::new(method.into(), Map::new());
         let soaked = Soaked { origin, seed, report: &report, peak_kib: peak_memory() };

@@ -6,7 +6,7 @@ use super::goal::Goal;
 use super::report::Report;
 use super::sad::Sad;
 use super::searches::Way;
-use crate::emulator::qemu::Machine;
+use host_sim::emulator::qemu::Machine;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 

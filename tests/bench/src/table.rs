@@ -5,7 +5,7 @@ use super::goal::STATED_FOR;
 use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use super::window::{Row, Window};
-use crate::spread::Spread;
+use host_sim::spread::Spread;
 use smr_core::paper::Radius;
 use smr_evaluation::{NOTHING, aligned, cell, header};
 
@@ -149,12 +149,12 @@ fn plus_minus(radius: Radius) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::boards::Measured;
-    use crate::bench::goal::Goal;
-    use crate::bench::report::OpenCv;
-    use crate::bench::sad::Sad;
-    use crate::bench::searches::Way;
-    use crate::bench::window::Ratio;
+    use crate::boards::Measured;
+    use crate::goal::Goal;
+    use crate::report::OpenCv;
+    use crate::sad::Sad;
+    use crate::searches::Way;
+    use crate::window::Ratio;
     use smr_core::similarity::Backend;
     use smr_evaluation::{MethodKind, Origin};
 

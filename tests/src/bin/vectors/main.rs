@@ -1,16 +1,20 @@
-//! `host-sim vectors`: the conformance vectors, made anew.
+//! Makes the conformance vectors anew: `cargo run --release -p smr-tests --bin vectors -- --out tests/vectors/conformance.txt`.
 
-use super::Outcome;
-use super::places::Places;
-use crate::vectors;
+mod paper;
+mod robust;
+
 use anyhow::{Result, bail};
+use host_sim::command::{Outcome, program};
 use smr_evaluation::CoreKind;
 use smr_recordings::output;
 use std::io::Write;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-#[derive(Debug, clap::Args)]
-pub struct Vectors {
+/// Print the conformance vectors, made from the float reference
+#[derive(Debug, clap::Parser)]
+#[command(version)]
+struct Vectors {
     /// Which tracker's
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
@@ -22,18 +26,17 @@ pub struct Vectors {
     out: Option<PathBuf>,
 }
 
-impl Vectors {
-    /// What is read and written.
-    pub fn places(&self) -> Places<'_> {
-        Places::default().writes("--out", self.out.as_ref())
-    }
+fn main() -> ExitCode {
+    program(Vectors::run)
+}
 
-    pub fn run(self) -> Result<Outcome> {
+impl Vectors {
+    fn run(self) -> Result<Outcome> {
         let text = match self.method {
             CoreKind::Smr if self.refiner => bail!("--refiner is an option of robust, not of smr"),
-            CoreKind::Smr => vectors::text(),
-            CoreKind::Robust if self.refiner => vectors::robust::refined_text(),
-            CoreKind::Robust => vectors::robust::text(),
+            CoreKind::Smr => paper::text(),
+            CoreKind::Robust if self.refiner => robust::refined_text(),
+            CoreKind::Robust => robust::text(),
         };
         match &self.out {
             Some(file) => output::write(file, text.as_bytes())?,

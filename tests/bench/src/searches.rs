@@ -213,7 +213,7 @@ fn difference(answers: &[(Way, Answer)]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::case::triples;
+    use crate::case::triples;
     use smr_recordings::{OpenOptions, open, synthetic};
 
     #[test]

@@ -1,12 +1,12 @@
 //! Instructions of an update on the emulated boards: the firmware in QEMU, smr with its window of +-16, on the recordings' own
 //! boxes. Where the fastest backend is that of words of four pixels, the plain loops are measured beside it.
 
-use crate::emulator::Recording;
-use crate::emulator::firmware;
-use crate::emulator::protocol::TooBig;
-use crate::emulator::qemu::{Qemu, Setup};
-use crate::spread::Spread;
 use anyhow::Result;
+use host_sim::emulator::Recording;
+use host_sim::emulator::firmware;
+use host_sim::emulator::protocol::TooBig;
+use host_sim::emulator::qemu::{Qemu, Setup};
+use host_sim::spread::Spread;
 use serde::{Serialize, Serializer};
 use smr_core::similarity::Backend;
 use smr_evaluation::{CoreKind, Origin};

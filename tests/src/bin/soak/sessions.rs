@@ -5,10 +5,9 @@
 //! the fastest backend. The other takes the plain loops, without pruning, in steps of any size, sees only the pixels that it asks
 //! for, and is now and then saved, thrown away and restored. Both are told alike of turns of the camera.
 
-pub mod video;
-
-use crate::check::{Check, Checked, Violation};
+use crate::video::Video;
 use anyhow::{Context, Result, ensure};
+use host_sim::check::{Check, Checked, Violation};
 use rayon::prelude::*;
 use serde::Serialize;
 use smr_core::paper::Radius;
@@ -20,7 +19,6 @@ use smr_recordings::synthetic::Random;
 use smr_reference::{Numbers, robust as reference};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-use video::Video;
 
 /// Frames of a session.
 pub const SESSION: u64 = 500;

@@ -1,19 +1,19 @@
-//! `host-sim bench`: how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search.
+//! Measures how fast it is: `cargo run --profile bench -p smr-bench -- RECORDINGS`. Here and on the emulated boards, beside OpenCV and a plain SAD search.
 
-use super::number::{from, whole};
-use super::places::Places;
-use super::qemu_options::EmulatorOptions;
-use super::recording_options::RecordingOptions;
-use super::tracker_options::Pair;
-use super::{Outcome, progress, tell};
-use crate::bench::boards::{self, Figures};
-use crate::bench::case::{self, Size};
-use crate::bench::report::Report;
-use crate::bench::{self, Bench as Run, Settings, goals, table};
-use crate::emulator::qemu::Machine;
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
+use host_sim::command::number::{from, whole};
+use host_sim::command::places::Places;
+use host_sim::command::qemu_options::EmulatorOptions;
+use host_sim::command::recording_options::RecordingOptions;
+use host_sim::command::tracker_options::Pair;
+use host_sim::command::{Outcome, program, progress, tell};
+use host_sim::emulator::qemu::Machine;
 use rayon::prelude::*;
+use smr_bench::boards::{self, Figures};
+use smr_bench::case::{self, Size};
+use smr_bench::report::Report;
+use smr_bench::{Bench as Run, Settings, diagram as plotted, goals, table};
 use smr_core::paper::{Config, Radius};
 use smr_evaluation::clock::{Patience, timed};
 use smr_evaluation::{CoreKind, MethodKind, Variant};
@@ -22,6 +22,7 @@ use smr_recordings::output::{Output, complain};
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -34,8 +35,10 @@ const ENOUGH: Duration = Duration::from_millis(10);
 /// Threads for the whole evaluation.
 const THREADS: usize = 2;
 
-#[derive(Debug, clap::Args)]
-pub struct Bench {
+/// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
+#[derive(Debug, clap::Parser)]
+#[command(version, max_term_width = 120)]
+struct Bench {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "SEQ", default_value = "synthetic")]
     paths: Vec<PathBuf>,
@@ -77,13 +80,18 @@ pub struct Bench {
     recording: RecordingOptions,
 }
 
+fn main() -> ExitCode {
+    program(Bench::run)
+}
+
 impl Bench {
     /// What is read and written.
-    pub fn places(&self) -> Places<'_> {
+    fn places(&self) -> Places<'_> {
         Places::of(&self.paths).writes("--plot", self.plot.as_ref())
     }
 
-    pub fn run(self) -> Result<Outcome> {
+    fn run(self) -> Result<Outcome> {
+        self.places().check()?;
         let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
         let plot = self.plot.as_deref().map(Output::create).transpose()?;
         let paths = self.recording.find(&self.paths)?;
@@ -96,7 +104,7 @@ impl Bench {
         let mut report = Report::new(&run, boards, Some(time));
         report.goals = goals::all(&report);
         if let (Some(mut plot), Some(form)) = (plot, form) {
-            plot.write(&form.draw(&bench::diagram::marks(&report.speeds))?)?;
+            plot.write(&form.draw(&plotted::marks(&report.speeds))?)?;
             plot.finish()?;
         }
         tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
