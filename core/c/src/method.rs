@@ -11,16 +11,16 @@ use crate::config::{smr_config, smr_method};
 use crate::pointer::{self, Out};
 #[cfg(feature = "unstable")]
 use crate::status::SMR_ERROR_OTHER_METHOD;
-use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
-use crate::tracker::{Known, Tracked, UnderWay, smr_tracker};
+use crate::status::{SMR_ERROR_NOT_BEGUN, SMR_ERROR_NOT_INITIALISED, smr_status};
+use crate::tracker::{Known, Tracked, smr_tracker};
 #[cfg(feature = "unstable")]
 use crate::unstable::ResponseMap;
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
-use smr_core::calls::{self, Owner};
-use smr_core::{Frame, LockError, Rect, Robust, Target};
+use smr_core::calls::{self, Kind, Owner};
+use smr_core::{Frame, Rect, Robust, Target};
 
 /// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {
@@ -196,22 +196,17 @@ impl<T: Method> Tracked for Held<T> {
         Ok(calls::begin(self.parts()?, frame)?)
     }
 
-    fn step(&mut self, frame: &Frame<'_>, work: u32, of: UnderWay) -> Option<Result<(), smr_status>> {
-        let (target, workspace, owner) = match self.parts() {
-            Ok(parts) => parts,
-            Err(status) => return Some(Err(status)),
+    fn step(&mut self, frame: &Frame<'_>, work: u32, of: Option<Kind>) -> Option<Result<(), smr_status>> {
+        let step = |(target, workspace, owner): (&mut T, &mut T::Workspace, Owner)| {
+            let done = match calls::under_way::<T>(workspace, owner) {
+                kind if of.is_some_and(|of| of != kind) => return Err(SMR_ERROR_NOT_BEGUN),
+                Kind::Nothing => return Err(SMR_ERROR_NOT_BEGUN),
+                Kind::Lock => calls::step_lock(target, workspace, frame, work)?,
+                Kind::Update => calls::step(target, workspace, frame, work)?,
+            };
+            Ok(done.then_some(()))
         };
-        let of_lock = match of {
-            UnderWay::Update => Err(LockError::NotBegun),
-            _ => calls::step_lock((target, workspace, owner), frame, work),
-        };
-        let done = match of_lock {
-            Err(LockError::NotBegun) if of != UnderWay::Lock => {
-                calls::step((target, workspace, owner), frame, work).map_err(smr_status::from)
-            }
-            result => result.map_err(smr_status::from),
-        };
-        done.map(|done| done.then_some(())).transpose()
+        self.parts().and_then(step).transpose()
     }
 
     fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {

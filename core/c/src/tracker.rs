@@ -7,6 +7,7 @@ use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
+use smr_core::calls::Kind;
 use smr_core::{Frame, Rect, Robust};
 
 /// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target in Rust it stays where it
@@ -42,14 +43,6 @@ pub(crate) enum Known<'a> {
     Robust(&'a mut Robust),
 }
 
-/// What a step continues.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum UnderWay {
-    Lock,
-    Update,
-    Either,
-}
-
 /// The calls that follow a target, whatever its method.
 pub(crate) trait Tracked {
     /// For all other calls.
@@ -59,8 +52,9 @@ pub(crate) trait Tracked {
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
     fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    /// `None` until only `conclude` or `conclude_lock` is left. This result fits in a register.
-    fn step(&mut self, frame: &Frame<'_>, work: u32, of: UnderWay) -> Option<Result<(), smr_status>>;
+    /// Continues what is under way; `of` a kind, only if it is of that kind. `None` until only `conclude` or `conclude_lock` is left.
+    /// This result fits in a register.
+    fn step(&mut self, frame: &Frame<'_>, work: u32, of: Option<Kind>) -> Option<Result<(), smr_status>>;
     fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
     fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
@@ -78,20 +72,20 @@ impl dyn Tracked + '_ {
     /// Does the rest of a lock.
     #[inline(never)] // one copy in flash
     pub(crate) fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        self.complete(frame, UnderWay::Lock)?;
+        self.complete(frame, Kind::Lock)?;
         self.conclude_lock(frame)
     }
 
     /// Does the rest of an update.
     #[inline(never)] // one copy in flash
     pub(crate) fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
-        self.complete(frame, UnderWay::Update)?;
+        self.complete(frame, Kind::Update)?;
         self.conclude(frame, out)
     }
 
-    fn complete(&mut self, frame: &Frame<'_>, of: UnderWay) -> Result<(), smr_status> {
+    fn complete(&mut self, frame: &Frame<'_>, of: Kind) -> Result<(), smr_status> {
         loop {
-            if let Some(result) = self.step(frame, u32::MAX, of) {
+            if let Some(result) = self.step(frame, u32::MAX, Some(of)) {
                 return result;
             }
         }

@@ -4,7 +4,7 @@ use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer::Out;
 use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{Known, UnderWay, ask, borrow, smr_tracker, with_frame};
+use crate::tracker::{Known, ask, borrow, smr_tracker, with_frame};
 use smr_core::Target;
 
 /// Finds the target in the next frame.
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn smr_step(
     status_of(unsafe {
         with_frame(tracker, frame, |tracker, frame| {
             let out = Out::new(done)?;
-            let done = tracker.step(frame, work, UnderWay::Either).transpose()?;
+            let done = tracker.step(frame, work, None).transpose()?;
             out.write(done.is_some().into());
             Ok(())
         })

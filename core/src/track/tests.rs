@@ -516,8 +516,11 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(SmallPaper::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
 }
 
+/// A setting's name, and a change of it.
+type Change<T> = (&'static str, fn(&mut <T as Target>::Config));
+
 /// Saves a target with `config`, and restores it with each of the `changes`: all settings, each by its name.
-fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[(&str, fn(&mut T::Config))]) {
+fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[Change<T>]) {
     let bytes = saved(locked::<T>(config).target());
     for (name, change) in changes {
         let mut other = config;
@@ -638,7 +641,11 @@ fn the_preset_robust_is_the_same_in_every_build() {
 fn the_preset_robust_answers_the_same_in_every_build() {
     let mut sum = Crc::new();
     let mut tracker = Tracker::<Robust>::new(robust::Config::robust()).unwrap();
-    let mut recorder = Recorder::begin(tracker.target(), |bytes| -> Result<(), ()> { Ok(sum.update(bytes)) }).unwrap();
+    let mut recorder = Recorder::begin(tracker.target(), |bytes| {
+        sum.update(bytes);
+        Ok::<(), ()>(())
+    })
+    .unwrap();
     let frames = frames();
     tracker.lock(&whole(&frames[0]), TARGET).unwrap();
     recorder.lock(tracker.target(), &whole(&frames[0]), TARGET).unwrap();

@@ -78,7 +78,7 @@ const fn halves([a, b, c, d, e, f, g, h]: [u8; 8]) -> [u32; 2] {
     [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
 }
 
-/// The lock that is under way on a target. The box is empty if there is none.
+/// The lock that is under way on a target. The box is empty if there is none; it has no meaning while there is a track.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Locking {
     /// Width and height of the frame.
@@ -113,9 +113,12 @@ impl Locking {
 
 /// The kind of call that is under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
+    /// No call.
     Nothing,
+    /// A lock.
     Lock,
+    /// An update.
     Update,
 }
 
@@ -316,8 +319,8 @@ struct Running<'a, T: Steps> {
 /// [`cancel`](calls::cancel) after it has changed a target otherwise.
 #[doc(hidden)]
 pub mod calls {
-    pub use super::Owner;
-    use super::{Answer, Frame, Kind, LockError, Quality, Rect, SEAL, Steps, UpdateError, is_under_way, own};
+    use super::{Answer, Frame, LockError, Quality, Rect, SEAL, Steps, UpdateError, own};
+    pub use super::{Kind, Owner};
 
     /// As [`Target::begin_lock`](crate::Target::begin_lock).
     ///
@@ -346,34 +349,36 @@ pub mod calls {
         Ok(())
     }
 
-    /// A step of the lock that is under way. True if only [`conclude_lock`] is left.
+    /// The kind of call of `owner` that is under way.
+    pub fn under_way<T: Steps>(workspace: &mut T::Workspace, owner: Owner) -> Kind {
+        let under_way = T::under_way(workspace, SEAL);
+        if under_way.owner == owner { under_way.kind } else { Kind::Nothing }
+    }
+
+    /// A step of the lock that is [under way](under_way). True if only [`conclude_lock`] is left.
     ///
     /// # Errors
     /// As [`Target::resume_lock`](crate::Target::resume_lock).
     pub fn step_lock<T: Steps>(
-        (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
+        target: &mut T,
+        workspace: &mut T::Workspace,
         frame: &Frame<'_>,
         work: u32,
     ) -> Result<bool, LockError> {
-        if !is_under_way::<T>(workspace, Kind::Lock, || owner) {
-            return Err(LockError::NotBegun);
-        }
         target.check_lock_under_way(frame, SEAL)?;
         Ok(super::step(target, workspace, frame, work))
     }
 
-    /// A step of the update that is under way. True if only [`conclude`] is left.
+    /// A step of the update that is [under way](under_way). True if only [`conclude`] is left.
     ///
     /// # Errors
     /// As [`Target::resume`](crate::Target::resume).
     pub fn step<T: Steps>(
-        (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
+        target: &mut T,
+        workspace: &mut T::Workspace,
         frame: &Frame<'_>,
         work: u32,
     ) -> Result<bool, UpdateError> {
-        if !is_under_way::<T>(workspace, Kind::Update, || owner) {
-            return Err(UpdateError::NotBegun);
-        }
         target.check(frame, SEAL)?;
         Ok(super::step(target, workspace, frame, work))
     }

@@ -210,7 +210,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         self.track = Some(saved::restore(&self.config, &mut self.template, SPAN, bytes)?);
-        self.locking = Locking::NOTHING;
         Ok(())
     }
 
@@ -225,12 +224,10 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     fn identify(&self, owner: &mut Owner, _: &Seal) {
         let numbers = saved::numbers(&self.config);
         Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
-        self.locking.identify(owner);
-        if let Some(track) = &self.track {
-            track.identify(owner);
-            owner.add(self.template.threshold().into());
-            owner.add_bytes(self.template.pixels());
-        }
+        let Some(track) = &self.track else { return self.locking.identify(owner) };
+        track.identify(owner);
+        owner.add(self.template.threshold().into());
+        owner.add_bytes(self.template.pixels());
     }
 
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
@@ -311,7 +308,6 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         table.set(self.config.table, self.template.threshold());
         let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
         self.track = Some(Track { quality, ..Track::new(self.locking.bounds(), target) });
-        self.locking = Locking::NOTHING;
         quality
     }
 }

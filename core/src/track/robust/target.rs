@@ -229,9 +229,7 @@ impl Target for Robust {
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.memory.restore(&self.config, bytes)?;
-        self.locking = Locking::NOTHING;
-        Ok(())
+        self.memory.restore(&self.config, bytes)
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
@@ -245,7 +243,9 @@ impl Steps for Robust {
     fn identify(&self, owner: &mut Owner, _: &Seal) {
         let numbers = state::numbers(&self.config);
         Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
-        self.locking.identify(owner);
+        if self.memory.track.is_none() {
+            self.locking.identify(owner);
+        }
         self.memory.identify(owner);
     }
 
@@ -349,7 +349,7 @@ impl Steps for Robust {
             // Cannot fail: there is room for all.
             let _ = self.memory.first.extend_from_slice(buffers.scale_cells.get(..FIRST).unwrap_or_default());
         }
-        (self.memory.track, self.locking) = (Some(track), Locking::NOTHING);
+        self.memory.track = Some(track);
         track.quality
     }
 }

@@ -151,7 +151,7 @@ impl Layers {
     #[inline(never)] // one copy in flash
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], work: &mut UnderWay) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
-        if let Some((present, [inputs, _], _)) = regions(scratch) {
+        if let Some([present, inputs, ..]) = regions(scratch) {
             inputs.fill(MEAN);
             let (pairs, _) = inputs.as_chunks_mut::<2>();
             let rows = pairs.chunks_mut(first_layer.across()).skip(1);
@@ -169,7 +169,7 @@ impl Layers {
     /// A row of a convolution, or both full layers; their outputs after the last unit.
     #[inline(never)] // one copy in flash
     pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
-        let Some((patches, [even, odd], spare)) = regions(scratch) else { return Some([0; 4]) };
+        let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
             return Some(full(dense, even, work));
         };
@@ -198,11 +198,11 @@ impl Layers {
 }
 
 /// The patches, the two layers of inputs, and the rest.
-fn regions(scratch: &mut [i8]) -> Option<(&mut [i8], [&mut [i8]; 2], &mut [i8])> {
+fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     let (patches, inputs) = scratch.split_at_mut_checked(PATCHES)?;
     let (even, inputs) = inputs.split_at_mut_checked(INPUTS)?;
     let (odd, spare) = inputs.split_at_mut_checked(INPUTS)?;
-    Some((patches, [even, odd], spare))
+    Some([patches, even, odd, spare])
 }
 
 /// The inputs of each output of a row, one after the other. Returns their number.
