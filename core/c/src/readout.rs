@@ -5,7 +5,6 @@ use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_FORMAT_UNKNOWN, smr_status, status_of};
 use core::ptr;
 use core::sync::atomic::{Ordering, compiler_fence};
-use smr_core::Rect;
 use smr_core::readout::{Format, Lines, Readout, ReadoutError};
 
 /// How a camera sends its pixels.
@@ -127,29 +126,18 @@ impl smr_readout {
         Ok(lines.and_window(far.into(), more)?.resume(self.next))
     }
 
-    /// The readout of `smr-core`.
+    /// The readout of `smr-core`, which has these `lines`.
     ///
     /// # Safety
     /// `pixels` that are not NULL point to as many bytes as `sizes` says, and nobody else uses them while the result lives.
-    unsafe fn open<'a>(&self) -> Result<Readout<'a>, smr_status> {
+    unsafe fn open<'a>(&self, lines: Lines) -> Readout<'a> {
         let ([first, second], [room, more]) = (self.pixels, self.sizes);
-        let [near, far] = self.windows.map(Rect::from);
-        // SAFETY: as the caller ensures.
-        let readout = Readout::new(self.format()?, (self.columns, self.lines), near, unsafe { bytes(first, room)? })?;
-        if second.is_null() {
-            return Ok(readout.resume(self.next));
+        // SAFETY: `lines` has checked the pointers; the rest as the caller ensures.
+        unsafe {
+            let second = if second.is_null() { &mut [] } else { core::slice::from_raw_parts_mut(second, more) };
+            Readout::of(lines, core::slice::from_raw_parts_mut(first, room), second)
         }
-        // SAFETY: as the caller ensures.
-        Ok(readout.and_window(far, unsafe { bytes(second, more)? })?.resume(self.next))
     }
-}
-
-/// # Safety
-/// A pointer that is not NULL points to so many bytes, and nobody else uses them while the result lives.
-unsafe fn bytes<'a>(pixels: *mut u8, size: usize) -> Result<&'a mut [u8], smr_status> {
-    pointer::check_bytes(pixels, size, &[0..0, 0..0])?;
-    // SAFETY: not NULL, at most isize::MAX bytes, always aligned; the rest as the caller ensures.
-    Ok(unsafe { core::slice::from_raw_parts_mut(pixels, size) })
 }
 
 /// Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
@@ -250,7 +238,7 @@ pub unsafe extern "C" fn smr_readout_line(
             Ok(match lines.check(y, bytes.len()) {
                 // Whoever has the frame may be reading its pixels, but then none of its lines is left to come.
                 Ok(true) => begun
-                    .open()?
+                    .open(lines)
                     .push_line(y, bytes)
                     .map_or_else(|error| (begun.next, Err(error)), |()| (y + 1, Ok(()))),
                 Ok(false) => (y + 1, Ok(())),
@@ -277,7 +265,7 @@ pub unsafe extern "C" fn smr_readout_lines(
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
         pushed(readout, bytes, size, |begun, bytes| {
-            let mut readout = begun.open()?;
+            let mut readout = begun.open(begun.lines()?);
             let result = readout.push_frame(bytes, stride);
             Ok((readout.next_line(), result))
         })

@@ -334,6 +334,13 @@ impl<'a> Readout<'a> {
         Ok(Self { lines: Lines::new(format, (columns, lines), window, pixels.len())?, first: pixels, second: &mut [] })
     }
 
+    /// A readout of `lines`, which were checked with the sizes of both buffers. Without a second window `second` is empty.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn of(lines: Lines, first: &'a mut [u8], second: &'a mut [u8]) -> Self {
+        Self { lines, first, second }
+    }
+
     /// The same with a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Before the first line.
     ///
     /// # Errors
