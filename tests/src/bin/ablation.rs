@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 /// Measure what each part of the robust tracker is worth: the tracker without it, against ground truth
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 120)]
+#[command(name = "ablation", version, max_term_width = 120)]
 struct Ablation {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required = true)]

@@ -23,7 +23,7 @@ use video::Video;
 /// are saved and restored. One tracker has the fastest backend and whole frames. The other has the plain loops, sees only the parts of a frame that
 /// it asks for, and updates in steps of any size.
 #[derive(Debug, clap::Parser)]
-#[command(version, max_term_width = 120)]
+#[command(name = "soak", version, max_term_width = 120)]
 struct Soak {
     /// Which tracker
     #[arg(long, value_enum, default_value = "smr")]

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 /// Print the conformance vectors, made from the float reference
 #[derive(Debug, clap::Parser)]
-#[command(version)]
+#[command(name = "vectors", version)]
 struct Vectors {
     /// Which tracker's
     #[arg(long, value_enum, default_value = "smr")]
