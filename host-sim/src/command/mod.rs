@@ -3,20 +3,16 @@
 
 mod answer_line;
 mod check;
-#[cfg(feature = "manual")]
-mod completions;
 mod convert;
 mod demo;
 mod eval;
 mod figures;
 mod film;
 mod frame;
-#[cfg(feature = "manual")]
-mod man;
-#[cfg(any(test, not(all(feature = "emulator", feature = "manual"))))]
+#[cfg(any(test, not(feature = "emulator")))]
 mod not_built;
 pub mod number;
-pub mod places;
+mod places;
 pub mod progress;
 #[cfg(feature = "emulator")]
 pub mod qemu_options;
@@ -37,7 +33,7 @@ mod trax;
 use anyhow::{Context, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
 use clap::{CommandFactory, Parser, Subcommand};
-#[cfg(not(all(feature = "emulator", feature = "manual")))]
+#[cfg(not(feature = "emulator"))]
 use not_built::NotBuilt;
 use places::Places;
 use serde::Serialize;
@@ -139,14 +135,14 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Target(target::Target),
     #[cfg(not(feature = "emulator"))]
     /// Run the firmware in QEMU on a recording (not built in: --features emulator)
-    Target(NotBuilt<{ not_built::EMULATOR }>),
+    Target(NotBuilt),
     #[cfg(feature = "emulator")]
     /// Run any firmware in QEMU, and print its log
     #[command(after_help = "Example:\n  host-sim run firmware.elf")]
     Run(run::Run),
     #[cfg(not(feature = "emulator"))]
     /// Run any firmware in QEMU (not built in: --features emulator)
-    Run(NotBuilt<{ not_built::EMULATOR }>),
+    Run(NotBuilt),
     /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
     ///
     /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
@@ -154,22 +150,6 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     /// With version 4 the client may give several objects at a time. If the client breaks the protocol, it gets `quit` with the reason, and the exit
     /// code is 2.
     Trax(trax::Trax),
-    #[cfg(not(feature = "manual"))]
-    /// Print the completions of a shell (not built in: --features manual)
-    Completions(NotBuilt<{ not_built::MANUAL }>),
-    #[cfg(feature = "manual")]
-    /// Print the completions of a shell
-    #[command(after_help = "Example:
-  host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim")]
-    Completions(completions::Completions),
-    #[cfg(not(feature = "manual"))]
-    /// Print a page of the manual (not built in: --features manual)
-    Man(NotBuilt<{ not_built::MANUAL }>),
-    #[cfg(feature = "manual")]
-    /// Print a page of the manual
-    #[command(after_help = "Example:
-  host-sim man track | man -l -")]
-    Man(man::Man),
 }
 
 /// Runs the same code with the options of whichever command was given.
@@ -188,8 +168,6 @@ macro_rules! each {
             Command::Target($command) => $do,
             Command::Run($command) => $do,
             Command::Trax($command) => $do,
-            Command::Completions($command) => $do,
-            Command::Man($command) => $do,
         }
     };
 }

@@ -23,17 +23,6 @@ pub const TARGETS: [Color; 8] = [
     [60, 255, 220],
     [255, 110, 110],
 ];
-/// What can be drawn with, beside gray levels.
-pub(super) const INKS: [Color; 3 + TARGETS.len()] = {
-    let mut inks = [GREEN; 3 + TARGETS.len()];
-    (inks[1], inks[2]) = (AMBER, RED);
-    let mut at = 0;
-    while at < TARGETS.len() {
-        inks[3 + at] = TARGETS[at];
-        at += 1;
-    }
-    inks
-};
 
 /// A frame that is drawn on.
 pub struct Overlay(Canvas);
@@ -42,11 +31,6 @@ impl Overlay {
     #[must_use]
     pub fn new(ColorFrame { width, height, pixels }: ColorFrame) -> Self {
         Self(Canvas { width: width.into(), height: height.into(), pixels })
-    }
-
-    #[must_use]
-    pub(super) const fn picture(&self) -> &Canvas {
-        &self.0
     }
 
     pub const fn size(&self) -> (u32, u32) {

@@ -4,12 +4,11 @@
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
 
-mod animation;
 mod c_array;
 mod draw;
+mod encoded;
 mod film;
 mod matroska;
-mod mp4;
 mod picture;
 mod timeline;
 mod toolkit;
