@@ -174,7 +174,7 @@ pub(crate) mod tests {
     use super::*;
     use anyhow::bail;
     use smr_core::paper::Config;
-    use smr_recordings::{BoundingBox, Damage};
+    use smr_recordings::BoundingBox;
     use std::cell::Cell;
     use std::fs;
 
@@ -199,7 +199,6 @@ pub(crate) mod tests {
             init: Some(at(4.0)),
             truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
             colors: smr_recordings::Colors::None,
-            damage: Damage::default(),
         }
     }
 

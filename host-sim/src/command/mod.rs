@@ -39,7 +39,7 @@ use places::Places;
 use serde::Serialize;
 use smr_evaluation::Refused;
 use smr_recordings::output::{complain, print};
-use smr_recordings::{cleanup, words};
+use smr_recordings::{Damaged, cleanup, words};
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
@@ -268,12 +268,17 @@ fn named(name: &str) -> clap::Command {
     HostSim::command().find_subcommand(name).cloned().unwrap_or_default()
 }
 
-/// What is printed of an error of this command; a box that is refused comes with what the command has against it.
+/// What is printed of an error of this command; a box that is refused and damage come with what the command has against them.
 fn told(error: &anyhow::Error, command: &clap::Command) -> String {
     let said = words::of(error);
-    let Some(box_) = error.chain().find_map(|cause| cause.downcast_ref::<Refused>()) else { return said };
     let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));
-    format!("{said}: {}", box_.way_out(has))
+    if let Some(box_) = error.downcast_ref::<Refused>() {
+        return format!("{said}: {}", box_.way_out(has));
+    }
+    match error.downcast_ref::<Damaged>().and_then(Damaged::whole_part) {
+        Some(part) if has("frames") => format!("{said} (--frames {part} takes the frames before it)"),
+        _ => said,
+    }
 }
 
 fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {

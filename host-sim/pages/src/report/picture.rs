@@ -114,7 +114,7 @@ mod tests {
     use crate::report::{Choice, Refusal, SAD, SMR, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{MethodKind, Variant};
-    use smr_recordings::{Colors, Damage};
+    use smr_recordings::Colors;
     use smr_recordings::{GrayFrame, OpenOptions, Sequence, synthetic};
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -136,7 +136,6 @@ mod tests {
             init: Some("0,0,1,1".parse().unwrap()),
             truth: None,
             colors: Colors::None,
-            damage: Damage::default(),
         }
     }
 
