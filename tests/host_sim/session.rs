@@ -1,4 +1,4 @@
-//! The outputs for the user: conversions, videos, live input, settings and help.
+//! The outputs for the user: conversions, videos, live input and help.
 
 use crate::missing::has_c_compiler;
 use crate::program::{PROGRAM, host_sim, utf8};
@@ -286,21 +286,11 @@ fn a_video_is_there_whole_or_not_at_all() {
 }
 
 #[test]
-fn settings_are_echoed_and_give_the_same_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("fast.toml");
-    fs::write(&file, "method = \"smr\"\nconfig = \"camera\"\nwindow = \"20x16\"\nexhaustive = true\n").unwrap();
-    let part = ["track", "synthetic", "--frames", "1..8", "--json"];
-    let by_file = host_sim(&[&part[..], &["--settings", utf8(&file)]].concat());
+fn options_are_echoed() {
     let options = ["--method", "smr", "--config", "camera", "--window", "20x16", "--exhaustive"];
-    assert_eq!(by_file.out, host_sim(&[&part[..], &options].concat()).out);
-    let first = &by_file.json_lines()[0];
-    assert_eq!(first["options"], serde_json::json!({ "config": "camera", "window": "20x16", "exhaustive": true }));
-    let nearer = host_sim(&[&part[..], &["--settings", utf8(&file), "--window", "9x8"]].concat());
-    assert_eq!(nearer.json_lines()[0]["options"]["window"], "9x8", "the command line wins");
-    fs::write(&file, "speed = 9\n").unwrap();
-    let refused = host_sim(&[&part[..], &["--settings", utf8(&file)]].concat());
-    refused.refuses(&["fast.toml: speed is no tracker option of `track`"]);
+    let said = host_sim(&[&["track", "synthetic", "--frames", "1..8", "--json"], &options[..]].concat());
+    let expected = serde_json::json!({ "config": "camera", "window": "20x16", "exhaustive": true });
+    assert_eq!(said.json_lines()[0]["options"], expected);
 }
 
 #[test]

@@ -17,7 +17,6 @@ pub struct Kind {
     pub most: u32,
 }
 
-pub const SETTINGS: Kind = Kind { expected: "a TOML file of tracker settings", most: 1 };
 /// A million frames of boxes, and of most polygons.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
 /// Any of 16384x16384 pixels, except in colour without compression.

@@ -22,7 +22,6 @@ mod report;
 pub mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
-pub mod settings;
 pub mod table_options;
 #[cfg(feature = "emulator")]
 mod target;
@@ -43,7 +42,6 @@ use smr_recordings::{Damaged, cleanup, words};
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
@@ -54,15 +52,12 @@ use std::process::ExitCode;
 /// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.
 ///
-/// Limits: a settings file may have 1 MiB, a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
+/// Limits: a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
 ///
 /// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 120)]
 pub struct HostSim {
-    /// Tracker settings from a TOML file: option names without their dashes as keys. Options on the command line win
-    #[arg(long, global = true, value_name = "FILE")]
-    settings: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -181,31 +176,24 @@ pub enum Outcome {
 
 /// Runs what the command line of this process says.
 pub fn run() -> ExitCode {
-    let arguments = || {
-        let mut arguments = settings::arguments(std::env::args_os().collect())?;
-        if arguments.len() == 1 {
-            arguments.push("demo".into());
-        }
-        Ok(arguments)
-    };
+    let mut arguments: Vec<_> = std::env::args_os().collect();
+    if arguments.len() == 1 {
+        arguments.push("demo".into());
+    }
     obey(arguments, HostSim::run)
 }
 
 /// The same of another program, of one command: signals, errors and exit codes are those of host-sim.
 pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
-    obey(|| Ok(std::env::args_os().collect()), run)
+    obey(std::env::args_os().collect(), run)
 }
 
 /// Errors are one line on standard error: what, where, what was expected.
-fn obey<T: Parser>(
-    arguments: impl FnOnce() -> Result<Vec<OsString>>,
-    run: impl FnOnce(T) -> Result<Outcome>,
-) -> ExitCode {
+fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     let all = T::command();
-    let arguments = match cleanup::heed_signals().context("cannot wait for signals").and_then(|()| arguments()) {
-        Ok(arguments) => arguments,
-        Err(error) => return refused(&error, &all),
-    };
+    if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
+        return refused(&error, &all);
+    }
     let matches = all.clone().try_get_matches_from(arguments);
     let name = matches.as_ref().ok().and_then(|matches| matches.subcommand_name()).unwrap_or("");
     let command = all.find_subcommand(name).unwrap_or(&all).clone();
@@ -289,13 +277,8 @@ fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {
 
 impl HostSim {
     fn run(self) -> Result<Outcome> {
-        self.places().check()?;
+        each!(&self.command, command => command.places()).check()?;
         each!(self.command, command => command.run())
-    }
-
-    /// What is read and written.
-    fn places(&self) -> Places<'_> {
-        each!(&self.command, command => command.places()).reads(self.settings.as_ref())
     }
 }
 
