@@ -94,7 +94,7 @@ fn cannot_write(name: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::GREEN;
+    use crate::colors::GREEN;
     use crate::report::canvas::Canvas;
     use smr_recordings::{BoundingBox, Colors, GrayFrame};
     use std::fs;

@@ -14,7 +14,7 @@ mod timeline;
 mod toolkit;
 mod writer;
 
-pub use draw::{AMBER, GREEN, Overlay, RED, TARGETS, WHITE};
+pub use draw::Overlay;
 pub use film::{Film, Plan};
 use picture::jpeg;
 pub use picture::{pgm, png};

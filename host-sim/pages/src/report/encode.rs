@@ -1,6 +1,6 @@
 //! Pictures as bytes, and bytes as a part of a page.
 
-use super::Color;
+use crate::colors::Color;
 use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
