@@ -3,11 +3,10 @@
 //! Methods are the trackers of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. [`Run`] and
 //! [`Followed`] follow a target, [`evaluate`] scores by the protocols of the paper, OTB and VOT, also what other trackers answered.
 //! [`robustness`] starts anywhere, [`faults`] and [`covered`] put something between. Results are [`Tables`] for people and rows of JSON for
-//! programs. [`clock`] tells how long something takes.
+//! programs.
 
 mod baseline;
 mod build;
-pub mod clock;
 mod configs;
 pub mod covered;
 pub mod faults;

@@ -5,6 +5,7 @@
 //! `smr-evaluation` and shows differences as `smr-reference` has them. What is written where is said by the caller.
 
 pub mod colors;
+mod encode;
 pub mod export;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]

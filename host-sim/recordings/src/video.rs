@@ -6,12 +6,13 @@
 use super::damage::Damaged;
 use super::{GrayFrame, has_extension, y4m};
 use crate::cleanup::Process;
+use crate::input::chunks;
 use anyhow::{Context, Result, bail, ensure};
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::process::{ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
@@ -84,22 +85,8 @@ pub(super) struct Patient {
 }
 
 impl Patient {
-    pub fn new(mut stream: ChildStdout, patience: Duration) -> Self {
-        let (sender, chunks) = sync_channel(4);
-        thread::spawn(move || {
-            loop {
-                let mut chunk = vec![0; 1 << 16];
-                let chunk = stream.read(&mut chunk).map(|length| {
-                    chunk.truncate(length);
-                    chunk
-                });
-                let over = chunk.as_ref().map_or(true, Vec::is_empty);
-                if sender.send(chunk).is_err() || over {
-                    break;
-                }
-            }
-        });
-        Self { chunks, chunk: Vec::new(), read: 0, patience }
+    pub fn new(stream: ChildStdout, patience: Duration) -> Self {
+        Self { chunks: chunks(|| Ok(stream)), chunk: Vec::new(), read: 0, patience }
     }
 }
 

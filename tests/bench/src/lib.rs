@@ -13,6 +13,7 @@
 
 pub mod boards;
 pub mod case;
+pub mod clock;
 pub mod goal;
 pub mod goals;
 pub mod opencv;
@@ -23,12 +24,12 @@ pub mod speeds;
 pub mod table;
 pub mod window;
 
+use crate::clock::Patience;
 use anyhow::{Context, Result};
 use case::Size;
 use searches::{Searches, Way};
 use smr_core::paper::Radius;
 use smr_evaluation::CoreKind;
-use smr_evaluation::clock::Patience;
 use smr_recordings::Sequence;
 use speeds::Speeds;
 use std::time::Duration;

@@ -2,8 +2,8 @@
 
 use super::draw::Overlay;
 use super::encoded::{Encoded, Kind};
-use super::picture::rgb_png;
 use super::timeline::{Rate, Timeline};
+use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
 use smr_recordings::Moment;
 use smr_recordings::output::{Folder, Output};

@@ -9,14 +9,12 @@ mod draw;
 mod encoded;
 mod film;
 mod matroska;
-mod picture;
 mod timeline;
 mod toolkit;
 mod writer;
 
+pub use crate::encode::{pgm, png};
 pub use draw::Overlay;
 pub use film::{Film, Plan};
-use picture::jpeg;
-pub use picture::{pgm, png};
 pub use timeline::Rate;
 pub use writer::{Format, Writer, Written, is_whole};

@@ -1,7 +1,7 @@
 //! What pictures are drawn on, with the letters, lines and outlines of embedded-graphics.
 
-use super::encode;
 use crate::colors::Color;
+use crate::encode;
 use anyhow::{Result, ensure};
 use embedded_graphics::Drawable;
 use embedded_graphics::Pixel;
@@ -100,7 +100,7 @@ impl Canvas {
         palette.dedup();
         ensure!(palette.len() <= 256, "a picture of {} colors: expected at most 256", palette.len());
         let index = |pixel: &Color| palette.partition_point(|color| color < pixel).to_le_bytes()[0];
-        encode::png((self.width, self.height), &self.pixels.iter().map(index).collect::<Vec<_>>(), &palette)
+        encode::palette_png((self.width, self.height), &self.pixels.iter().map(index).collect::<Vec<_>>(), &palette)
     }
 }
 

@@ -8,7 +8,6 @@ mod coordinates;
 mod data;
 pub mod diagram;
 mod difference;
-mod encode;
 mod entrants;
 pub mod figures;
 mod film;
