@@ -109,14 +109,14 @@ fn the_smallest_recording_can_be_shown() {
 }
 
 #[test]
-fn damage_is_an_error_or_counted() {
+fn damage_is_an_error_that_says_how_to_read_what_lies_before_it() {
     let folder = tempfile::tempdir().unwrap();
     let recording = cut_recording(folder.path());
     let file = utf8(&recording);
-    host_sim(&["track", file]).refuses(&["frame 240", "cut short", "--lenient"]);
-    let said = host_sim(&["track", file, "--lenient"]);
-    assert_eq!((said.code, said.err.as_str()), (Some(0), "note: cut: a frame is damaged\n"));
-    assert_eq!(said.out.lines().count(), 239);
+    let said = host_sim(&["track", file]);
+    said.refuses(&["frame 240", "cut short", "(--frames ..239 takes the frames before it)"]);
+    let part = host_sim(&["track", file, "--frames", "..239"]);
+    assert_eq!((part.code, part.err.as_str(), &part.out), (Some(0), "", &said.out));
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_file_is_written_whole_or_not_at_all() {
     fs::write(&boxes, "former").unwrap();
     host_sim(&["track", utf8(&recording), "--out", utf8(&boxes)]).refuses(&["frame 240"]);
     assert_eq!(fs::read_to_string(&boxes).unwrap(), "former");
-    assert_eq!(host_sim(&["track", utf8(&recording), "--lenient", "--out", utf8(&boxes)]).code, Some(0));
+    assert_eq!(host_sim(&["track", utf8(&recording), "--frames", "..239", "--out", utf8(&boxes)]).code, Some(0));
     assert_eq!(fs::read_to_string(&boxes).unwrap().lines().count(), 239);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left over");
 }
@@ -232,12 +232,11 @@ fn robustness_is_compared_with_what_was_measured_before() {
 fn two_outputs_are_two_files_and_none_is_the_input() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
-    let (clip, frames, one, settings) = (path("clip.y4m"), path("frames"), path("one.gif"), path("settings.toml"));
+    let (clip, frames, one) = (path("clip.y4m"), path("frames"), path("one.gif"));
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &clip]).code, Some(0));
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &frames]).code, Some(0));
-    fs::write(&settings, "growth = 2\n").unwrap();
     let (picture, truth) = (format!("{frames}/00001.png"), format!("{frames}/gt.txt"));
-    let files = || [&clip, &picture, &truth, &settings].map(|file| fs::read(file).unwrap());
+    let files = || [&clip, &picture, &truth].map(|file| fs::read(file).unwrap());
     let before = files();
 
     host_sim(&["track", &clip, "--init", "9,9,9,9", "--video", &one, "--out", &one])
@@ -260,8 +259,6 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
         let output = arguments.last().unwrap();
         host_sim(arguments).refuses(&[output, "belongs to the recording"]);
     }
-    host_sim(&["track", &frames, "--settings", &settings, "--out", &settings])
-        .refuses(&["--out", &settings, "is read"]);
     assert_eq!(files(), before);
     assert!(!Path::new(&one).exists());
     // A device accepts any amount.
@@ -278,21 +275,21 @@ fn what_never_ends_is_refused_with_its_limit() {
     }
     fs::write(path("clip.y4m"), b"YUV4MPEG2 W4 H4 F25:1 Cmono\nFRAME\n0123456789abcdef").unwrap();
     let (endless, clip) = (utf8(&path("endless.png")).to_owned(), utf8(&path("clip.y4m")).to_owned());
-    host_sim(&["track", "synthetic", "--settings", "/dev/zero"]).refuses(&["cannot read /dev/zero", "1 MiB", "TOML"]);
     host_sim(&["track", &clip, "--init", "0,0,2,2"]).refuses(&["gt.txt", "64 MiB", "a box a line"]);
     fs::remove_file(path("gt.txt")).unwrap();
     host_sim(&["track", &endless, "--init", "0,0,2,2"]).refuses(&["endless.png", "512 MiB", "PNG"]);
-    host_sim(&["eval", "synthetic", "--robustness", "--against", "/dev/zero"]).refuses(&["/dev/zero", "64 MiB"]);
+    let against = |former: &str| host_sim(&["eval", "synthetic", "--robustness", "--against", former]);
+    against("/dev/zero").refuses(&["/dev/zero", "64 MiB"]);
     host_sim(&["replay", "/dev/zero"]).refuses(&["/dev/zero", "no entry in 64 MiB"]);
     host_sim(&["run", "/dev/zero"]).refuses(&["/dev/zero", "256 MiB", "ELF"]);
     host_sim(&["track", "/dev/zero", "--size", "60000x60000", "--init", "0,0,2,2"])
         .refuses(&["60000x60000", "at most 268435456"]);
     // A file that is too long for its kind is not opened.
-    fs::File::create(path("long.toml")).unwrap().set_len(1 << 40).unwrap();
-    host_sim(&["track", "synthetic", "--settings", utf8(&path("long.toml"))]).refuses(&["long.toml", "1 MiB"]);
+    fs::File::create(path("long.json")).unwrap().set_len(1 << 40).unwrap();
+    against(utf8(&path("long.json"))).refuses(&["long.json", "64 MiB"]);
     let pipe = path("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    host_sim(&["track", "synthetic", "--settings", utf8(&pipe)]).refuses(&["pipe", "nothing comes out of it", "1 MiB"]);
+    against(utf8(&pipe)).refuses(&["pipe", "nothing comes out of it", "64 MiB"]);
 }
 
 #[cfg(unix)]
@@ -372,7 +369,6 @@ fn messages_are_in_peoples_words() {
         fs::write(&path, holds).unwrap();
         utf8(&path).to_owned()
     };
-    let settings = |text: &str| file("settings.toml", text.as_bytes());
     let track = |arguments: &[&str]| host_sim(&[&["track", "synthetic"], arguments].concat());
     for option in ["--growth", "--scale", "--padding", "--neighbourhood", "--step", "--ffmpeg-timeout", "--least-alpha"]
     {
@@ -390,19 +386,6 @@ fn messages_are_in_peoples_words() {
         .refuses(&["--starts-every 0: expected a whole number, 1 or more"]);
     host_sim(&["report", "synthetic", "-o", "x.html", "--strip", "1,x"])
         .refuses(&["--strip x: expected a whole number"]);
-    for (text, expected) in [
-        ("growth = 1.5\n", "growth 1.5: expected a whole number from 0 to 65535"),
-        ("growth = \"abc\"\n", "growth abc: expected a whole number from 0 to 65535"),
-        ("method = \"kcf\"\n", "method kcf: expected one of smr, robust"),
-        ("# first\nhello world\n", "line 2: expected TOML: a line like growth = 2"),
-        ("growth = 99999999999999999999\n", "line 1: expected TOML"),
-        ("growth = 1\ngrowth = 2\n", "line 2: expected TOML: the name at its beginning stands in an earlier line, too"),
-    ] {
-        let path = settings(text);
-        track(&["--settings", &path]).refuses(&[&path, expected]);
-    }
-    track(&["--settings", "no/such.toml"])
-        .refuses(&["cannot read no/such.toml: there is no such file: expected a TOML file"]);
     track(&["--out", "no/such/boxes.txt"]).refuses(&["cannot write no/such/boxes.txt: there is no folder no/such"]);
     track(&["--size", "99999x99999"]).refuses(&["--size 99999x99999: expected two whole numbers", "at most 65535"]);
     track(&["--resize", "99999x99999"]).refuses(&["--resize 99999x99999: expected a size", "from 1 to 65535"]);
@@ -423,8 +406,8 @@ fn messages_are_in_peoples_words() {
         let path = file(name, holds);
         let said = host_sim(&["track", &path, "--init", "0,0,1,1"]);
         said.refuses(&[name, expected]);
-        // --lenient cannot help: without a first frame there is no target.
-        assert!(!said.err.contains("--lenient"), "{}", said.err);
+        // Before the first frame there is none to take.
+        assert!(!said.err.contains("--frames"), "{}", said.err);
     }
     let former = file("former.json", b"{\"measured\":[{\"tracker\":1}]}");
     host_sim(&["eval", "synthetic", "--robustness", "--against", &former])
@@ -459,12 +442,14 @@ fn a_damaged_video_is_read_alike_every_time() {
         bytes[at] ^= 0x5a;
     }
     fs::write(&file, &bytes).unwrap();
+    let damaged = host_sim(&["convert", utf8(&file), "-o", utf8(&folder.path().join("0.raw"))]);
+    damaged.refuses(&["is damaged, says ffmpeg", "--frames .."]);
+    let before = damaged.err.split_once("--frames ").and_then(|(_, part)| part.split_once(' ')).unwrap().0;
     let written = |name: &str| {
         let out = folder.path().join(name);
-        let said = host_sim(&["convert", utf8(&file), "--lenient", "-o", utf8(&out)]);
-        assert_eq!(said.code, Some(0), "{}", said.err);
-        assert!(said.err.contains("damaged"), "{}", said.err);
-        (fs::read(&out).unwrap(), said.err)
+        let said = host_sim(&["convert", utf8(&file), "--frames", before, "-o", utf8(&out)]);
+        assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+        fs::read(&out).unwrap()
     };
     let first = written("1.raw");
     assert!((2..=5).all(|number| written(&format!("{number}.raw")) == first), "ffmpeg decodes on one thread");
@@ -477,13 +462,10 @@ fn the_name_of_a_file_does_not_steer_the_terminal() {
     let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
     let (clip, picture) = (path("a\u{1b}[31m\n\u{9b}.y4m"), path("\u{1b}c.png"));
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &clip]).code, Some(0));
-    let settings = path("settings.toml");
-    fs::write(&settings, "\"\\u001b[2J\" = 1\n").unwrap();
     for arguments in [
         &["frame", &clip, "-o", &picture, "--init", "1,1,9,9"][..],
         &["track", &clip],
         &["eval", &clip],
-        &["track", "synthetic", "--settings", &settings],
         &["track", "synthetic", "--method", "\u{1b}[2J"],
         &["track", "\u{1b}[2J"],
     ] {

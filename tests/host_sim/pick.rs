@@ -49,7 +49,7 @@ fn the_page_of_a_folder_has_the_options_and_the_numbers_of_the_recording() {
     let folder = folder("pick folder");
     let (frames, page) = (folder.join("my frames"), folder.join("pick.html"));
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..30", "-o", utf8(&frames)]).code, Some(0));
-    let options = ["--frames", "11..20", "--resize", "1/3", "--lenient"];
+    let options = ["--frames", "11..20", "--resize", "1/3"];
     let said = host_sim(&[&["frame", utf8(&frames), "13", "-o", utf8(&page)][..], &options].concat());
     assert_eq!(said.code, Some(0), "{}", said.err);
     let data = data(&page);
@@ -57,8 +57,8 @@ fn the_page_of_a_folder_has_the_options_and_the_numbers_of_the_recording() {
     assert_eq!(numbers(&data), (11..=20).collect::<Vec<_>>());
     assert_eq!((&data["shown"], &data["least"]), (&13.into(), &serde_json::json!([3, 3])));
     assert_eq!(data["track"][0], format!("host-sim track '{}'", utf8(&frames)));
-    assert_eq!(data["track"][1], "--resize 1/3 --frames 11..20 --lenient --video out.mp4");
-    assert_eq!(data["report"][1], "--resize 1/3 --frames 11..20 --lenient -o report.html");
+    assert_eq!(data["track"][1], "--resize 1/3 --frames 11..20 --video out.mp4");
+    assert_eq!(data["report"][1], "--resize 1/3 --frames 11..20 -o report.html");
     let outside = host_sim(&[&["frame", utf8(&frames), "5", "-o", utf8(&page)][..], &options].concat());
     outside.refuses(&["no frame 5", "11 to 20"]);
     let picture = folder.join("frame.png");

@@ -93,7 +93,7 @@ impl GrayFrames {
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
         let next = py.detach(|| self.0.lock().map(|mut frames| frames.next()).ok().flatten());
-        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(said(&error)))? else {
+        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(words::of(&error)))? else {
             return Ok(None);
         };
         let shape = [usize::from(frame.height), usize::from(frame.width)];
@@ -153,10 +153,4 @@ pub fn measure<'py>(
         columns.set_item(name, values?)?;
     }
     Ok(columns)
-}
-
-/// What is wrong, without the option of host-sim that helps: Python does not have it.
-fn said(error: &anyhow::Error) -> String {
-    let said = words::of(error);
-    said.split_once(" (--lenient").map_or(said.clone(), |(said, _)| said.to_owned())
 }

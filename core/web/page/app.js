@@ -15,7 +15,7 @@ import { METHODS, SETTINGS, TITLES } from "./methods.js";
 import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { csv, json } from "./rows.js";
-import { commandLine, toml } from "./settings.js";
+import { commandLine } from "./command.js";
 import { BUILT_IN } from "./synthetic.js";
 import { drawStage } from "./view.js";
 import { Video } from "./video.js";
@@ -251,7 +251,6 @@ function drawCommand() {
 const FILES = {
   csv: (method, named) => save(`boxes-${method}.csv`, csv(named)),
   json: (method, named) => save(`boxes-${method}.jsonl`, json(named, method, settings, version)),
-  toml: (method) => save(`settings-${method}.toml`, toml(method, settings)),
   record: async (method) => {
     const { bytes } = await follower.ask("record", { id: chosen?.id, method });
     bytes === null ? say(`${TITLES[method]} has no flight record: lock it on a target first.`) : save(`flight-${method}.smr`, bytes);

@@ -2,7 +2,7 @@
 
 import { htmlNode } from "./dom.js";
 
-const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", toml: "application/toml", smr: "application/octet-stream" };
+const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
 
 /** Saves `content`, text or bytes, under `name`. */
 export function save(name, content) {

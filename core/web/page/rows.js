@@ -1,6 +1,6 @@
 // Answers as host-sim prints them: `host-sim track --format csv` and `host-sim track --json`.
 
-import { optionsOf } from "./settings.js";
+import { optionsOf } from "./command.js";
 
 const CSV_NAMES = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 

@@ -10,7 +10,7 @@ import { Followed } from "../page/followed.js";
 import { History, KEPT, median } from "../page/history.js";
 import { SETTINGS } from "../page/methods.js";
 import { csv, json } from "../page/rows.js";
-import { commandLine, toml } from "../page/settings.js";
+import { commandLine } from "../page/command.js";
 import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
 import { PROJECT } from "./library.mjs";
 
@@ -64,13 +64,13 @@ test("rows are those of host-sim", () => {
   assert.deepEqual([lost.box, lost.fine, lost.found_again, lost.quality], [null, null, false, null]);
 });
 
-test("settings and command lines are those of host-sim", () => {
-  const settings = { ...SETTINGS, robust: { reach: 6, size: false, sweep: false, refiner: false } };
-  assert.equal(toml("robust", settings), 'method = "robust"\nreach = 6\nwithout = ["size","sweep","refiner"]\n');
-  assert.equal(toml("smr", { ...settings, smr: { config: "paper" } }), 'method = "smr"\n');
+test("command lines are those of host-sim", () => {
+  const settings = { smr: { config: "paper" }, robust: { reach: 6, size: false, sweep: false, refiner: false } };
   const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: BOX }] };
   const file = { kind: "video", name: "it's a car.mp4" };
-  assert.equal(commandLine("smr", settings, [one], file), "host-sim track 'it'\\''s a car.mp4' --init 1,2,30,40 --init 1,2,30,40@9 --method smr --config camera");
+  assert.equal(commandLine("smr", SETTINGS, [one], file), "host-sim track 'it'\\''s a car.mp4' --init 1,2,30,40 --init 1,2,30,40@9 --method smr --config camera");
+  assert.match(commandLine("robust", settings, [one], file), /--method robust --reach 6 --without size,sweep,refiner$/);
+  assert.match(commandLine("smr", settings, [one], file), /--method smr$/);
   const two = commandLine("robust", SETTINGS, [one, { name: "2", locks: [{ number: 3, box: BOX }] }], { kind: "recording", name: "synthetic" });
   assert.equal(two, "host-sim track synthetic --init 1=1,2,30,40 --init 1=1,2,30,40@9 --init 2=1,2,30,40@3 --method robust");
 });

@@ -159,8 +159,6 @@ onPage("the built-in recording moves at once, and its answers are those of host-
     const csv = lines(host("track", "synthetic", "--method", method, ...options, "--format", "csv").stdout);
     const saved = lines(readFileSync(await downloaded(page, "csv", `boxes-${method}.csv`), "utf8"));
     assert.deepEqual(saved.map(columns(method)), csv.slice(0, saved.length).map(columns(method)));
-    const settings = await downloaded(page, "toml", `settings-${method}.toml`);
-    assert.equal(host("track", "synthetic", "--settings", settings, "--json").stdout, expected.stdout);
     const [program, ...words] = (await page.text("command")).split(" ");
     assert.equal(program, "host-sim");
     assert.equal(host(...words, "--json").stdout, expected.stdout);
@@ -233,9 +231,6 @@ onPage("locks are repeated when a recording starts again, with other settings to
   assert.match(command, /--init 36,24,24,28 --init 100,60,30,30@\d+ --method robust --reach 6 --without sweep,refiner$/);
   const expected = lines(host(...command.split(" ").slice(1), "--json").stdout).map((line) => JSON.parse(line));
   same(await answers(page, "robust"), expected, "robust");
-  const file = await downloaded(page, "toml", "settings-robust.toml");
-  const repeated = host("track", "synthetic", "--settings", file, "--json");
-  assert.deepEqual(JSON.parse(lines(repeated.stdout)[0]).options, { reach: 6, without: ["sweep", "refiner"] });
 });
 
 onPage("a box of 0x0, a tracker that is switched off, a removed target", async (page) => {

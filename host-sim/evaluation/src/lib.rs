@@ -3,11 +3,10 @@
 //! Methods are the trackers of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. [`Run`] and
 //! [`Followed`] follow a target, [`evaluate`] scores by the protocols of the paper, OTB and VOT, also what other trackers answered.
 //! [`robustness`] starts anywhere, [`faults`] and [`covered`] put something between. Results are [`Tables`] for people and rows of JSON for
-//! programs. [`clock`] tells how long something takes.
+//! programs.
 
 mod baseline;
 mod build;
-pub mod clock;
 mod configs;
 pub mod covered;
 pub mod faults;
@@ -174,7 +173,7 @@ pub(crate) mod tests {
     use super::*;
     use anyhow::bail;
     use smr_core::paper::Config;
-    use smr_recordings::{BoundingBox, Damage};
+    use smr_recordings::BoundingBox;
     use std::cell::Cell;
     use std::fs;
 
@@ -199,7 +198,6 @@ pub(crate) mod tests {
             init: Some(at(4.0)),
             truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
             colors: smr_recordings::Colors::None,
-            damage: Damage::default(),
         }
     }
 

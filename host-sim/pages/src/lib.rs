@@ -4,6 +4,8 @@
 //! files: pictures, Y4M, C arrays, the layouts of toolkits, and videos and animations with boxes drawn. It runs trackers by
 //! `smr-evaluation` and shows differences as `smr-reference` has them. What is written where is said by the caller.
 
+pub mod colors;
+mod encode;
 pub mod export;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]

@@ -5,7 +5,7 @@
 //! some of them other the target leads by more than a hundred pixels, though not by the ratio that is asked of one that
 //! returns; with fewer of them it is lost, and later found again.
 
-use super::{BoundingBox, GrayFrame, Sequence, Source};
+use super::{BoundingBox, GrayFrame, Sequence};
 
 /// What it is called, on the command line and in tables.
 pub const NAME: &str = "border";
@@ -46,23 +46,18 @@ const SCRIPT: [((i32, i32), u32); 25] = [
 const NOWHERE: (i32, i32) = (400, 400);
 
 /// All frames in order.
-pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
-    (0..).zip(SCRIPT).map(|(index, (target, others))| {
-        let pixel = |x, y| {
+pub fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
+    SCRIPT.into_iter().enumerate().map(|(index, (target, others))| {
+        GrayFrame::drawn(WIDTH, HEIGHT, |x, y| {
             let of = |place: (i32, i32)| inside(x - place.0, y - place.1);
             match (of(target), of(TWIN).filter(|_| others < 100)) {
-                (Some((0, 0)), _) => 60 + 40 * (index % 3),
+                (Some((0, 0)), _) => [60, 100, 140][index % 3],
                 (Some(at), _) => hash(at, 1),
                 (None, Some(at)) if u32::from(hash(at, 3)) * 100 < others * 256 => hash(at, 1) ^ 0x80,
                 (None, Some(at)) => hash(at, 1),
                 (None, None) => hash((x, y), 2),
             }
-        };
-        let pixels = (0..i32::from(HEIGHT))
-            .flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y)))
-            .map(|(x, y)| pixel(x, y))
-            .collect();
-        GrayFrame { width: WIDTH, height: HEIGHT, pixels }
+        })
     })
 }
 
@@ -80,21 +75,10 @@ fn hash((x, y): (i32, i32), seed: u32) -> u8 {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let source = Source::made(frames(), SCRIPT.len(), NAME);
     let of =
         |(x, y): (i32, i32)| BoundingBox { x: x.into(), y: y.into(), width: TARGET.0.into(), height: TARGET.1.into() };
     let truth = SCRIPT.iter().map(|&(place, _)| (place != NOWHERE).then(|| of(place))).collect();
-    let init = Some(of(SCRIPT[0].0));
-    Sequence {
-        name: NAME.to_owned(),
-        frames: source.frames,
-        length: source.length,
-        first: 1,
-        colors: super::Colors::None,
-        damage: source.damage,
-        init,
-        truth: Some(truth),
-    }
+    Sequence::made(NAME, frames(), truth)
 }
 
 #[cfg(test)]

@@ -3,8 +3,7 @@
 //! Gray pictures pass unchanged. Of 16-bit pictures the high byte is taken, alpha is ignored, and colour becomes gray
 //! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
 
-use super::damage::{Damaged, Instead};
-use super::gray::{EXPECTED, MOST_PIXELS, Samples, check_size, damaged};
+use super::samples::{EXPECTED, MOST_PIXELS, Samples, check_size, damaged};
 use super::{ColorFrame, GrayFrame, has_extension, pnm};
 use crate::input;
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -84,22 +83,14 @@ fn png(bytes: &[u8]) -> Result<Samples> {
 
 /// The decoder fills in missing data without a word unless it is told to be strict.
 fn jpeg(bytes: &[u8]) -> Result<Samples> {
-    let broken = match jpeg_as(bytes, true) {
-        Ok(samples) if has_end(bytes) => return Ok(samples),
-        Ok(_) => "its end is missing".to_owned(),
-        Err(error) => error.to_string(),
-    };
-    let why = format!("{EXPECTED}: {broken}");
-    match jpeg_as(bytes, false) {
-        Ok(samples) => Err(Damaged { why, instead: Instead::Decoded(samples.gray()) }.into()),
-        Err(_) => Err(damaged(why)),
-    }
+    let samples = whole_jpeg(bytes).map_err(|error| damaged(format!("{EXPECTED}: {error}")))?;
+    ensure!(has_end(bytes), damaged(format!("{EXPECTED}: its end is missing")));
+    Ok(samples)
 }
 
-/// `strict`: what is damaged is an error; else it is gray or some other guess.
-fn jpeg_as(bytes: &[u8], strict: bool) -> Result<Samples> {
+fn whole_jpeg(bytes: &[u8]) -> Result<Samples> {
     let side = usize::from(u16::MAX);
-    let options = DecoderOptions::default().set_strict_mode(strict).set_max_width(side).set_max_height(side);
+    let options = DecoderOptions::default().set_strict_mode(true).set_max_width(side).set_max_height(side);
     let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     let broken = |_| anyhow!("it is damaged");
     decoder.decode_headers().map_err(broken)?;

@@ -17,7 +17,6 @@ pub struct Kind {
     pub most: u32,
 }
 
-pub const SETTINGS: Kind = Kind { expected: "a TOML file of tracker settings", most: 1 };
 /// A million frames of boxes, and of most polygons.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
 /// Any of 16384x16384 pixels, except in colour without compression.
@@ -59,7 +58,8 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
         fits(bytes.len() as u64)?;
         return Ok(bytes);
     }
-    let (chunks, mut bytes) = (chunks(file), Vec::new());
+    let name = file.to_owned();
+    let (chunks, mut bytes) = (chunks(|| File::open(name)), Vec::new());
     loop {
         match chunks.recv_timeout(PATIENCE) {
             Ok(chunk) => bytes.extend(chunk.map_err(|error| unreadable(&error))?),
@@ -75,12 +75,12 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     }
 }
 
-/// What comes out of a pipe or a device. Whoever opens a pipe waits for its writer: that is done by a thread that nobody waits for.
-fn chunks(file: &Path) -> Receiver<io::Result<Vec<u8>>> {
+/// What comes out of a pipe or a device; an empty chunk is the end. Whoever opens a pipe waits for its writer: that is done by a thread that
+/// nobody waits for.
+pub(super) fn chunks<R: Read>(open: impl FnOnce() -> io::Result<R> + Send + 'static) -> Receiver<io::Result<Vec<u8>>> {
     let (sender, receiver) = sync_channel(4);
-    let file = file.to_owned();
     thread::spawn(move || {
-        let mut stream = match File::open(file) {
+        let mut stream = match open() {
             Ok(stream) => stream,
             Err(error) => return drop(sender.send(Err(error))),
         };
@@ -90,10 +90,8 @@ fn chunks(file: &Path) -> Receiver<io::Result<Vec<u8>>> {
                 chunk.truncate(length);
                 chunk
             });
-            let failed = read.is_err();
-            // An empty chunk is the end.
-            let over = matches!(&read, Ok(chunk) if chunk.is_empty());
-            if over || sender.send(read).is_err() || failed {
+            let over = read.as_ref().map_or(true, Vec::is_empty);
+            if sender.send(read).is_err() || over {
                 return;
             }
         }

@@ -13,7 +13,6 @@ pub mod cover;
 mod damage;
 pub mod fault;
 mod found;
-mod gray;
 mod images;
 pub mod input;
 mod iou;
@@ -27,6 +26,7 @@ mod periodic;
 mod pnm;
 mod raw;
 mod resize;
+mod samples;
 pub mod slow;
 mod start;
 pub mod synthetic;
@@ -37,18 +37,17 @@ mod y4m;
 
 pub use boxes::BoundingBox;
 pub use color::{ColorFrame, ColorFrames, Colors, Moment};
-pub use damage::Damage;
+pub use damage::Damaged;
 pub use found::recordings;
-pub use gray::luma;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
 pub use resize::Resize;
 pub use resize::{resized, resized_colors};
+pub use samples::luma;
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use damage::Reading;
 use std::fs;
 use std::io::{BufReader, stdin};
 use std::path::{Path, PathBuf};
@@ -63,6 +62,12 @@ pub struct GrayFrame {
 }
 
 impl GrayFrame {
+    /// A frame of the levels that `level` gives for each place, row after row.
+    fn drawn(width: u16, height: u16, mut level: impl FnMut(i32, i32) -> u8) -> Self {
+        let places = (0..i32::from(height)).flat_map(|y| (0..i32::from(width)).map(move |x| (x, y)));
+        Self { width, height, pixels: places.map(|(x, y)| level(x, y)).collect() }
+    }
+
     /// The view of it that smr-core takes.
     pub fn frame(&self) -> smr_core::Frame<'_> {
         let image = smr_core::Image::new(&self.pixels, self.width, self.height);
@@ -91,11 +96,27 @@ pub struct Sequence {
     pub truth: Option<Vec<Option<BoundingBox>>>,
     /// The same frames in color, for videos with boxes.
     pub colors: Colors,
-    /// How many of the frames that were read are damaged; it stays 0 unless [`OpenOptions::lenient`] is set.
-    pub damage: Damage,
 }
 
 impl Sequence {
+    /// Frames that are made, not read. The box to start from is the first of `truth`.
+    #[must_use]
+    pub fn made(
+        name: &str,
+        frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
+        truth: Vec<Option<BoundingBox>>,
+    ) -> Self {
+        Self {
+            name: name.to_owned(),
+            length: Some(frames.len()),
+            frames: Box::new(frames.map(Ok)),
+            first: 1,
+            init: truth.first().copied().flatten(),
+            truth: Some(truth),
+            colors: Colors::None,
+        }
+    }
+
     /// The box to start from in whole pixels, as every tracker takes it.
     ///
     /// # Errors
@@ -116,16 +137,8 @@ pub struct OpenOptions {
     pub size: Option<(u16, u16)>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
-    /// Damaged frames are counted ([`Sequence::damage`]) and are no error.
-    pub lenient: bool,
     /// How long ffmpeg may be silent; a minute if it is `None`.
     pub ffmpeg_patience: Option<Duration>,
-}
-
-impl OpenOptions {
-    fn reading(&self) -> Reading {
-        Reading { lenient: self.lenient, damage: Damage::default() }
-    }
 }
 
 /// The folder beside a recording with what other trackers answered on it.
@@ -144,22 +157,9 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     let mut sequence = if path == Path::new(STANDARD_INPUT) {
         ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
         let name = "standard input".to_owned();
-        let source = Source::new(
-            y4m::Frames::new(BufReader::new(stdin()), name.clone())?,
-            None,
-            Path::new(&name),
-            options.reading(),
-        );
-        Sequence {
-            name,
-            frames: source.frames,
-            length: None,
-            first: 1,
-            init: None,
-            truth: None,
-            colors: Colors::None,
-            damage: source.damage,
-        }
+        let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
+        let frames = damage::frames(frames, name.clone());
+        Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
@@ -224,7 +224,7 @@ fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
 
 fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let source = if images::is_picture(file) && options.size.is_none() {
-        Source::pictures(vec![file.to_owned()], file, options)
+        Source::pictures(vec![file.to_owned()], file)
     } else {
         source_of(file, options)?
     };
@@ -236,8 +236,8 @@ fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);
-    let Source { frames, length, colors, damage } = source;
-    Ok(Sequence { name, frames, length, first: 1, init, truth, colors, damage })
+    let Source { frames, length, colors } = source;
+    Ok(Sequence { name, frames, length, first: 1, init, truth, colors })
 }
 
 /// `.` and `..` have names too.
@@ -252,30 +252,17 @@ struct Source {
     frames: Frames,
     length: Option<usize>,
     colors: Colors,
-    damage: Damage,
 }
 
 impl Source {
-    fn new(
-        frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static,
-        length: Option<usize>,
-        at: &Path,
-        reading: Reading,
-    ) -> Self {
-        let damage = reading.damage.clone();
-        let frames = damage::frames(frames, at.display().to_string(), reading);
-        Self { frames, length, colors: Colors::None, damage }
+    fn new(frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, length: Option<usize>, at: &Path) -> Self {
+        Self { frames: damage::frames(frames, at.display().to_string()), length, colors: Colors::None }
     }
 
-    /// Frames that are made, not read.
-    fn made(frames: impl Iterator<Item = GrayFrame> + Send + 'static, length: usize, name: &str) -> Self {
-        Self::new(frames.map(Ok), Some(length), Path::new(name), Reading::default())
-    }
-
-    fn pictures(files: Vec<PathBuf>, at: &Path, options: &OpenOptions) -> Self {
+    fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
         let length = files.len();
         let colors = Colors::Pictures(files.clone());
-        Self { colors, ..Self::new(images::frames(files), Some(length), at, options.reading()) }
+        Self { colors, ..Self::new(images::frames(files), Some(length), at) }
     }
 }
 
@@ -305,7 +292,7 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
-    Ok(Source::pictures(pictures, folder, options))
+    Ok(Source::pictures(pictures, folder))
 }
 
 /// The one file of a folder without pictures that can be a recording.
@@ -342,7 +329,7 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
             format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
         })?;
         let (frames, length) = raw::open(file, size)?;
-        return Ok(Source::new(frames, length, file, options.reading()));
+        return Ok(Source::new(frames, length, file));
     }
     #[cfg(unix)]
     if std::os::unix::fs::FileTypeExt::is_char_device(&data.file_type()) {
@@ -351,12 +338,12 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
     // A pipe is read once.
     let colors = if data.is_file() { Colors::Video(file.to_owned()) } else { Colors::None };
     if y4m::is_y4m(file) {
-        return Ok(Source { colors, ..Source::new(y4m::open(file)?, None, file, options.reading()) });
+        return Ok(Source { colors, ..Source::new(y4m::open(file)?, None, file) });
     }
     // ffmpeg would: it draws text as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
     let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
-    Ok(Source { colors, ..Source::new(video::open(file, patience)?, None, file, options.reading()) })
+    Ok(Source { colors, ..Source::new(video::open(file, patience)?, None, file) })
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.

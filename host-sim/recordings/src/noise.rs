@@ -4,7 +4,7 @@
 //! paper's window wherever an update has moved it within another.
 
 use super::synthetic::Random;
-use super::{BoundingBox, GrayFrame, Sequence, Source};
+use super::{BoundingBox, GrayFrame, Sequence};
 
 /// What it is called, on the command line and in tables.
 pub const NAME: &str = "noise";
@@ -16,9 +16,9 @@ const HEIGHT: u16 = 272;
 const SIDE: u16 = 64;
 
 /// All frames in order.
-fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
-    (0..LENGTH as u64).map(|index| {
-        let mut random = Random(0x4015_E000 + index);
+fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
+    (0..LENGTH).map(|index| {
+        let mut random = Random(0x4015_E000 + index as u64);
         let bytes = std::iter::repeat_with(|| random.next().to_le_bytes()).flatten();
         let pixels = bytes.take(usize::from(WIDTH) * usize::from(HEIGHT)).collect();
         GrayFrame { width: WIDTH, height: HEIGHT, pixels }
@@ -26,19 +26,8 @@ fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let source = Source::made(frames(), LENGTH, NAME);
     let side = f64::from(SIDE);
     let target =
         BoundingBox { x: f64::from((WIDTH - SIDE) / 2), y: f64::from((HEIGHT - SIDE) / 2), width: side, height: side };
-    let truth = Some(vec![Some(target); LENGTH]);
-    Sequence {
-        name: NAME.to_owned(),
-        frames: source.frames,
-        length: source.length,
-        first: 1,
-        init: Some(target),
-        truth,
-        colors: super::Colors::None,
-        damage: source.damage,
-    }
+    Sequence::made(NAME, frames(), vec![Some(target); LENGTH])
 }

@@ -1,6 +1,6 @@
 //! PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits a value.
 
-use super::gray::{EXPECTED, Samples, check_size, damaged};
+use super::samples::{EXPECTED, Samples, check_size, damaged};
 use anyhow::{Error, Result, ensure};
 
 /// One picture as the bytes of its file.

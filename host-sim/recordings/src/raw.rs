@@ -1,6 +1,6 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
-use super::damage::{Damaged, Instead};
+use super::damage::Damaged;
 use super::{GrayFrame, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
@@ -46,7 +46,7 @@ impl Frames {
             let why = format!(
                 "it is cut short, or its frames are not {width}x{height}: expected {expected} bytes, found {found}"
             );
-            return Err(Damaged { why, instead: Instead::End(1) }.into());
+            return Err(Damaged::new(why).into());
         }
         Ok((found > 0).then_some(GrayFrame { width, height, pixels }))
     }

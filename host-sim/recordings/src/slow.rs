@@ -2,7 +2,7 @@
 //! is measured on them is measured on each kind of target. Integers only, own random numbers, fixed seeds.
 
 use super::synthetic::{Keys, PIXEL, Random, Texture, between};
-use super::{BoundingBox, GrayFrame, Sequence, Source};
+use super::{BoundingBox, GrayFrame, Sequence};
 
 /// Frames in each.
 pub const LENGTH: usize = 120;
@@ -52,33 +52,20 @@ impl Kind {
         let target = Texture::new(0x7A00 + number, self.grain, self.levels);
         let ground = Texture::new(0x6B00 + number, (16, 8), (40, 200));
         let frames = (0..LENGTH).map(move |index| self.frame(index, number, &target, &ground));
-        let source = Source::made(frames, LENGTH, self.name);
-        let truth: Vec<_> = (0..LENGTH).map(|index| Some(truth(index))).collect();
-        Sequence {
-            name: self.name.to_owned(),
-            frames: source.frames,
-            length: source.length,
-            first: 1,
-            init: truth.first().copied().flatten(),
-            truth: Some(truth),
-            colors: super::Colors::None,
-            damage: source.damage,
-        }
+        Sequence::made(self.name, frames, (0..LENGTH).map(|index| Some(truth(index))).collect())
     }
 
     fn frame(&self, index: usize, number: u64, target: &Texture, ground: &Texture) -> GrayFrame {
         let mut noise = Random(0x5107_0000 + (number << 12) + index as u64);
         let (left, top) = place(index);
-        let mut level = |x: i32, y: i32| {
+        GrayFrame::drawn(WIDTH, HEIGHT, |x, y| {
             // A pixel shows what is at its middle.
             let (right, down) = (x * PIXEL + PIXEL / 2 - left, y * PIXEL + PIXEL / 2 - top);
             let inside = (0..SIDE * PIXEL).contains(&right) && (0..SIDE * PIXEL).contains(&down);
             let sampled = if inside { target.sample(right, down) } else { ground.sample(x * PIXEL, y * PIXEL) };
             let level = (sampled >> 8) + self.noise * noise.noise();
             u8::try_from(level.clamp(0, 255)).unwrap_or(u8::MAX)
-        };
-        let pixels = (0..i32::from(HEIGHT)).flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y)));
-        GrayFrame { width: WIDTH, height: HEIGHT, pixels: pixels.map(|(x, y)| level(x, y)).collect() }
+        })
     }
 }
 

@@ -15,7 +15,7 @@
 //! | 196 to 203 | it comes back, in the light it left in; from 200 on by more than half |
 //! | 204 to 239 | it moves on to the middle, while the light falls |
 
-use super::{BoundingBox, GrayFrame, Sequence, Source};
+use super::{BoundingBox, GrayFrame, Sequence};
 use std::sync::LazyLock;
 
 /// What it is called, on the command line and in tables.
@@ -58,11 +58,7 @@ pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
 pub fn frame(index: usize) -> GrayFrame {
     let scene = Scene::at(index);
     let mut noise = Random(0x5EED_0000 + index as u64);
-    let mut pixels = Vec::with_capacity(usize::from(WIDTH) * usize::from(HEIGHT));
-    for y in 0..i32::from(HEIGHT) {
-        pixels.extend((0..i32::from(WIDTH)).map(|x| scene.pixel(x * PIXEL, y * PIXEL, &mut noise)));
-    }
-    GrayFrame { width: WIDTH, height: HEIGHT, pixels }
+    GrayFrame::drawn(WIDTH, HEIGHT, |x, y| scene.pixel(x * PIXEL, y * PIXEL, &mut noise))
 }
 
 /// Where the target is in frame `index`; `None` where more than half of it is hidden or outside.
@@ -78,19 +74,7 @@ pub fn truth(index: usize) -> Option<BoundingBox> {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let source = Source::made(frames(), LENGTH, NAME);
-    let truth = (0..LENGTH).map(truth).collect();
-    let init = self::truth(0);
-    Sequence {
-        name: NAME.to_owned(),
-        frames: source.frames,
-        length: source.length,
-        first: 1,
-        init,
-        truth: Some(truth),
-        colors: super::Colors::None,
-        damage: source.damage,
-    }
+    Sequence::made(NAME, (0..LENGTH).map(frame), (0..LENGTH).map(truth).collect())
 }
 
 /// Where everything is in one frame.

@@ -14,14 +14,6 @@ fn open_sized(path: &Path, width: u16, height: u16) -> Result<Sequence> {
     open(path, &OpenOptions { size: Some((width, height)), ..OpenOptions::default() })
 }
 
-/// As [`read`] where damage is no error, and how many frames are damaged.
-fn read_lenient(path: &Path, options: OpenOptions) -> (Vec<GrayFrame>, Option<String>, u64) {
-    let sequence = open(path, &OpenOptions { lenient: true, ..options }).unwrap();
-    let damage = sequence.damage.clone();
-    let (frames, error) = read(Ok(sequence));
-    (frames, error, damage.frames())
-}
-
 fn message<T>(result: Result<T>) -> String {
     format!("{:#}", result.err().expect("an error"))
 }
@@ -345,14 +337,11 @@ mod pictures {
         let bytes = fs::read(&file).unwrap();
         fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
         assert!(read(open_plain(&file)).1.unwrap().starts_with("cannot read "));
-        let (frames, error, _) = read_lenient(&file, OpenOptions::default());
-        assert_eq!(frames.len(), 0);
-        assert!(error.unwrap().ends_with("it is cut short; there is no frame before it to take once more"));
-
         save_gray(&folder.path().join("0.png"), 64, 64, 7);
         save_gray(&folder.path().join("2.png"), 64, 64, 8);
-        let (frames, error, damaged) = read_lenient(folder.path(), OpenOptions::default());
-        assert_eq!((first_pixels(&frames), error, damaged), (vec![7, 7, 8], None, 1));
+        let (frames, error) = read(open_plain(folder.path()));
+        assert_eq!(first_pixels(&frames), [7]);
+        assert!(error.unwrap().ends_with("1.png (frame 2): expected a PNG, JPEG, PGM or PPM picture: it is cut short"));
     }
 
     /// A JPEG with detail everywhere, so that most bytes are pixels.
@@ -364,7 +353,7 @@ mod pictures {
     }
 
     #[test]
-    fn a_jpeg_that_is_cut_anywhere_is_an_error_unless_asked_for() {
+    fn a_jpeg_that_is_cut_anywhere_is_an_error() {
         let (folder, whole) = (folder(), jpeg());
         let file = write(&folder, "1.jpg", &whole);
         let (expected, error) = read(open_plain(&file));
@@ -376,14 +365,7 @@ mod pictures {
             write(&folder, "1.jpg", &whole[..length]);
             let (frames, error) = read(open_plain(&file));
             assert_eq!(frames.len(), 0, "{length}");
-            let error = error.unwrap();
-            assert!(
-                error.starts_with("cannot read ") && error.ends_with("(--lenient takes what can be decoded)"),
-                "{error}"
-            );
-            let (frames, error, damaged) = read_lenient(&file, OpenOptions::default());
-            assert_eq!((frames.len(), error, damaged), (1, None, 1), "{length}");
-            assert_eq!(frames[0].pixels[..40], expected[0].pixels[..40], "it begins alike");
+            assert!(error.unwrap().starts_with("cannot read "), "{length}");
         }
     }
 
@@ -454,13 +436,10 @@ mod raw_dumps {
         let file = write(&folder, "dump.gray", &[5; 16]);
         let (frames, error) = read(open_sized(&file, 3, 2));
         let expected = format!(
-            "{}, frame 3: it is cut short, or its frames are not 3x2: expected 6 bytes, found 4 (--lenient takes the frames that were decoded)",
+            "{}, frame 3: it is cut short, or its frames are not 3x2: expected 6 bytes, found 4",
             file.display()
         );
         assert_eq!((frames.len(), error), (2, Some(expected)));
-        let (frames, error, damaged) =
-            read_lenient(&file, OpenOptions { size: Some((3, 2)), ..OpenOptions::default() });
-        assert_eq!((frames.len(), error, damaged), (2, None, 1));
         assert_eq!(read(open_sized(&file, 16384, 16384)).0.len(), 0);
         let expected = "--size 16384x16385: a frame has 268451840 bytes: expected at most 268435456";
         assert_eq!(message(open_sized(&file, 16384, 16385)), expected);
@@ -493,12 +472,11 @@ mod y4m_files {
             let file = write(&folder, "a.y4m", &whole[..whole.len() - cut]);
             let (frames, error) = read(open_plain(&file));
             let at = file.display();
-            let expected = format!(
-                "{at}, frame 2: it is cut short: expected 12 bytes with its header, found {found} (--lenient takes the frames that were decoded)"
-            );
+            let expected = format!("{at}, frame 2: it is cut short: expected 12 bytes with its header, found {found}");
             assert_eq!((frames.len(), error), (1, Some(expected)));
-            let (frames, error, damaged) = read_lenient(&file, OpenOptions::default());
-            assert_eq!((frames.len(), error, damaged), (1, None, 1));
+            // What lies behind the part that is read is no matter.
+            let part = open_plain(&file).unwrap().part("..1".parse().unwrap());
+            assert_eq!(read(Ok(part)), (frames, None));
         }
     }
 
@@ -594,9 +572,11 @@ mod videos {
         let (frames, error) = read(open_plain(&video));
         assert!((5..20).contains(&frames.len()), "{}", frames.len());
         assert!(error.unwrap().starts_with(&format!("{} is damaged, says ffmpeg: ", video.display())));
-        let (lenient, error, damaged) = read_lenient(&video, OpenOptions::default());
-        assert_eq!((lenient == frames, error), (true, None));
-        assert!(damaged > 0);
+        let damage = open_plain(&video).unwrap().frames.find_map(Result::err).unwrap();
+        let part = damage.downcast_ref::<Damaged>().and_then(Damaged::whole_part).unwrap();
+        assert_eq!(part, format!("..{}", frames.len()));
+        let part = open_plain(&video).unwrap().part(part.parse().unwrap());
+        assert!(read(Ok(part)) == (frames, None), "the frames before it can be read alone");
     }
 
     #[test]

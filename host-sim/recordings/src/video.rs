@@ -3,15 +3,16 @@
 //! ffmpeg converts to full-range gray and hands the frames over as YUV4MPEG2: the pixels are those of
 //! `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`, and the size comes with them.
 
-use super::damage::{Damaged, Instead};
+use super::damage::Damaged;
 use super::{GrayFrame, has_extension, y4m};
 use crate::cleanup::Process;
+use crate::input::chunks;
 use anyhow::{Context, Result, bail, ensure};
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::process::{ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
@@ -84,22 +85,8 @@ pub(super) struct Patient {
 }
 
 impl Patient {
-    pub fn new(mut stream: ChildStdout, patience: Duration) -> Self {
-        let (sender, chunks) = sync_channel(4);
-        thread::spawn(move || {
-            loop {
-                let mut chunk = vec![0; 1 << 16];
-                let chunk = stream.read(&mut chunk).map(|length| {
-                    chunk.truncate(length);
-                    chunk
-                });
-                let over = chunk.as_ref().map_or(true, Vec::is_empty);
-                if sender.send(chunk).is_err() || over {
-                    break;
-                }
-            }
-        });
-        Self { chunks, chunk: Vec::new(), read: 0, patience }
+    pub fn new(stream: ChildStdout, patience: Duration) -> Self {
+        Self { chunks: chunks(|| Ok(stream)), chunk: Vec::new(), read: 0, patience }
     }
 }
 
@@ -190,9 +177,7 @@ impl Ffmpeg {
         if said.last.is_empty() && status.success() {
             return Ok(());
         }
-        let frames = said.damaged_frames.max(1);
-        let why = format!("{file} is damaged, says ffmpeg: {}", said.or(status));
-        Err(Damaged { why, instead: Instead::End(frames) }.into())
+        Err(Damaged::new(format!("{file} is damaged, says ffmpeg: {}", said.or(status))).into())
     }
 }
 
@@ -221,8 +206,6 @@ fn command(program: &str, file: &Path) -> Command {
 struct Said {
     /// The last complaint.
     last: String,
-    /// Frames that it calls corrupt.
-    damaged_frames: u64,
     /// Frames of another size came, or with pixels of another format.
     changed: bool,
 }
@@ -255,7 +238,6 @@ impl Said {
         };
         self.changed |= words.contains("Changing video frame properties");
         let of_frame = words.contains("corrupt decoded frame");
-        self.damaged_frames += u64::from(of_frame);
         // Of the warnings only these are about damage.
         if !words.is_empty() && (!is_warning || of_frame || words.contains("corrupt input packet")) {
             words.trim_start_matches(&format!("file:{file}: ")).clone_into(&mut self.last);
@@ -343,10 +325,7 @@ mod tests {
         assert_eq!(last("[swscaler @ 0x55] [swscaler @ 0x55] [warning] deprecated pixel format used"), "");
         assert_eq!(last(""), "");
         let corrupt = "[warning] a.mp4: corrupt decoded frame in stream 0\n";
-        assert_eq!(
-            (said(&corrupt.repeat(3)).damaged_frames, last(corrupt).as_str()),
-            (3, "a.mp4: corrupt decoded frame in stream 0")
-        );
+        assert_eq!(last(corrupt), "a.mp4: corrupt decoded frame in stream 0");
         let changed = "[graph 0 input @ 0x5] [warning] Changing video frame properties on the fly is not supported";
         assert_eq!(said(changed), Said { changed: true, ..Said::default() });
     }

@@ -2,7 +2,7 @@
 //!
 //! What ffmpeg decodes comes through here as well, see [`super::video`].
 
-use super::damage::{Damaged, Instead};
+use super::damage::Damaged;
 use super::{GrayFrame, has_extension};
 use ::y4m::{Decoder, Error, Limits};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -72,7 +72,7 @@ impl<R: Read> Frames<R> {
                 let expected = "FRAME\n".len() as u64 + self.frame_bytes;
                 if found > 0 {
                     let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
-                    return Err(Damaged { why, instead: Instead::End(1) }.into());
+                    return Err(Damaged::new(why).into());
                 }
                 Ok(None)
             }

@@ -46,8 +46,6 @@ struct Report {
     written: Written,
     /// The box to start from; null where none is known.
     init: Option<BoundingBox>,
-    /// Frames that were damaged, with --lenient.
-    damaged: u64,
 }
 
 impl Convert {
@@ -61,7 +59,7 @@ impl Convert {
 
     pub fn run(self) -> Result<Outcome> {
         let format = self.format()?;
-        let Sequence { name, frames, length, init, truth, damage, .. } = self.recording.open(&self.sequence)?;
+        let Sequence { name, frames, length, init, truth, .. } = self.recording.open(&self.sequence)?;
         ensure!(
             !format.needs_boxes() || init.is_some(),
             "{name}: --format {} needs the box of the target in the first frame: give --init X,Y,W,H",
@@ -90,7 +88,6 @@ impl Convert {
             format: format.name(),
             written,
             init,
-            damaged: damage.frames(),
         };
         tell(self.json, &report, |report, out| out.write_all(line(report).as_bytes()))?;
         Ok(Outcome::Holds)

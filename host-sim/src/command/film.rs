@@ -3,8 +3,8 @@
 use anyhow::Result;
 use smr_core::State;
 use smr_evaluation::{Report, name_of};
-use smr_pages::export::{self, AMBER, GREEN, Overlay, Plan, RED, TARGETS, WHITE};
-use smr_pages::report::Color;
+use smr_pages::colors::{AMBER, Color, GREEN, RED, TARGETS, WHITE};
+use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, ColorFrames, GrayFrame};
 use std::path::Path;
 

@@ -3,20 +3,17 @@
 
 mod answer_line;
 mod check;
-#[cfg(feature = "manual")]
-mod completions;
 mod convert;
 mod demo;
 mod eval;
+mod exit_code;
 mod figures;
 mod film;
 mod frame;
-#[cfg(feature = "manual")]
-mod man;
-#[cfg(any(test, not(all(feature = "emulator", feature = "manual"))))]
+#[cfg(any(test, not(feature = "emulator")))]
 mod not_built;
 pub mod number;
-pub mod places;
+mod places;
 pub mod progress;
 #[cfg(feature = "emulator")]
 pub mod qemu_options;
@@ -26,7 +23,6 @@ mod report;
 pub mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
-pub mod settings;
 pub mod table_options;
 #[cfg(feature = "emulator")]
 mod target;
@@ -34,20 +30,16 @@ mod track;
 pub mod tracker_options;
 mod trax;
 
-use anyhow::{Context, Result};
-use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
+use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
-#[cfg(not(all(feature = "emulator", feature = "manual")))]
+pub use exit_code::{Outcome, program};
+use exit_code::{is_closed_pipe, obey, told};
+#[cfg(not(feature = "emulator"))]
 use not_built::NotBuilt;
 use places::Places;
 use serde::Serialize;
-use smr_evaluation::Refused;
-use smr_recordings::output::{complain, print};
-use smr_recordings::{cleanup, words};
-use std::error::Error;
-use std::ffi::OsString;
-use std::io::{self, ErrorKind, Write};
-use std::path::PathBuf;
+use smr_recordings::output::print;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
@@ -58,15 +50,12 @@ use std::process::ExitCode;
 /// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.
 ///
-/// Limits: a settings file may have 1 MiB, a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
+/// Limits: a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
 ///
 /// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 120)]
 pub struct HostSim {
-    /// Tracker settings from a TOML file: option names without their dashes as keys. Options on the command line win
-    #[arg(long, global = true, value_name = "FILE")]
-    settings: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -139,14 +128,14 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Target(target::Target),
     #[cfg(not(feature = "emulator"))]
     /// Run the firmware in QEMU on a recording (not built in: --features emulator)
-    Target(NotBuilt<{ not_built::EMULATOR }>),
+    Target(NotBuilt),
     #[cfg(feature = "emulator")]
     /// Run any firmware in QEMU, and print its log
     #[command(after_help = "Example:\n  host-sim run firmware.elf")]
     Run(run::Run),
     #[cfg(not(feature = "emulator"))]
     /// Run any firmware in QEMU (not built in: --features emulator)
-    Run(NotBuilt<{ not_built::EMULATOR }>),
+    Run(NotBuilt),
     /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
     ///
     /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
@@ -154,22 +143,6 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     /// With version 4 the client may give several objects at a time. If the client breaks the protocol, it gets `quit` with the reason, and the exit
     /// code is 2.
     Trax(trax::Trax),
-    #[cfg(not(feature = "manual"))]
-    /// Print the completions of a shell (not built in: --features manual)
-    Completions(NotBuilt<{ not_built::MANUAL }>),
-    #[cfg(feature = "manual")]
-    /// Print the completions of a shell
-    #[command(after_help = "Example:
-  host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim")]
-    Completions(completions::Completions),
-    #[cfg(not(feature = "manual"))]
-    /// Print a page of the manual (not built in: --features manual)
-    Man(NotBuilt<{ not_built::MANUAL }>),
-    #[cfg(feature = "manual")]
-    /// Print a page of the manual
-    #[command(after_help = "Example:
-  host-sim man track | man -l -")]
-    Man(man::Man),
 }
 
 /// Runs the same code with the options of whichever command was given.
@@ -188,101 +161,17 @@ macro_rules! each {
             Command::Target($command) => $do,
             Command::Run($command) => $do,
             Command::Trax($command) => $do,
-            Command::Completions($command) => $do,
-            Command::Man($command) => $do,
         }
     };
-}
-
-/// What a command has to say at its end, if nothing went wrong on the way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    Holds,
-    CheckFailed,
 }
 
 /// Runs what the command line of this process says.
 pub fn run() -> ExitCode {
-    let arguments = || {
-        let mut arguments = settings::arguments(std::env::args_os().collect())?;
-        if arguments.len() == 1 {
-            arguments.push("demo".into());
-        }
-        Ok(arguments)
-    };
+    let mut arguments: Vec<_> = std::env::args_os().collect();
+    if arguments.len() == 1 {
+        arguments.push("demo".into());
+    }
     obey(arguments, HostSim::run)
-}
-
-/// The same of another program, of one command: signals, errors and exit codes are those of host-sim.
-pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
-    obey(|| Ok(std::env::args_os().collect()), run)
-}
-
-/// Errors are one line on standard error: what, where, what was expected.
-fn obey<T: Parser>(
-    arguments: impl FnOnce() -> Result<Vec<OsString>>,
-    run: impl FnOnce(T) -> Result<Outcome>,
-) -> ExitCode {
-    let all = T::command();
-    let arguments = match cleanup::heed_signals().context("cannot wait for signals").and_then(|()| arguments()) {
-        Ok(arguments) => arguments,
-        Err(error) => return refused(&error, &all),
-    };
-    let matches = all.clone().try_get_matches_from(arguments);
-    let name = matches.as_ref().ok().and_then(|matches| matches.subcommand_name()).unwrap_or("");
-    let command = all.find_subcommand(name).unwrap_or(&all).clone();
-    let line = match matches.and_then(|matches| T::from_arg_matches(&matches)) {
-        Ok(line) => line,
-        Err(error) => {
-            return match bad_value(&error) {
-                Some(said) => refused(&anyhow::anyhow!(said), &command),
-                None => misused(error),
-            };
-        }
-    };
-    let done = run(line);
-    cleanup::yield_to_signal();
-    match done {
-        Ok(Outcome::Holds) => ExitCode::SUCCESS,
-        Ok(Outcome::CheckFailed) => ExitCode::from(1),
-        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => refused(&error, &command),
-    }
-}
-
-/// A value that an option does not take, in one line; `None` of other bad usage, of which clap says more.
-fn bad_value(error: &clap::Error) -> Option<String> {
-    let text = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.as_str()),
-        _ => None,
-    };
-    let (argument, value) = (text(ContextKind::InvalidArg)?, text(ContextKind::InvalidValue)?);
-    // `--window <XxY>` is called by its name alone.
-    let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
-    let shown =
-        if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() };
-    let expected = match (error.kind(), error.get(ContextKind::ValidValue)) {
-        (Usage::ValueValidation, _) => error.source()?.to_string(),
-        (Usage::InvalidValue, Some(ContextValue::Strings(known))) if known.is_empty() => "expected a value".to_owned(),
-        (Usage::InvalidValue, Some(ContextValue::Strings(known))) => format!("expected one of {}", known.join(", ")),
-        _ => return None,
-    };
-    Some(format!("{name} {shown}: {expected}"))
-}
-
-/// Prints other bad usage as clap does, or the help that was asked for. Without the advice to put `--` before an option that there is not.
-fn misused(mut error: clap::Error) -> ExitCode {
-    if !error.use_stderr() {
-        error.exit();
-    }
-    if let Some(ContextValue::StyledStrs(mut advice)) = error.remove(ContextKind::Suggested) {
-        advice.retain(|advice| !advice.to_string().starts_with("to pass "));
-        if !advice.is_empty() {
-            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
-        }
-    }
-    error.render().to_string().trim_end().lines().for_each(complain);
-    ExitCode::from(2)
 }
 
 /// The command of host-sim with this name.
@@ -290,29 +179,10 @@ fn named(name: &str) -> clap::Command {
     HostSim::command().find_subcommand(name).cloned().unwrap_or_default()
 }
 
-/// What is printed of an error of this command; a box that is refused comes with what the command has against it.
-fn told(error: &anyhow::Error, command: &clap::Command) -> String {
-    let said = words::of(error);
-    let Some(box_) = error.chain().find_map(|cause| cause.downcast_ref::<Refused>()) else { return said };
-    let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));
-    format!("{said}: {}", box_.way_out(has))
-}
-
-fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {
-    cleanup::yield_to_signal();
-    complain(&format!("error: {}", told(error, command)));
-    ExitCode::from(2)
-}
-
 impl HostSim {
     fn run(self) -> Result<Outcome> {
-        self.places().check()?;
+        each!(&self.command, command => command.places()).check()?;
         each!(self.command, command => command.run())
-    }
-
-    /// What is read and written.
-    fn places(&self) -> Places<'_> {
-        each!(&self.command, command => command.places()).reads(self.settings.as_ref())
     }
 }
 
@@ -344,10 +214,4 @@ pub fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
         Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),
     }
-}
-
-/// `host-sim track ... | head` is not an error.
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let io = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>());
-    io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)
 }

@@ -4,30 +4,21 @@ use super::Outcome;
 use anyhow::{Result, bail};
 use std::ffi::OsString;
 
-/// The features of this package, as places in [`FEATURES`].
-#[cfg(any(test, not(feature = "emulator")))]
-pub const EMULATOR: usize = 0;
-#[cfg(not(feature = "manual"))]
-pub const MANUAL: usize = 1;
-
-const FEATURES: [&str; 2] = ["emulator", "manual"];
-
-/// A command that needs `FEATURES[FEATURE]`.
+/// A command that needs the feature `emulator`.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
-pub struct NotBuilt<const FEATURE: usize> {
+pub struct NotBuilt {
     /// Whatever the command would take, `--help` included.
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     _arguments: Vec<OsString>,
 }
 
-impl<const FEATURE: usize> NotBuilt<FEATURE> {
+impl NotBuilt {
     /// Always fails. The error says what to type instead.
     pub fn run(self) -> Result<Outcome> {
-        let feature = FEATURES[FEATURE];
         bail!(
             "this command is not built into this program, so that the program builds quickly: \
-             expected `cargo run --release -p host-sim --features {feature} -- ...`"
+             expected `cargo run --release -p host-sim --features emulator -- ...`"
         )
     }
 }
@@ -40,7 +31,7 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        command: NotBuilt<EMULATOR>,
+        command: NotBuilt,
     }
 
     #[test]

@@ -4,11 +4,8 @@ use super::number::whole;
 use super::tracker_options::Pair;
 use anyhow::{Result, bail, ensure};
 use clap::Args;
-use smr_recordings::output::complain;
 use smr_recordings::recordings;
-use smr_recordings::{
-    self, Damage, FFMPEG_PATIENCE, FrameRange, Frames, GrayFrame, OpenOptions, Resize, Sequence, Start, Target,
-};
+use smr_recordings::{self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target};
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -33,14 +30,10 @@ pub struct RecordingOptions {
     resize: Option<Resize>,
     /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1
     ///
-    /// They keep their numbers. The box to start from is the one that the ground truth has in the first of them.
+    /// They keep their numbers. Damage in a recording is an error (a picture that is cut, a dump that ends within a frame, anything that
+    /// ffmpeg complains about), but not behind the last of these frames. The box to start from is the one that the ground truth has in the first of them.
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
-    /// Continue after damage in a recording, and print on standard error how many frames are damaged
-    ///
-    /// Without it, damage is an error: a picture that is cut, a dump that ends within a frame, anything that ffmpeg complains about.
-    #[arg(long)]
-    lenient: bool,
     /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
@@ -77,8 +70,7 @@ impl RecordingOptions {
             ("--frames", self.frames.map(|frames| frames.to_string())),
             ("--ffmpeg-timeout", self.ffmpeg_timeout.map(|seconds| seconds.to_string())),
         ];
-        let given = given.into_iter().filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten();
-        given.chain(self.lenient.then(|| "--lenient".to_owned())).collect()
+        given.into_iter().filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten().collect()
     }
 
     /// How long ffmpeg may do nothing.
@@ -122,7 +114,6 @@ impl RecordingOptions {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
             init: None,
-            lenient: self.lenient,
             ffmpeg_patience: Some(self.ffmpeg_patience()),
         };
         let mut sequence = smr_recordings::open(path, &options)?;
@@ -153,9 +144,7 @@ impl RecordingOptions {
                 *bbox = bbox.scaled(scale);
             }
         }
-        let Sequence { name, frames, damage, .. } = sequence;
-        let frames: Frames = Box::new(Announced { name: name.clone(), frames, damage: damage.clone() });
-        Ok((Sequence { name, frames, damage, ..sequence }, targets))
+        Ok((sequence, targets))
     }
 
     /// True if no option changes the box to start from, or the frames.
@@ -178,30 +167,5 @@ impl RecordingOptions {
             "--init is the box of one recording, and there are {recordings}: expected one recording with it"
         );
         Ok(())
-    }
-}
-
-/// Frames that tell in the end how many of them were damaged.
-struct Announced {
-    name: String,
-    frames: Frames,
-    damage: Damage,
-}
-
-impl Iterator for Announced {
-    type Item = Result<GrayFrame>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.frames.next()
-    }
-}
-
-impl Drop for Announced {
-    fn drop(&mut self) {
-        match self.damage.frames() {
-            0 => {}
-            1 => complain(&format!("note: {}: a frame is damaged", self.name)),
-            frames => complain(&format!("note: {}: {frames} frames are damaged", self.name)),
-        }
     }
 }

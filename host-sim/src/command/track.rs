@@ -39,13 +39,12 @@ pub struct Track {
     /// Write to this file instead of standard output; after an error there is no file
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Also draw the boxes over the frames: .mp4 (needs ffmpeg), .gif, or a new folder for PNG pictures
+    /// Also draw the boxes over the frames: .mp4 or .gif (both need ffmpeg), or a new folder for PNG pictures
     ///
     /// In the colors of the recording, and of a video at its times and with its sound. The box is green while the target is tracking,
     /// amber when it is uncertain or leaving, and red, at its last place, when it is lost. Of several targets each has its color and its
     /// name, and dashes while it is not tracking. Ground truth is white. The text has the number of the frame, the state, and the
-    /// confidence in hundredths. If the reader of the printed boxes goes away (`| head`), the video is still finished. A GIF of 640x480
-    /// takes 0.2 MB for each frame: --resize 1/2 helps.
+    /// confidence in hundredths. If the reader of the printed boxes goes away (`| head`), the video is still finished.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
     /// Frames per second of the video, without sound [default: as in the recording, else 25]

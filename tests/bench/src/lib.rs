@@ -3,7 +3,6 @@
 //! - [`case`]: what is timed, searches in frames of recordings.
 //! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
-//! - [`diagram`]: these as a diagram.
 //! - [`boards`]: instructions of an update in QEMU.
 //! - [`goal`], [`goals`]: the goals, and whether they are reached.
 //! - [`window`]: the times of a window's searches, summed up.
@@ -14,7 +13,7 @@
 
 pub mod boards;
 pub mod case;
-pub mod diagram;
+pub mod clock;
 pub mod goal;
 pub mod goals;
 pub mod opencv;
@@ -25,12 +24,12 @@ pub mod speeds;
 pub mod table;
 pub mod window;
 
+use crate::clock::Patience;
 use anyhow::{Context, Result};
 use case::Size;
 use searches::{Searches, Way};
 use smr_core::paper::Radius;
 use smr_evaluation::CoreKind;
-use smr_evaluation::clock::Patience;
 use smr_recordings::Sequence;
 use speeds::Speeds;
 use std::time::Duration;

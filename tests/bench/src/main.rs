@@ -3,7 +3,6 @@
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use host_sim::command::number::{from, whole};
-use host_sim::command::places::Places;
 use host_sim::command::qemu_options::EmulatorOptions;
 use host_sim::command::recording_options::RecordingOptions;
 use host_sim::command::tracker_options::Pair;
@@ -12,13 +11,12 @@ use host_sim::emulator::qemu::Machine;
 use rayon::prelude::*;
 use smr_bench::boards::{self, Figures};
 use smr_bench::case::{self, Size};
+use smr_bench::clock::{Patience, timed};
 use smr_bench::report::Report;
-use smr_bench::{Bench as Run, Settings, diagram as plotted, goals, table};
+use smr_bench::{Bench as Run, Settings, goals, table};
 use smr_core::paper::{Config, Radius};
-use smr_evaluation::clock::{Patience, timed};
 use smr_evaluation::{CoreKind, MethodKind, Variant};
-use smr_pages::report::diagram;
-use smr_recordings::output::{Output, complain};
+use smr_recordings::output::complain;
 use std::io::Write;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
@@ -68,9 +66,6 @@ struct Bench {
     /// The Python program, for OpenCV
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: String,
-    /// Draw frames per second by size of template and window: FILE.svg or FILE.png
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
@@ -85,15 +80,7 @@ fn main() -> ExitCode {
 }
 
 impl Bench {
-    /// What is read and written.
-    fn places(&self) -> Places<'_> {
-        Places::of(&self.paths).writes("--plot", self.plot.as_ref())
-    }
-
     fn run(self) -> Result<Outcome> {
-        self.places().check()?;
-        let form = self.plot.as_deref().map(diagram::Form::of).transpose()?;
-        let plot = self.plot.as_deref().map(Output::create).transpose()?;
         let paths = self.recording.find(&self.paths)?;
 
         // First what can fail for want of a program.
@@ -103,10 +90,6 @@ impl Bench {
         evaluated?;
         let mut report = Report::new(&run, boards, Some(time));
         report.goals = goals::all(&report);
-        if let (Some(mut plot), Some(form)) = (plot, form) {
-            plot.write(&form.draw(&plotted::marks(&report.speeds))?)?;
-            plot.finish()?;
-        }
         tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
         for difference in &report.differences {
             complain(&format!("error: different answers: {difference}"));

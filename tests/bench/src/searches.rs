@@ -3,12 +3,12 @@
 use super::case::{self, Case, Size, Triple};
 use super::opencv::{Followed, Search};
 use super::sad::Sad;
+use crate::clock::{Budget, Patience, shortest, timed};
 use anyhow::{Result, ensure};
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Target, Tracker};
 use smr_evaluation::CoreKind;
-use smr_evaluation::clock::{Budget, Patience, shortest, timed};
 use std::fmt;
 use std::time::Duration;
 

@@ -2,12 +2,12 @@
 
 use super::case::{self, Case, Size, Triple};
 use super::searches;
+use crate::clock::{Budget, Patience, timed};
 use anyhow::Result;
 use host_sim::spread::Spread;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
-use smr_evaluation::clock::{Budget, Patience, timed};
 use std::time::Duration;
 
 /// Sides of the templates.

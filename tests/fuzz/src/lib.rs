@@ -46,7 +46,6 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("boxes", readers::boxes),
     ("words", readers::words),
     ("trax", readers::trax),
-    ("settings", readers::settings),
     ("former", readers::former),
     ("vectors", readers::vectors),
 ];

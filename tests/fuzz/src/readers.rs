@@ -1,12 +1,10 @@
 //! Every reader of host-sim: an error or the content, and never a panic.
 
-use host_sim::command::settings;
 use host_sim::trax::{PROTOCOLS, Server, serve};
 use smr_core::{Frame, Rect, Tracker};
 use smr_evaluation::robustness::Former;
 use smr_evaluation::{Method, MethodKind, Report};
 use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -41,9 +39,7 @@ fn check(sequence: anyhow::Result<Sequence>) {
 
 fn recording(name: &str, bytes: &[u8], size: Option<(u16, u16)>) {
     as_file(name, bytes, |file| {
-        for lenient in [false, true] {
-            check(smr_recordings::open(file, &OpenOptions { size, lenient, ..OpenOptions::default() }));
-        }
+        check(smr_recordings::open(file, &OpenOptions { size, ..OpenOptions::default() }));
     });
 }
 
@@ -137,17 +133,6 @@ pub(crate) fn trax(bytes: &[u8]) {
     let mut said = Vec::new();
     let _ = serve(&server, bytes, &mut said);
     assert!(String::from_utf8(said).is_ok_and(|said| said.ends_with('\n')));
-}
-
-/// Settings of each command that has any.
-pub(crate) fn settings(bytes: &[u8]) {
-    as_file("settings.toml", bytes, |file| {
-        let words = ["host-sim", "track", "synthetic", "--settings"].map(OsString::from);
-        let given: Vec<OsString> = words.into_iter().chain([file.into()]).collect();
-        if let Ok(all) = settings::arguments(given.clone()) {
-            assert!(all.len() >= given.len());
-        }
-    });
 }
 
 /// Earlier results.

@@ -27,7 +27,6 @@ use super::means::{Named, errors};
 use super::run::lock;
 use super::tables::{Table, TableName, Tables, columns, error_of};
 use super::{Origin, Variant};
-use crate::clock::timed;
 use anyhow::{Context, Error, Result};
 use calibration::Calibration;
 use figures::{HEADLINE, RunFigures, Spent};
@@ -39,6 +38,7 @@ use smr_recordings::{BoundingBox, Sequence};
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// The tables of what is measured.
 pub const TABLES: &[TableName] =
@@ -286,7 +286,9 @@ fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl F
     }
     for (number, frame) in frames {
         let frame = frame.frame();
-        let (report, time) = timed(|| method.update(&frame));
+        let begin = Instant::now();
+        let report = method.update(&frame);
+        let time = begin.elapsed();
         let report = report.with_context(|| format!("frame {number}"))?;
         spent.updates += 1;
         spent.time += time;

@@ -92,7 +92,6 @@ impl Watch<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smr_recordings::Damage;
 
     fn sequence() -> Sequence {
         let frame = GrayFrame { width: 1024, height: 512, pixels: vec![0; 1 << 19] };
@@ -105,7 +104,6 @@ mod tests {
             init: Some(at),
             truth: Some(vec![Some(at), None, Some(at)]),
             colors: smr_recordings::Colors::None,
-            damage: Damage::default(),
         }
     }
 

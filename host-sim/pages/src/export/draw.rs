@@ -1,39 +1,12 @@
 //! Boxes and lines of text, drawn over a frame.
 
-use crate::report::Color;
-use crate::report::canvas::{BLACK, Canvas, Dashes, line, rgb};
+use crate::colors::{BLACK, Color};
+use crate::report::canvas::{Canvas, Dashes, line, rgb};
 use embedded_graphics::Drawable;
 use embedded_graphics::geometry::{Point, Size};
 use embedded_graphics::mono_font::iso_8859_1::FONT_6X10;
 use embedded_graphics::primitives::{Primitive, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
 use smr_recordings::{BoundingBox, ColorFrame};
-
-pub const WHITE: Color = [255; 3];
-pub const GREEN: Color = [40, 230, 100];
-pub const AMBER: Color = [255, 190, 0];
-pub const RED: Color = [255, 70, 60];
-/// The colors of several targets, in turn.
-pub const TARGETS: [Color; 8] = [
-    [0, 200, 255],
-    [255, 120, 220],
-    [255, 225, 60],
-    [120, 255, 120],
-    [255, 150, 60],
-    [170, 150, 255],
-    [60, 255, 220],
-    [255, 110, 110],
-];
-/// What can be drawn with, beside gray levels.
-pub(super) const INKS: [Color; 3 + TARGETS.len()] = {
-    let mut inks = [GREEN; 3 + TARGETS.len()];
-    (inks[1], inks[2]) = (AMBER, RED);
-    let mut at = 0;
-    while at < TARGETS.len() {
-        inks[3 + at] = TARGETS[at];
-        at += 1;
-    }
-    inks
-};
 
 /// A frame that is drawn on.
 pub struct Overlay(Canvas);
@@ -42,11 +15,6 @@ impl Overlay {
     #[must_use]
     pub fn new(ColorFrame { width, height, pixels }: ColorFrame) -> Self {
         Self(Canvas { width: width.into(), height: height.into(), pixels })
-    }
-
-    #[must_use]
-    pub(super) const fn picture(&self) -> &Canvas {
-        &self.0
     }
 
     pub const fn size(&self) -> (u32, u32) {
@@ -120,6 +88,7 @@ impl Overlay {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colors::{GREEN, RED, WHITE};
 
     fn plain() -> Overlay {
         Overlay::new(ColorFrame { width: 20, height: 16, pixels: vec![[100; 3]; 320] })

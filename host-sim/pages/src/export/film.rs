@@ -1,10 +1,9 @@
-//! Frames that were drawn on, as something to watch: an MP4 file (through ffmpeg), an animated GIF, or a folder of PNG pictures.
+//! Frames that were drawn on, as something to watch: an MP4 or GIF file (through ffmpeg), or a folder of PNG pictures.
 
-use super::animation::Gif;
 use super::draw::Overlay;
-use super::mp4::Mp4;
-use super::picture::rgb_png;
+use super::encoded::{Encoded, Kind};
 use super::timeline::{Rate, Timeline};
+use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
 use smr_recordings::Moment;
 use smr_recordings::output::{Folder, Output};
@@ -21,8 +20,7 @@ pub struct Film {
 }
 
 enum Way {
-    Mp4(Mp4),
-    Gif(Gif),
+    Encoded(Encoded),
     Pictures(Folder),
 }
 
@@ -48,8 +46,8 @@ impl Film {
         let extension = out.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let Plan { rate, sound, first, patience } = plan;
         let way = match extension.as_str() {
-            "mp4" => Way::Mp4(Mp4::new(Output::create(out)?, sound, patience)),
-            "gif" => Way::Gif(Gif::new(Output::create(out)?)),
+            "mp4" => Way::Encoded(Encoded::new(Kind::Mp4, Output::create(out)?, sound, patience)),
+            "gif" => Way::Encoded(Encoded::new(Kind::Gif, Output::create(out)?, None, patience)),
             "" => Way::Pictures(Folder::create(out)?),
             _ => {
                 bail!("{}: expected a video that ends in .mp4 or .gif, or a folder without an extension", out.display())
@@ -67,8 +65,7 @@ impl Film {
         let number = self.number;
         self.number += 1;
         let written = match &mut self.way {
-            Way::Mp4(mp4) => mp4.frame(overlay, &self.timeline, time, moment),
-            Way::Gif(gif) => gif.frame(overlay, time),
+            Way::Encoded(encoded) => encoded.frame(overlay, &self.timeline, time, moment),
             Way::Pictures(folder) => {
                 let png = rgb_png(overlay.size(), overlay.rgb())?;
                 return folder.write(&format!("{number:05}.png"), &png);
@@ -84,8 +81,7 @@ impl Film {
     pub fn finish(self) -> Result<()> {
         let context = || cannot_write(&self.name);
         match self.way {
-            Way::Mp4(mp4) => mp4.finish().with_context(context)?.finish(),
-            Way::Gif(gif) => gif.finish(self.timeline.interval()).with_context(context)?.map_or(Ok(()), Output::finish),
+            Way::Encoded(encoded) => encoded.finish().with_context(context)?.finish(),
             Way::Pictures(folder) => folder.finish(),
         }
     }
@@ -98,10 +94,10 @@ fn cannot_write(name: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::GREEN;
+    use crate::colors::GREEN;
     use crate::report::canvas::Canvas;
-    use smr_recordings::{BoundingBox, GrayFrame};
-    use std::fs::{self, File};
+    use smr_recordings::{BoundingBox, Colors, GrayFrame};
+    use std::fs;
 
     fn plan() -> Plan {
         Plan { rate: Some("25".parse().unwrap()), sound: None, first: 1, patience: Duration::from_secs(60) }
@@ -133,50 +129,52 @@ mod tests {
         filmed(&out);
         for (number, frame) in (1..).zip(frames()) {
             let png = fs::read(out.join(format!("{number:05}.png"))).unwrap();
-            assert_eq!(Canvas::decoded(&png), *frame.picture());
+            let read = Canvas::decoded(&png);
+            assert_eq!(((read.width, read.height), read.pixels.as_flattened()), (frame.size(), frame.rgb()));
         }
     }
 
+    #[test]
+    fn a_video_is_decoded_again() {
+        let above = tempfile::tempdir().unwrap();
+        if !crate::missing::has_ffmpeg("a_video_is_decoded_again") {
+            return;
+        }
+        // MP4 has no odd sides.
+        for (name, size) in [("film.mp4", (62, 44)), ("film.gif", (61, 43))] {
+            let out = above.path().join(name);
+            filmed(&out);
+            let sequence = smr_recordings::open(&out, &smr_recordings::OpenOptions::default()).unwrap();
+            let sizes: Vec<_> = sequence.frames.map(Result::unwrap).map(|frame| (frame.width, frame.height)).collect();
+            assert_eq!(sizes, [size; 3], "{name}");
+        }
+    }
+
+    /// The colors of the boxes are those that were drawn, and gray stays within a level of what it was.
     #[test]
     fn a_gif_holds_the_boxes() {
         let above = tempfile::tempdir().unwrap();
         let out = above.path().join("film.gif");
-        filmed(&out);
-        let mut options = gif::DecodeOptions::new();
-        options.set_color_output(gif::ColorOutput::RGBA);
-        let mut decoder = options.read_info(File::open(&out).unwrap()).unwrap();
-        for frame in frames() {
-            let decoded = decoder.read_next_frame().unwrap().unwrap();
-            assert_eq!(decoded.delay, 4);
-            for (found, expected) in decoded.buffer.chunks_exact(4).zip(frame.rgb().chunks_exact(3)) {
-                // Gray levels are a few less.
-                assert!(found.iter().zip(expected).all(|(found, expected)| found.abs_diff(*expected) <= 1));
-            }
-        }
-        assert!(decoder.read_next_frame().unwrap().is_none());
-    }
-
-    #[test]
-    fn an_mp4_is_decoded_again() {
-        let above = tempfile::tempdir().unwrap();
-        let out = above.path().join("film.mp4");
-        if !crate::missing::has_ffmpeg("an_mp4_is_decoded_again") {
+        if !crate::missing::has_ffmpeg("a_gif_holds_the_boxes") {
             return;
         }
         filmed(&out);
-        let sequence = smr_recordings::open(&out, &smr_recordings::OpenOptions::default()).unwrap();
-        let sizes: Vec<_> =
-            sequence.frames.map(|frame| frame.map(|frame| (frame.width, frame.height)).unwrap()).collect();
-        assert_eq!(sizes, [(62, 44); 3]);
+        let mut colors = Colors::Video(out).open(1, Duration::from_secs(60));
+        for frame in frames() {
+            let gray = GrayFrame { width: 61, height: 43, pixels: vec![0; 61 * 43] };
+            let shown = colors.next(&gray).0;
+            for (found, expected) in shown.pixels.as_flattened().iter().zip(frame.rgb()) {
+                assert!(found.abs_diff(*expected) <= 2, "{found} {expected}");
+            }
+        }
     }
 
     #[test]
     fn what_breaks_off_or_is_unknown_leaves_nothing() {
         let above = tempfile::tempdir().unwrap();
-        for name in ["film.gif", "film"] {
-            let mut film = Film::create(&above.path().join(name), plan()).unwrap();
-            film.frame(&frames().next().unwrap(), None).unwrap();
-        }
+        let mut film = Film::create(&above.path().join("film"), plan()).unwrap();
+        film.frame(&frames().next().unwrap(), None).unwrap();
+        drop(film);
         let error = Film::create(&above.path().join("film.avi"), plan()).err().unwrap().to_string();
         assert!(
             error.ends_with("film.avi: expected a video that ends in .mp4 or .gif, or a folder without an extension")

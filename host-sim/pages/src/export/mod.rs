@@ -4,20 +4,17 @@
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
 
-mod animation;
 mod c_array;
 mod draw;
+mod encoded;
 mod film;
 mod matroska;
-mod mp4;
-mod picture;
 mod timeline;
 mod toolkit;
 mod writer;
 
-pub use draw::{AMBER, GREEN, Overlay, RED, TARGETS, WHITE};
+pub use crate::encode::{pgm, png};
+pub use draw::Overlay;
 pub use film::{Film, Plan};
-use picture::jpeg;
-pub use picture::{pgm, png};
 pub use timeline::Rate;
 pub use writer::{Format, Writer, Written, is_whole};

@@ -97,11 +97,6 @@ impl Timeline {
     pub fn start(&self) -> Option<f64> {
         self.first.map(|first| first.seconds())
     }
-
-    /// How long the last frame is shown, in microseconds.
-    pub const fn interval(&self) -> u64 {
-        self.interval
-    }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates

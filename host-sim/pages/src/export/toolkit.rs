@@ -8,7 +8,7 @@
 //!
 //! Without ground truth the file with boxes has one line, the box to start from, as in the test sets of GOT-10k.
 
-use super::{jpeg, png};
+use crate::encode::{jpeg_of, png};
 use anyhow::{Context, Result};
 use smr_recordings::BoundingBox;
 use smr_recordings::GrayFrame;
@@ -63,7 +63,7 @@ impl Toolkit {
     pub fn encoded(self, frame: &GrayFrame) -> Result<Vec<u8>> {
         match self {
             Self::Vot => png(frame),
-            Self::Otb | Self::Got10k => jpeg(frame, QUALITY),
+            Self::Otb | Self::Got10k => jpeg_of(frame, QUALITY),
         }
     }
 

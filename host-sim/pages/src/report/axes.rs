@@ -1,10 +1,7 @@
 //! Axes of a diagram: lines with their numbers, and curves between them.
 
-use super::Color;
 use super::diagram::{Mark, Stroke};
-
-/// The color of lines at a number.
-pub(super) const GRID: Color = [90; 3];
+use crate::colors::{Color, GRID};
 
 pub struct Axes {
     pub left: f64,

@@ -1,8 +1,8 @@
 //! The chance that a frame is correct by the ratio that was reported in it, as a diagram.
 
-use super::axes::{Axes, GRID};
+use super::axes::Axes;
 use super::diagram::{Mark, Stroke};
-use super::{SAD, SMR};
+use crate::colors::{GRID, SAD, SMR};
 use smr_evaluation::robustness::Bin;
 
 /// Both axes go from 0 to 1.

@@ -1,6 +1,7 @@
 //! What pictures are drawn on, with the letters, lines and outlines of embedded-graphics.
 
-use super::{Color, encode};
+use crate::colors::Color;
+use crate::encode;
 use anyhow::{Result, ensure};
 use embedded_graphics::Drawable;
 use embedded_graphics::Pixel;
@@ -16,10 +17,6 @@ use std::convert::Infallible;
 
 /// The letters of pictures.
 pub const FONT: &MonoFont<'_> = &FONT_10X20;
-pub(super) const WHITE: Color = [255; 3];
-pub(crate) const BLACK: Color = [0; 3];
-/// The ground of diagrams and of sheets.
-pub(super) const PAPER: Color = [24; 3];
 
 /// A picture in red, green and blue, row by row. What is outside is not drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +100,7 @@ impl Canvas {
         palette.dedup();
         ensure!(palette.len() <= 256, "a picture of {} colors: expected at most 256", palette.len());
         let index = |pixel: &Color| palette.partition_point(|color| color < pixel).to_le_bytes()[0];
-        encode::png((self.width, self.height), &self.pixels.iter().map(index).collect::<Vec<_>>(), &palette)
+        encode::palette_png((self.width, self.height), &self.pixels.iter().map(index).collect::<Vec<_>>(), &palette)
     }
 }
 
@@ -207,6 +204,7 @@ pub(super) fn coarse_frame(frame: &GrayFrame) -> Canvas {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colors::{BLACK, WHITE};
 
     #[test]
     fn dashes_go_on_around_the_corner() {

@@ -1,7 +1,7 @@
 //! One frame with its coordinates, as a picture: what a box is chosen from and checked by.
 
-use super::SMR;
-use super::canvas::{Canvas, FONT, PAPER, WHITE, coarse, pixel, rgb, width_of};
+use super::canvas::{Canvas, FONT, coarse, pixel, rgb, width_of};
+use crate::colors::{PAPER, SMR, WHITE};
 use anyhow::Result;
 use embedded_graphics::Drawable;
 use embedded_graphics::draw_target::DrawTargetExt;

@@ -1,11 +1,11 @@
 //! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
 
 use super::difference::{BAR, BARS};
-use super::encode::base64;
 use super::entrants::{Entrant, entrants};
 use super::film::Film;
 use super::palette::TRUTH_LOOK;
 use super::pictures::{Comparison, Picture, Pictures};
+use crate::encode::base64;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use smr_evaluation::{Evidence, centre_errors, name_of, overlaps};

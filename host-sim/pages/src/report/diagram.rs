@@ -1,8 +1,8 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
-use super::Color;
-use super::canvas::{self, Canvas, Dashes, FONT, PAPER, WHITE, pixel};
+use super::canvas::{self, Canvas, Dashes, FONT, pixel};
 use super::pixels::Pixels;
+use crate::colors::{Color, PAPER, WHITE};
 use anyhow::{Result, bail};
 use embedded_graphics::geometry::Point;
 use embedded_graphics::primitives::Rectangle;

@@ -1,6 +1,6 @@
 //! How entrants are told from each other on the page: each has a color and a pattern of dashes, in boxes, curves and legends.
 
-use super::{Color, TRUTH, color_of_method};
+use crate::colors::{Color, TRUTH, color_of_method};
 use serde::Serialize;
 use smr_evaluation::MethodKind;
 

@@ -1,6 +1,6 @@
 //! The page on which boxes are dragged over a recording: `pick.html` filled in, with frames and the command lines to copy.
 
-use super::encode::{self, base64};
+use crate::encode::{self, base64};
 use anyhow::{Context, Result, bail, ensure};
 use minijinja::Environment;
 use minijinja::value::Serde;

@@ -1,10 +1,10 @@
 //! The film strip as one picture: what a README shows.
 
-use super::canvas::{BLACK, Canvas, Dashes, FONT, PAPER, WHITE, coarse_frame, line, pixel};
+use super::canvas::{Canvas, Dashes, FONT, coarse_frame, line, pixel};
 use super::film::{Film, Still};
 use super::palette::color_of_file;
 use super::turns::turns;
-use super::{Color, TRUTH, color_of, color_of_method};
+use crate::colors::{BLACK, Color, PAPER, TRUTH, WHITE, color_of, color_of_method};
 use anyhow::Result;
 use embedded_graphics::draw_target::DrawTargetExt;
 use embedded_graphics::geometry::{Point, Size};
@@ -111,10 +111,11 @@ fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Choice, Refusal, SAD, SMR, watch};
+    use crate::colors::{SAD, SMR};
+    use crate::report::{Choice, Refusal, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{MethodKind, Variant};
-    use smr_recordings::{Colors, Damage};
+    use smr_recordings::Colors;
     use smr_recordings::{GrayFrame, OpenOptions, Sequence, synthetic};
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -136,7 +137,6 @@ mod tests {
             init: Some("0,0,1,1".parse().unwrap()),
             truth: None,
             colors: Colors::None,
-            damage: Damage::default(),
         }
     }
 

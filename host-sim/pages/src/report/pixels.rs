@@ -1,7 +1,8 @@
 //! Pixels of a picture: a frame, a patch, or differences, of which those that count are green.
 
 use super::canvas::{Canvas, coarse, coarse_frame};
-use super::{Color, encode};
+use crate::colors::Color;
+use crate::encode;
 use anyhow::Result;
 use serde::ser::Error as _;
 use serde::{Serialize, Serializer};

@@ -1,10 +1,10 @@
 //! One frame with all its boxes, for the page's template.
 
-use super::encode;
 use super::entrants::look_of;
 use super::film::{Film, Still};
 use super::palette::TRUTH_LOOK;
 use super::turns::turns;
+use crate::encode;
 use anyhow::Result;
 use serde::Serialize;
 use smr_evaluation::{Evidence, name_of};

@@ -1,8 +1,8 @@
 //! Gaussians: the label, 1.0 where the target is, and the learning window, which weights cells by their place.
 
 use super::Numbers;
-use super::grid::Shape;
 use super::rounding::{nearest, real};
+use super::sampling::Shape;
 
 /// 1.0 in the units of labels and responses.
 pub const ONE: f64 = 16384.0;

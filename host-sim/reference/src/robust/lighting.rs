@@ -1,8 +1,8 @@
 //! Lighting: a template with the brightness and the contrast of what is seen.
 
 use super::Numbers;
-use super::grid::Patch;
 use super::rounding::{FINE, down, nearest, real};
+use super::sampling::Patch;
 
 /// The mean in whole gray levels, and the sum of all absolute deviations from it.
 fn mean_and_deviation(patch: &Patch) -> (f64, f64) {

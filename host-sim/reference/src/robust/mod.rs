@@ -4,15 +4,13 @@
 //! rounds a number, so does the reference (`rounding.rs`), so that all numbers of both trackers are equal in every frame. All sums are
 //! exact in f64.
 //!
-//! The files have the names of the stages in `core/src/track/robust`: `grid` (sampling), `features` (gradients), `filter` (learning),
-//! `response`, `refinement` (displacement, too), `agreement` and `lighting` (verification), `confidence`, `refiner`, `place` (motion and redetection).
+//! The files have the names of the stages in `core/src/track/robust`; `refinement` has the displacement, too, and `place` is motion and
+//! redetection.
 
-mod agreement;
 mod confidence;
-mod features;
-mod filter;
 mod gaussian;
-mod grid;
+mod gradients;
+mod learning;
 mod lighting;
 mod numbers;
 mod place;
@@ -20,22 +18,24 @@ mod refinement;
 mod refiner;
 mod response;
 mod rounding;
+mod sampling;
+mod verification;
 
 pub use confidence::Decision;
-pub use features::Cells;
-pub use grid::{Lattice, Patch, Picture, Shape};
+pub use gradients::Cells;
 pub use lighting::{relit, threshold};
 pub use numbers::{Numbers, Parts};
+pub use sampling::{Lattice, Patch, Picture, Shape};
 
-use agreement::Similarity;
 use confidence::{FULL, confidence, decision, evidence, running_mean};
-use features::features;
-use filter::{Coded, Filter, Sample};
+use gradients::features;
+use learning::{Coded, Filter, Sample};
 use place::{Place, sweep, whole_box};
 use refinement::Displaced;
 use refiner::Refiner;
 use response::{Peak, peak, penalised, responses};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
+use verification::Similarity;
 
 /// All that happened in one frame.
 pub struct Step {

@@ -1,8 +1,8 @@
 //! Places: where the target is and how large, where it is expected, and where it is looked for when it is lost.
 
 use super::Numbers;
-use super::grid::{Lattice, Shape};
 use super::rounding::{FINE, POSITION, down, nearest, real, whole};
+use super::sampling::{Lattice, Shape};
 
 /// The target's middle and its size against that of the first box.
 #[derive(Clone, Copy, Debug)]

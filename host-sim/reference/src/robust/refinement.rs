@@ -1,10 +1,10 @@
 //! The exact place and size: the best displacement of the early template in pixels of the grid, then a Gauss-Newton step.
 
 use super::Numbers;
-use super::agreement::Similarity;
-use super::grid::Patch;
 use super::lighting::{relit, threshold};
 use super::rounding::{SCALE, SUB, real, to_zero};
+use super::sampling::Patch;
+use super::verification::Similarity;
 
 /// The best displacement of the early template in a view.
 pub struct Displaced {

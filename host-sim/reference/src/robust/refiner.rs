@@ -3,8 +3,8 @@
 //! The weights are those that training wrote (`weights.bin`), given by the caller; all arithmetic is written anew. A layer's sum is exact in f64, then rounded down on a grid.
 
 use super::Numbers;
-use super::grid::{Lattice, Picture};
 use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
+use super::sampling::{Lattice, Picture};
 
 /// Samples on a side of a crop, and how much wider it is than the box.
 const SIDE: i64 = 32;

@@ -1,10 +1,10 @@
 //! The filter's responses at all offsets of a search window, and their peak.
 
 use super::Numbers;
-use super::features::Cells;
-use super::filter::Coded;
-use super::grid::Shape;
+use super::gradients::Cells;
+use super::learning::Coded;
 use super::rounding::{FINE, index, quotient, real, to_zero};
+use super::sampling::Shape;
 
 /// Responses up to `reach` cells from the middle, row by row.
 pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec<f64> {

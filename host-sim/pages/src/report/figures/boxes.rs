@@ -2,7 +2,7 @@
 
 use super::sheet::{GAP, LINE, Sheet, template};
 use super::{METHODS, asked, clearest};
-use crate::report::color_of_method;
+use crate::colors::color_of_method;
 use crate::report::film::{Film, Still};
 use crate::report::pixels::Pixels;
 use anyhow::{Context, Result};

@@ -2,13 +2,13 @@
 
 use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
 use super::{METHODS, asked, clearest};
+use crate::colors::{Color, color_of_method};
 use crate::report::axes::Axes;
 use crate::report::diagram::Stroke;
 use crate::report::difference::{BAR, BARS, Difference};
 use crate::report::film::{Film, Still};
 use crate::report::look::Search;
 use crate::report::pixels::Pixels;
-use crate::report::{Color, color_of_method};
 use anyhow::{Context, Result, ensure};
 use smr_core::{Image, Rect};
 use smr_recordings::BoundingBox;

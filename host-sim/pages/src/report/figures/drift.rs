@@ -2,8 +2,8 @@
 
 use super::sheet::{GAP, LINE, Sheet, WIDTH, nice};
 use super::{METHODS, SAD};
+use crate::colors::color_of_method;
 use crate::report::axes::Axes;
-use crate::report::color_of_method;
 use crate::report::diagram::Stroke;
 use crate::report::film::Film;
 use anyhow::{Result, ensure};

@@ -2,7 +2,7 @@
 
 use super::SMR;
 use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
-use crate::report::color_of;
+use crate::colors::color_of;
 use crate::report::film::{Film, Still};
 use anyhow::{Context, Result};
 use smr_core::{Rect, State};

@@ -190,7 +190,7 @@ mod tests {
     fn all_five_from_the_built_in_recordings() {
         for figure in Figure::ALL {
             let (plan, svg, png) = drawn(synthetic::NAME, figure, &Wish::default());
-            let colors = [crate::report::SMR, crate::report::SAD];
+            let colors = [crate::colors::SMR, crate::colors::SAD];
             for color in colors.iter().skip(usize::from(figure == Figure::Leaving)) {
                 assert!(png.pixels.contains(color), "{figure}: {color:?}");
             }

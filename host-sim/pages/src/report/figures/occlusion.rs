@@ -2,8 +2,8 @@
 
 use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
 use super::{METHODS, SAD, SMR};
+use crate::colors::color_of_method;
 use crate::report::axes::Axes;
-use crate::report::color_of_method;
 use crate::report::diagram::Stroke;
 use crate::report::film::{Film, Still};
 use anyhow::{Context, Result, ensure};

@@ -1,12 +1,12 @@
 //! What a figure is put together from: frames with boxes, patches, words and lines.
 
+use crate::colors::{Color, SAD, SHADE, SMR, TRUTH, color_of_method};
 use crate::report::axes::Axes;
 use crate::report::canvas::width_of;
 use crate::report::diagram::{Form, Mark, Stroke};
 use crate::report::difference::Difference;
 use crate::report::film::{Film, Still};
 use crate::report::pixels::Pixels;
-use crate::report::{Color, SAD, SMR, TRUTH, color_of_method};
 use anyhow::Result;
 use smr_recordings::BoundingBox;
 
@@ -16,8 +16,6 @@ pub(super) const WIDTH: f64 = 760.0;
 pub(super) const GAP: f64 = 20.0;
 /// From one line of words to the next.
 pub(super) const LINE: f64 = 22.0;
-/// What is marked as hidden.
-const SHADE: Color = [58, 58, 58];
 
 /// A figure.
 pub struct Sheet {

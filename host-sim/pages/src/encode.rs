@@ -1,6 +1,6 @@
-//! Pictures as bytes, and bytes as a part of a page.
+//! Pictures as bytes (PNG, JPEG, PGM), and bytes as a part of a page.
 
-use super::Color;
+use crate::colors::Color;
 use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -8,7 +8,7 @@ use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, resized, resized_colors};
 
 /// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
-pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
+pub(crate) fn palette_png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Indexed);
@@ -20,24 +20,51 @@ pub(super) fn png((width, height): (u32, u32), indices: &[u8], palette: &[Color]
     Ok(bytes)
 }
 
+/// The frame as PNG.
+///
+/// # Errors
+/// The encoder's.
+pub fn png(frame: &GrayFrame) -> Result<Vec<u8>> {
+    plain_png((frame.width.into(), frame.height.into()), png::ColorType::Grayscale, &frame.pixels)
+}
+
+/// Red, green and blue of each pixel as PNG.
+pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
+    plain_png(size, png::ColorType::Rgb, rgb)
+}
+
+fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(color);
+    encoder.write_header()?.write_image_data(samples)?;
+    Ok(bytes)
+}
+
+/// As binary PGM (P5), the form that every reader of PGM knows.
+#[must_use]
+pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
+    [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
+}
+
 /// The frame as a JPEG: a page with many frames must stay small, and they are only looked at.
-pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
+pub(crate) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
     jpeg_of(frame, 88)
 }
 
 /// A frame of a film as a JPEG with no side longer than `side`. It has fewer bytes than one that is looked at for itself.
-pub(super) fn jpeg_within(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
+pub(crate) fn jpeg_within(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
     let (width, height) = within((frame.width, frame.height), side);
     jpeg_of(&resized(frame.clone(), width, height), 75)
 }
 
 /// A frame in its colors as a JPEG, to be looked at for itself.
-pub(super) fn color_jpeg(frame: &ColorFrame) -> Result<Vec<u8>> {
+pub(crate) fn color_jpeg(frame: &ColorFrame) -> Result<Vec<u8>> {
     color_jpeg_of(frame, 88)
 }
 
 /// The same with no side longer than `side`, and with fewer bytes.
-pub(super) fn color_jpeg_within(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
+pub(crate) fn color_jpeg_within(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     let (width, height) = within((frame.width, frame.height), side);
     color_jpeg_of(&resized_colors(frame.clone(), width, height), 75)
 }
@@ -54,7 +81,8 @@ fn color_jpeg_of(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn jpeg_of(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
+/// The frame as a JPEG; 100 is the best quality.
+pub(crate) fn jpeg_of(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     Encoder::new(&mut bytes, quality).encode(&frame.pixels, frame.width, frame.height, ColorType::Luma)?;
     Ok(bytes)
@@ -71,11 +99,11 @@ fn within((width, height): (u16, u16), side: u16) -> (u16, u16) {
 }
 
 /// A URI that holds the bytes themselves: a page with it needs no other file.
-pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", base64(bytes))
 }
 
-pub(super) fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
 }
 
@@ -88,8 +116,13 @@ mod tests {
     #[test]
     fn a_picture_reads_back() {
         let palette = [[0, 0, 0], [255, 0, 0], [0, 0, 255]];
-        let read = Canvas::decoded(&png((3, 2), &[0, 1, 2, 2, 1, 0], &palette).unwrap());
+        let read = Canvas::decoded(&palette_png((3, 2), &[0, 1, 2, 2, 1, 0], &palette).unwrap());
         assert_eq!((read.width, read.height, read.at(1, 0), read.at(0, 1)), (3, 2, palette[1], palette[2]));
+
+        let frame = GrayFrame { width: 3, height: 2, pixels: vec![0, 10, 255, 13, 35, 128] };
+        assert_eq!(decode_picture(&png(&frame).unwrap()).unwrap(), frame);
+        assert_eq!(decode_picture(&pgm(&frame)).unwrap(), frame);
+        assert!(pgm(&frame).starts_with(b"P5\n3 2\n255\n\0"));
 
         let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
         let read = decode_picture(&jpeg(&frame).unwrap()).unwrap();

@@ -7,10 +7,10 @@
 //! Units: responses, labels and errors 1/16384; weights 1/65536 of that.
 
 use super::Numbers;
-use super::features::{CHANNELS, Cells};
 use super::gaussian::{ONE, label, learning_window, part};
-use super::grid::Shape;
+use super::gradients::{CHANNELS, Cells};
 use super::rounding::{divisor, index, nearest, quotient, real};
+use super::sampling::Shape;
 
 /// The weights, cell by cell.
 pub struct Filter {

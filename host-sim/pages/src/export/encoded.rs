@@ -1,4 +1,4 @@
-//! An MP4 file, written by an ffmpeg that takes frames with their times, and the sound of the recording.
+//! A video, written by an ffmpeg that takes frames with their times, and the sound of the recording.
 
 use super::draw::Overlay;
 use super::matroska;
@@ -17,8 +17,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
+/// The kind of a video.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Mp4,
+    Gif,
+}
+
 /// A file under way.
-pub(super) struct Mp4 {
+pub(super) struct Encoded {
+    kind: Kind,
     /// First: ffmpeg ends before its file is removed.
     ffmpeg: Option<Ffmpeg>,
     output: Output,
@@ -27,9 +35,9 @@ pub(super) struct Mp4 {
     patience: Duration,
 }
 
-impl Mp4 {
-    pub fn new(output: Output, sound: Option<PathBuf>, patience: Duration) -> Self {
-        Self { ffmpeg: None, output, sound, patience }
+impl Encoded {
+    pub fn new(kind: Kind, output: Output, sound: Option<PathBuf>, patience: Duration) -> Self {
+        Self { kind, ffmpeg: None, output, sound, patience }
     }
 
     pub fn frame(&mut self, overlay: &Overlay, timeline: &Timeline, time: u64, moment: Option<Moment>) -> Result<()> {
@@ -39,7 +47,7 @@ impl Mp4 {
             let file = file_of(&self.output)?;
             let sound = self.sound.as_deref().zip(timeline.start());
             let aspect = moment.map_or((1, 1), |moment| moment.aspect);
-            self.ffmpeg = Some(Ffmpeg::start(file, timeline.base(), aspect, sound, self.patience)?);
+            self.ffmpeg = Some(Ffmpeg::start((self.kind, file), timeline.base(), aspect, sound, self.patience)?);
         }
         self.ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(bytes))
     }
@@ -79,7 +87,7 @@ struct Ffmpeg {
 impl Ffmpeg {
     /// `base`: what times are multiples of. `sound`: a file, and the seconds in it at which the first frame is shown.
     fn start(
-        file: &Path,
+        (kind, file): (Kind, &Path),
         base: (u32, u32),
         aspect: (u32, u32),
         sound: Option<(&Path, f64)>,
@@ -92,18 +100,28 @@ impl Ffmpeg {
             // Silence behind the sound, so that -shortest cuts the sound and never the picture.
             command.args(["-map", "0:v", "-map", "1:a:0?", "-c:a", "aac", "-af", "apad", "-shortest"]);
         }
-        // Players want color at half the size, BT.709, and the index at the beginning of the file.
-        let filter =
-            format!("pad=ceil(iw/2)*2:ceil(ih/2)*2,setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
-        command.args(["-vf", &filter, "-pix_fmt", "yuv420p", "-movflags", "+faststart"]);
-        command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
-        command.args(["-fps_mode", "passthrough", "-enc_time_base", &format!("{}:{}", base.0, base.1)]);
-        command.args(["-f", "mp4", "-y"]).arg(file);
+        command.args(["-fps_mode", "passthrough"]);
+        match kind {
+            Kind::Mp4 => {
+                // Players want color at half the size, BT.709, and the index at the beginning of the file.
+                let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
+                let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
+                command.args(["-vf", &filter, "-pix_fmt", "yuv420p", "-movflags", "+faststart"]);
+                command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
+                command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1), "-f", "mp4"]);
+            }
+            // Each frame has the 256 colors that suit it.
+            Kind::Gif => {
+                let palette = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none";
+                command.args(["-vf", palette, "-f", "gif"]);
+            }
+        }
+        command.arg("-y").arg(file);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 bail!(
-                    "an MP4 video needs ffmpeg, and there is none on the PATH: install the package `ffmpeg`, or write a .gif"
+                    "a video needs ffmpeg, and there is none on the PATH: install the package `ffmpeg`, or write a folder of pictures"
                 )
             }
             other => other.context("cannot start ffmpeg")?,

@@ -1,8 +1,8 @@
 //! Features: ten bytes for each cell, nine for the gradient by direction and one for gray.
 
 use super::Numbers;
-use super::grid::Patch;
 use super::rounding::{down, index, nearest, real};
+use super::sampling::Patch;
 use std::f64::consts::PI;
 
 /// Directions of gradients.

@@ -1,9 +1,9 @@
 //! Agreement: the early template in the light of the frame against what is seen, part by part.
 
 use super::Numbers;
-use super::grid::Patch;
 use super::lighting::{relit, threshold};
 use super::rounding::{index, real, whole};
+use super::sampling::Patch;
 use crate::paper::similarity;
 
 /// One unit of a score: 1.0 is this many.

@@ -1,6 +1,6 @@
 //! Decoded samples as a frame in gray or in color, and what may be wrong with a picture.
 
-use super::damage::{Damaged, Instead};
+use super::damage::Damaged;
 use super::{ColorFrame, GrayFrame};
 use anyhow::{Error, Result, anyhow, ensure};
 
@@ -18,7 +18,7 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
 
 /// The error for a picture of which nothing can be decoded.
 pub(super) fn damaged(why: String) -> Error {
-    Damaged { why, instead: Instead::Former }.into()
+    Damaged::new(why).into()
 }
 
 /// A decoded picture: samples of 8 bits, gray or RGB, each with or without alpha.

@@ -1,4 +1,4 @@
-// The settings in the words of host-sim: as a TOML file for `--settings`, and as the command line that repeats what the page does.
+// The command line of host-sim that repeats what the page does.
 
 import { SETTINGS } from "./methods.js";
 
@@ -13,11 +13,6 @@ export function optionsOf(method, settings) {
   const { reach } = settings.robust;
   const without = PARTS.filter((part) => !settings.robust[part]);
   return { ...(reach === SETTINGS.robust.reach ? {} : { reach }), ...(without.length === 0 ? {} : { without }) };
-}
-
-export function toml(method, settings) {
-  const lines = Object.entries({ method, ...optionsOf(method, settings) }).map(([name, value]) => `${name} = ${JSON.stringify(value)}\n`);
-  return lines.join("");
 }
 
 /** `targets`: a list of { name, locks }, each lock { number, box }. `source`: what frames come from, { kind, name }. */
