@@ -1,6 +1,7 @@
 //! Measures speed on this machine and on emulated boards, beside OpenCV and a plain SAD search, in the same run.
 //!
 //! - [`case`]: what is timed, searches in frames of recordings.
+//! - [`clock`]: how long something takes.
 //! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`diagram`]: these as a diagram.
@@ -14,6 +15,7 @@
 
 pub mod boards;
 pub mod case;
+pub mod clock;
 pub mod diagram;
 pub mod goal;
 pub mod goals;
@@ -27,10 +29,10 @@ pub mod window;
 
 use anyhow::{Context, Result};
 use case::Size;
+use clock::Patience;
 use searches::{Searches, Way};
 use smr_core::paper::Radius;
 use smr_evaluation::CoreKind;
-use smr_evaluation::clock::Patience;
 use smr_recordings::Sequence;
 use speeds::Speeds;
 use std::time::Duration;

@@ -1,9 +1,9 @@
 //! OpenCV's `matchTemplate` and its tracker CSRT on the same searches, where `python3` has OpenCV.
 
+use super::clock::Patience;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use smr_core::Rect;
-use smr_evaluation::clock::Patience;
 use smr_recordings::GrayFrame;
 use smr_recordings::cleanup::Process;
 use smr_recordings::output::Exchange;

@@ -1,6 +1,7 @@
 //! Times the same searches with every backend, the plain SAD search and OpenCV, in one run.
 
 use super::case::{self, Case, Size, Triple};
+use super::clock::{Budget, Patience, shortest, timed};
 use super::opencv::{Followed, Search};
 use super::sad::Sad;
 use anyhow::{Result, ensure};
@@ -8,7 +9,6 @@ use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Target, Tracker};
 use smr_evaluation::CoreKind;
-use smr_evaluation::clock::{Budget, Patience, shortest, timed};
 use std::fmt;
 use std::time::Duration;
 

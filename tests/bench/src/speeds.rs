@@ -1,13 +1,13 @@
 //! Frames per second by size of template and of window, with the fastest backend of this machine.
 
 use super::case::{self, Case, Size, Triple};
+use super::clock::{Budget, Patience, timed};
 use super::searches;
 use anyhow::Result;
 use host_sim::spread::Spread;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
-use smr_evaluation::clock::{Budget, Patience, timed};
 use std::time::Duration;
 
 /// Sides of the templates.
