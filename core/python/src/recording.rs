@@ -146,7 +146,7 @@ pub fn measure<'py>(
     if !measured.failures.is_empty() {
         return Err(refused(measured.failures.remove(0)));
     }
-    let tables = measured.tables().map_err(refused)?;
+    let tables = measured.tables();
     let columns = PyDict::new(py);
     for (name, values) in tables.columns(TableName::Measured) {
         let values: PyResult<Vec<_>> = values.into_iter().map(|value| to_python(py, value)).collect();

@@ -1,6 +1,7 @@
 //! What methods are built from: the numbers of both trackers of smr-core.
 
 use super::method::MethodKind;
+use super::tables::Columns;
 use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -51,10 +52,16 @@ pub struct Origin {
     pub options: Map<String, Value>,
 }
 
-/// Its columns in a table.
-pub(super) const ORIGIN: &str = "method,version,options";
-
 impl Origin {
+    /// Its columns in a table. The options are a text, itself JSON.
+    pub(super) fn columns<'a>() -> Columns<'a, Self> {
+        Columns::new(&[
+            ("method", "", |origin| origin.method.into()),
+            ("version", "", |origin| origin.version.into()),
+            ("options", "", |origin| Value::from(origin.options.clone()).to_string().into()),
+        ])
+    }
+
     pub fn new(kind: MethodKind, options: Map<String, Value>) -> Self {
         Self { version: env!("CARGO_PKG_VERSION"), method: kind.name(), options }
     }

@@ -4,15 +4,12 @@
 //! A tracker shall say so: *tracking* in at most `TRACKING` of these frames, *lost* by frame `LOST_BY` of them. And it shall follow the target
 //! again within `AGAIN` frames, if it was right in the frame before.
 
-use super::configs::ORIGIN;
-use super::layout::header;
-use super::robustness::recording::{self, Recording};
-use super::tables::{Table, TableName, Tables, columns};
+use super::run::{Intervention, MOST_BYTES, Recording};
+use super::tables::{Columns, Listed, TableName, Tables};
 use super::{Layout, Origin, Variant};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
-use serde::{Serialize, Serializer};
-use smr_core::State;
+use smr_core::{Rect, State};
 use smr_recordings::cover::Cover;
 use smr_recordings::{GrayFrame, Sequence};
 
@@ -25,88 +22,54 @@ const LOST_BY: usize = 30;
 /// Frames after them in which the box is to become right.
 const AGAIN: usize = 10;
 
-/// What one tracker made of one cover in one recording.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Run {
-    pub tracker: String,
-    pub cover: &'static str,
-    pub sequence: String,
-    /// Whether the box was right in the frame before.
-    pub right_before: bool,
-    /// Covered frames that it called *tracking*.
-    pub tracking: usize,
-    /// The first that it called *lost*, counted from 1.
-    pub lost_at: Option<usize>,
-    /// The first frame after them in which the box was right, counted from 1, of the first ten.
-    pub right_again: Option<usize>,
-}
-
-impl Run {
-    const fn tracks_too_long(&self) -> bool {
-        self.tracking > TRACKING
-    }
-
-    fn is_lost_late(&self) -> bool {
-        self.lost_at.is_none_or(|frame| frame > LOST_BY)
-    }
-
-    const fn is_not_right_again(&self) -> bool {
-        self.right_before && self.right_again.is_none()
-    }
-}
-
-/// One tracker and one cover, over all recordings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
-    pub tracker: String,
-    #[serde(flatten)]
-    pub origin: Origin,
-    pub cover: &'static str,
-    pub recordings: usize,
-    /// Recordings in which the box was right in the frame before the cover.
-    pub right_before: usize,
-    /// Covered frames that were called *tracking*: in the median of the recordings (the larger of two middle values), and in the worst.
-    pub tracking_median: usize,
-    pub tracking_most: usize,
-    /// Recordings in which more than two frames were.
-    #[serde(serialize_with = "how_many")]
-    pub tracking_too_long: Vec<String>,
-    /// Recordings in which it was lost by frame 30 of the cover, and those in which it was not.
-    pub lost_in_time: usize,
-    #[serde(skip)]
-    pub lost_late: Vec<String>,
-    /// Recordings in which it was right before, and again within ten frames; and those in which it was right before alone.
-    pub right_again: usize,
-    #[serde(skip)]
-    pub not_right_again: Vec<String>,
-}
-
-/// In the tables the names follow from what was measured in each recording.
-fn how_many<S: Serializer>(names: &[String], serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    names.len().serialize(serializer)
-}
-
 /// The tables of what is measured.
 pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Means];
 
+/// What one tracker made of one cover in one recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Counts {
+    tracker: String,
+    cover: &'static str,
+    sequence: String,
+    /// Whether the box was right in the frame before.
+    right_before: bool,
+    /// Covered frames that it called *tracking*.
+    tracking: usize,
+    /// The first that it called *lost*, counted from 1.
+    lost_at: Option<usize>,
+    /// The first frame after them in which the box was right, counted from 1, of the first ten.
+    right_again: Option<usize>,
+}
+
+/// A goal: what is said of those that miss it, and whether one does.
+type Goal = (&'static str, fn(&Counts) -> bool);
+
+const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > TRACKING);
+const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
+const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
+
+/// One tracker and one cover, over all recordings.
+struct Row {
+    tracker: String,
+    origin: Origin,
+    cover: &'static str,
+    recordings: Vec<Counts>,
+}
+
 /// All that was measured.
-#[derive(Clone, Debug)]
 pub struct Results {
-    pub covers: Vec<Row>,
-    pub recordings: Vec<Run>,
+    covers: Vec<Row>,
+    recordings: Vec<Counts>,
 }
 
 /// Runs every variant through every cover in the middle of a recording. `other` is a frame of another scene, of this recording's size.
 /// Errors: No ground truth, a frame that cannot be read, frames that are too few, or a method that fails.
-pub fn measure(sequence: Sequence, other: &GrayFrame, variants: &[Variant]) -> Result<Vec<Run>> {
+pub fn measure(sequence: Sequence, other: &GrayFrame, variants: &[Variant]) -> Result<Vec<Counts>> {
     let start = sequence.start()?;
-    let recording = Recording::read(sequence, recording::MOST_BYTES)?;
+    let recording = Recording::read(sequence, MOST_BYTES)?;
     let Recording { name, frames, .. } = &recording;
-    ensure!(
-        frames.len() >= 4,
-        "{name}: it has {} frames: expected at least 4, to be covered in the middle",
-        frames.len()
-    );
+    let count = frames.len();
+    ensure!(count >= 4, "{name}: it has {count} frames: expected at least 4, to be covered in the middle");
     let sizes = [&frames[0], other].map(|frame| (frame.width, frame.height));
     ensure!(sizes[0] == sizes[1], "{name}: its frames are of {:?}, the other scene's of {:?}", sizes[0], sizes[1]);
     let cases: Vec<_> = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover))).collect();
@@ -117,116 +80,114 @@ pub fn measure(sequence: Sequence, other: &GrayFrame, variants: &[Variant]) -> R
     cases.par_iter().map(run).collect()
 }
 
-fn run(recording: &Recording, variant: &Variant, start: smr_core::Rect, cover: (Cover, &GrayFrame)) -> Result<Run> {
-    let Recording { name, frames, .. } = recording;
-    let middle = frames.len() / 2;
-    let mut watch = recording.watch(variant, 0, start)?;
-    let mut right_before = true;
-    for (number, frame) in frames.iter().enumerate().take(middle).skip(1) {
-        right_before = watch.update(number, frame)?.1;
+fn run(recording: &Recording, variant: &Variant, start: Rect, (cover, other): (Cover, &GrayFrame)) -> Result<Counts> {
+    let middle = recording.frames.len() / 2;
+    let end = recording.frames.len().min(middle + AGAIN);
+    let run = recording.run(variant, (0, start), end, Intervention::Cover(middle, FRAMES, cover, other), || ())?;
+    let mut judged = run.judged(&recording.truth).map(|(_, state, right)| (state, right));
+    let right_before = judged.by_ref().take(middle).last().is_some_and(|(_, right)| right);
+    let covered: Vec<State> = judged.by_ref().take(FRAMES).map(|(state, _)| state).collect();
+    Ok(Counts {
+        tracker: variant.name.clone(),
+        cover: cover.name(),
+        sequence: recording.name.clone(),
+        right_before,
+        tracking: covered.iter().filter(|&&state| state == State::Tracking).count(),
+        lost_at: covered.iter().position(|&state| state == State::Lost).map(|index| index + 1),
+        right_again: judged.position(|(_, right)| right).map(|index| index + 1),
+    })
+}
+
+const MEASURED: &[Listed<Counts>] = &[
+    ("tracker", "", |of| of.tracker.as_str().into()),
+    ("cover", "", |of| of.cover.into()),
+    ("sequence", "", |of| of.sequence.as_str().into()),
+    ("right_before", "", |of| of.right_before.into()),
+    ("tracking", "", |of| of.tracking.into()),
+    ("lost_at", "", |of| of.lost_at.into()),
+    ("right_again", "", |of| of.right_again.into()),
+];
+
+/// The median is the larger of two middle values.
+const COVERS: &[Listed<Row>] = &[
+    ("tracker", "tracker", |row| row.tracker.as_str().into()),
+    ("cover", "cover", |row| row.cover.into()),
+    ("recordings", "recordings", |row| row.recordings.len().into()),
+    ("right_before", "right before", |row| row.right_before().into()),
+    ("tracking_median", "", |row| row.tracking().0.into()),
+    ("tracking_most", "", |row| row.tracking().1.into()),
+    ("", "tracking (median, most)", |row| {
+        let (median, most) = row.tracking();
+        format!("{median}, {most}").into()
+    }),
+    ("tracking_too_long", "in more than 2 frames", |row| row.missing(NOT_TRACKING).len().into()),
+    ("lost_in_time", "", |row| row.lost_in_time().into()),
+    ("", "lost by frame 30", |row| format!("{} of {}", row.lost_in_time(), row.recordings.len()).into()),
+    ("right_again", "", |row| row.right_again().into()),
+    ("", "right again", |row| format!("{} of {}", row.right_again(), row.right_before()).into()),
+];
+
+impl Row {
+    fn right_before(&self) -> usize {
+        self.recordings.iter().filter(|of| of.right_before).count()
     }
-    let (mut tracking, mut lost_at) = (0, None);
-    for index in 0..FRAMES {
-        let (state, _) = watch.update(middle, &cover.0.frame(index, cover.1))?;
-        tracking += usize::from(state == State::Tracking);
-        if state == State::Lost {
-            lost_at = lost_at.or(Some(index + 1));
-        }
+
+    /// In the median of the recordings, and in the worst.
+    fn tracking(&self) -> (usize, usize) {
+        let mut all: Vec<usize> = self.recordings.iter().map(|of| of.tracking).collect();
+        all.sort_unstable();
+        (all.get(all.len() / 2).copied().unwrap_or(0), all.last().copied().unwrap_or(0))
     }
-    let mut right_again = None;
-    for (number, frame) in frames.iter().enumerate().skip(middle).take(AGAIN) {
-        if watch.update(number, frame)?.1 {
-            right_again = right_again.or(Some(number + 1 - middle));
-        }
+
+    fn lost_in_time(&self) -> usize {
+        self.recordings.len() - self.missing(LOST).len()
     }
-    let (tracker, sequence, cover) = (variant.name.clone(), name.clone(), cover.0.name());
-    Ok(Run { tracker, cover, sequence, right_before, tracking, lost_at, right_again })
+
+    fn right_again(&self) -> usize {
+        self.right_before() - self.missing(RIGHT_AGAIN).len()
+    }
+
+    /// The recordings that miss a goal.
+    fn missing(&self, (_, misses): Goal) -> Vec<&str> {
+        self.recordings.iter().filter(|of| misses(of)).map(|of| of.sequence.as_str()).collect()
+    }
+
+    /// One line for each goal that is missed, with the recordings that miss it.
+    fn missed(&self) -> Vec<String> {
+        let missed = [NOT_TRACKING, LOST, RIGHT_AGAIN].map(|goal| (goal.0, self.missing(goal)));
+        let missed = missed.iter().filter(|(_, which)| !which.is_empty());
+        missed
+            .map(|(what, which)| format!("- {}, {}, {what}: {}\n", self.tracker, self.cover, which.join(", ")))
+            .collect()
+    }
 }
 
 impl Results {
     /// Of the runs of all recordings: one row for each variant and cover.
-    pub fn of(recordings: Vec<Run>, variants: &[Variant]) -> Self {
-        let cases = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover)));
-        let row = |(variant, cover): (&Variant, Cover)| {
-            let of_case = |run: &&Run| run.tracker == variant.name && run.cover == cover.name();
-            Row::of(variant, cover, &recordings.iter().filter(of_case).collect::<Vec<_>>())
+    pub fn of(recordings: Vec<Counts>, variants: &[Variant]) -> Self {
+        let cases = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover.name())));
+        let row = |(variant, cover): (&Variant, &'static str)| {
+            let of_case = |of: &&Counts| of.tracker == variant.name && of.cover == cover;
+            let recordings = recordings.iter().filter(of_case).cloned().collect();
+            Row { tracker: variant.name.clone(), origin: variant.origin(), cover, recordings }
         };
         Self { covers: cases.map(row).collect(), recordings }
     }
 
     /// What was measured in each recording, and the counts over them, for JSON and CSV.
-    pub fn tables(&self) -> Result<Tables> {
-        let runs = columns("tracker,cover,sequence,right_before,tracking,lost_at,right_again");
-        let counts = columns(
-            "tracker,cover,recordings,right_before,tracking_median,tracking_most,tracking_too_long,lost_in_time,right_again",
-        );
-        let counts = [counts, columns(ORIGIN)].concat();
-        Ok(Tables(vec![
-            Table::new(TableName::Measured, runs, &self.recordings)?,
-            Table::new(TableName::Means, counts, &self.covers)?,
-        ]))
+    pub fn tables(&self) -> Tables {
+        let covers = Columns::new(COVERS).and(Origin::columns(), |row| Some(&row.origin));
+        Tables(vec![
+            Columns::new(MEASURED).table(TableName::Measured, &self.recordings),
+            covers.table(TableName::Means, &self.covers),
+        ])
     }
 
     /// The table, and what misses a goal.
     pub fn text(&self, layout: Layout) -> String {
-        let titles = "tracker|cover|recordings|right before|tracking (median, most)|in more than 2 frames|lost by frame 30|right again";
-        let mut lines = vec![header(titles)];
-        lines.extend(self.covers.iter().map(Row::line));
-        let missed: String = self.covers.iter().flat_map(Row::missed).map(|line| format!("- {line}\n")).collect();
-        let table = layout.table(&lines, 2);
+        let missed: String = self.covers.iter().flat_map(Row::missed).collect();
+        let table = Columns::new(COVERS).text(&self.covers, layout, 2);
         if missed.is_empty() { table } else { format!("{table}\n{missed}") }
-    }
-}
-
-impl Row {
-    fn of(variant: &Variant, cover: Cover, runs: &[&Run]) -> Self {
-        let mut tracking: Vec<usize> = runs.iter().map(|run| run.tracking).collect();
-        tracking.sort_unstable();
-        let which = |fails: fn(&Run) -> bool| -> Vec<String> {
-            runs.iter().filter(|run| fails(run)).map(|run| run.sequence.clone()).collect()
-        };
-        let (lost_late, not_right_again) = (which(Run::is_lost_late), which(Run::is_not_right_again));
-        let right_before = runs.iter().filter(|run| run.right_before).count();
-        Self {
-            tracker: variant.name.clone(),
-            origin: variant.origin(),
-            cover: cover.name(),
-            recordings: runs.len(),
-            right_before,
-            tracking_median: tracking.get(tracking.len() / 2).copied().unwrap_or(0),
-            tracking_most: tracking.last().copied().unwrap_or(0),
-            tracking_too_long: which(Run::tracks_too_long),
-            lost_in_time: runs.len() - lost_late.len(),
-            lost_late,
-            right_again: right_before - not_right_again.len(),
-            not_right_again,
-        }
-    }
-
-    fn line(&self) -> Vec<String> {
-        vec![
-            self.tracker.clone(),
-            self.cover.to_owned(),
-            self.recordings.to_string(),
-            self.right_before.to_string(),
-            format!("{}, {}", self.tracking_median, self.tracking_most),
-            self.tracking_too_long.len().to_string(),
-            format!("{} of {}", self.lost_in_time, self.recordings),
-            format!("{} of {}", self.right_again, self.right_before),
-        ]
-    }
-
-    /// One line for each goal that is missed, with the recordings that miss it.
-    fn missed(&self) -> impl Iterator<Item = String> {
-        let goals = [
-            ("tracking in more than 2 frames", &self.tracking_too_long),
-            ("not lost by frame 30", &self.lost_late),
-            ("not right again", &self.not_right_again),
-        ];
-        let line = |(what, which): (&str, &Vec<String>)| {
-            format!("{}, {}, {what}: {}", self.tracker, self.cover, which.join(", "))
-        };
-        goals.into_iter().filter(|(_, which)| !which.is_empty()).map(line).collect::<Vec<_>>().into_iter()
     }
 }
 
@@ -241,10 +202,10 @@ mod tests {
         [MethodKind::Smr, MethodKind::Robust].map(|kind| Variant::new(kind, &Config::camera().into())).to_vec()
     }
 
-    fn run(name: &str, right_before: bool, (tracking, lost_at): (usize, Option<usize>), right_again: bool) -> Run {
+    fn run(name: &str, right_before: bool, (tracking, lost_at): (usize, Option<usize>), right_again: bool) -> Counts {
         let (tracker, sequence) = ("robust".to_owned(), name.to_owned());
         let right_again = right_again.then_some(10);
-        Run { tracker, cover: "gray", sequence, right_before, tracking, lost_at, right_again }
+        Counts { tracker, cover: "gray", sequence, right_before, tracking, lost_at, right_again }
     }
 
     #[test]
@@ -256,15 +217,16 @@ mod tests {
             run("never", false, (300, None), true),
         ];
         let results = Results::of(runs, &variants()[1..]);
-        let row = &results.covers[2];
-        assert_eq!((row.recordings, row.right_before, row.tracking_median, row.tracking_most), (4, 2, 3, 300));
-        assert_eq!((&row.tracking_too_long, row.lost_in_time), (&vec!["long".to_owned(), "never".to_owned()], 2));
-        assert_eq!((&row.lost_late, row.right_again), (&vec!["late".to_owned(), "never".to_owned()], 1));
-        assert_eq!(row.not_right_again, ["long"]);
         let text = results.text(Layout::Markdown);
         assert!(text.contains("| robust | gray | 4 | 2 | 3, 300 | 2 | 2 of 4 | 1 of 2 |"), "{text}");
-        assert!(text.contains("\n- robust, gray, not lost by frame 30: late, never\n"), "{text}");
-        let csv = results.tables().unwrap().csv(TableName::Means).unwrap();
+        let missed = [
+            "tracking in more than 2 frames: long, never",
+            "not lost by frame 30: late, never",
+            "not right again: long",
+        ];
+        let missed: String = missed.iter().map(|line| format!("- robust, gray, {line}\n")).collect();
+        assert!(text.ends_with(&format!("\n\n{missed}")), "{text}");
+        let csv = results.tables().csv(TableName::Means).unwrap();
         assert_eq!(csv.lines().count(), 1 + Cover::ALL.len());
         assert!(csv.contains("\nrobust,gray,4,2,3,300,2,2,1,robust,"), "{csv}");
     }

@@ -5,17 +5,16 @@
 //! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, so
 //! that what goes wrong anyway can be told apart.
 
-use super::configs::ORIGIN;
-use super::layout::header;
-use super::robustness::recording::{self, Recording};
-use super::tables::{Table, TableName, Tables, columns};
+use super::run::{Intervention, MOST_BYTES, Recording, Run};
+use super::tables::{Columns, Listed, TableName, Tables};
 use super::{Layout, MethodKind, Origin, Variant, name_of};
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde_json::Value;
 use smr_core::State;
 use smr_recordings::Sequence;
 use smr_recordings::fault::Fault;
+use std::ops::Range;
 
 /// Frames between the lock and the fault.
 const LEAD: usize = 10;
@@ -24,86 +23,58 @@ const WATCHED: usize = 50;
 /// Places in a recording, at most.
 const PLACES: usize = 8;
 
+/// The tables of what is measured.
+pub const TABLES: &[TableName] = &[TableName::Measured];
+
+/// What is measured if nothing is said: both trackers of smr-core.
+pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
+
+/// All that was measured: every variant without a fault, then with each of the faults.
+#[derive(Debug, Default, PartialEq)]
+pub struct Results(Vec<Row>);
+
 /// One tracker and one fault, over all places of all recordings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
-    pub tracker: String,
-    #[serde(flatten)]
-    pub origin: Origin,
-    /// As on the command line; `none` for the same runs without a fault.
-    pub fault: String,
-    /// Frames of the recording that it goes over.
-    pub fault_frames: usize,
-    /// Runs whose box was right in the frame before the fault; only these are counted.
-    pub runs: usize,
-    /// Frames that came during the fault, by state.
-    pub tracking: usize,
-    pub leaving: usize,
-    pub uncertain: usize,
-    pub lost: usize,
-    /// Runs in which the box was right again within the frames that were watched.
-    pub right_again: usize,
-    /// Frames after the fault until then, in the median of those runs, and in the worst.
-    pub frames_until_right: Option<usize>,
-    pub most_frames_until_right: Option<usize>,
-    /// Runs whose box was right in the last frame of those in which the target is visible.
-    pub right_at_the_end: usize,
-    /// Frames, from the first of the fault to the last that was watched, in which it said *tracking* although the box was wrong
-    /// or the target hidden; and all these frames.
-    pub tracking_while_wrong: usize,
-    pub frames: usize,
+#[derive(Debug, PartialEq)]
+struct Row {
+    tracker: String,
+    origin: Origin,
+    /// `None` for the same runs without a fault.
+    fault: Option<Fault>,
+    /// Only those whose box was right in the frame before the fault.
+    runs: Vec<Counts>,
 }
 
 /// What is counted of one run.
-#[derive(Clone, Debug, Default)]
-struct Run {
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Counts {
+    /// Frames that came during the fault, by state.
     states: [usize; 4],
+    /// Frames after the fault until the box was right again, within those that were watched.
     until_right: Option<usize>,
+    /// In the last frame of those in which the target is visible.
     right_at_the_end: bool,
+    /// Frames, from the first of the fault to the last that was watched, in which *tracking* was said although the box was wrong or the target
+    /// hidden; and all these frames.
     tracking_while_wrong: usize,
     frames: usize,
 }
 
-/// Every variant without a fault, then with each of the faults.
-fn cases<'a>(variants: &'a [Variant], faults: &'a [Fault]) -> impl Iterator<Item = (&'a Variant, Option<&'a Fault>)> {
-    variants.iter().flat_map(|variant| {
-        let with_each = faults.iter().map(Some);
-        std::iter::once(None).chain(with_each).map(move |fault| (variant, fault))
-    })
-}
-
 /// Runs every variant without a fault, and through every fault, at every place of a recording.
 /// Errors: No ground truth, a frame that cannot be read, or a method that fails.
-pub fn measure(sequence: Sequence, variants: &[Variant], faults: &[Fault]) -> Result<Measured> {
-    let recording = Recording::read(sequence, recording::MOST_BYTES)?;
+pub fn measure(sequence: Sequence, variants: &[Variant], faults: &[Fault]) -> Result<Results> {
+    let recording = Recording::read(sequence, MOST_BYTES)?;
     let longest = faults.iter().map(Fault::frames).max().unwrap_or(0);
     let places = places(&recording, longest);
-    let jobs: Vec<_> =
-        cases(variants, faults).flat_map(|case| places.iter().map(move |&place| (case, place))).collect();
-    let run = |&((variant, fault), place): &((&Variant, Option<&Fault>), usize)| {
-        run(&recording, variant, fault, longest, place).with_context(|| format!("{}: {}", recording.name, variant.name))
+    let with_each = || std::iter::once(None).chain(faults.iter().copied().map(Some));
+    let cases: Vec<_> = variants.iter().flat_map(|variant| with_each().map(move |fault| (variant, fault))).collect();
+    let row = |&(variant, fault): &(&Variant, Option<Fault>)| {
+        let run = |&place: &usize| run(&recording, variant, fault.as_ref(), longest, place);
+        let runs: Result<Vec<Option<Counts>>> = places.par_iter().map(run).collect();
+        let runs = runs.with_context(|| format!("{}: {}", recording.name, variant.name))?;
+        let runs = runs.into_iter().flatten().collect();
+        Ok(Row { tracker: variant.name.clone(), origin: variant.origin(), fault, runs })
     };
-    let runs: Result<Vec<_>> = jobs.par_iter().map(run).collect();
-    let mut runs = runs?.into_iter();
-    let of_case = |_| runs.by_ref().take(places.len()).flatten().collect();
-    Ok(Measured(cases(variants, faults).map(of_case).collect()))
-}
-
-/// The runs of several recordings, case by case.
-#[derive(Default)]
-pub struct Measured(Vec<Vec<Run>>);
-
-impl Measured {
-    /// Takes in what was measured of another recording.
-    pub fn add(&mut self, other: Self) {
-        self.0.resize_with(other.0.len(), Vec::new);
-        self.0.iter_mut().zip(other.0).for_each(|(runs, more)| runs.extend(more));
-    }
-
-    /// One row for each variant and fault; none if nothing was measured.
-    pub fn rows(&self, variants: &[Variant], faults: &[Fault]) -> Vec<Row> {
-        cases(variants, faults).zip(&self.0).map(|((variant, fault), runs)| Row::of(variant, fault, runs)).collect()
-    }
+    cases.par_iter().map(row).collect::<Result<_>>().map(Results)
 }
 
 /// Where faults begin: evenly over the recording, where the target is visible from the lock to the first frame of the fault, and again at the
@@ -128,125 +99,125 @@ fn run(
     fault: Option<&Fault>,
     longest: usize,
     place: usize,
-) -> Result<Option<Run>> {
+) -> Result<Option<Counts>> {
     let Recording { frames, truth, .. } = recording;
     let start = place - LEAD;
     let Some(target) = truth[start].and_then(|target| target.to_rect()) else { return Ok(None) };
-    let mut watch = recording.watch(variant, start, target)?;
-    let mut right = true;
-    for (number, frame) in frames.iter().enumerate().take(place).skip(start + 1) {
-        right = watch.update(number, frame)?.1;
-    }
-    if !right {
-        return Ok(None);
-    }
-    let mut run = Run::default();
+    let intervention = fault.map_or(Intervention::None, |fault| Intervention::Fault(place, fault));
     // Without a fault as many frames are counted as with the longest.
     let end = place + fault.map_or(longest, Fault::frames);
-    for number in place..end {
-        let shown = match fault {
-            None => Some(frames[number].clone()),
-            Some(fault) => {
-                let context = (&frames[place - 1], &frames[number - 1]);
-                fault.of(number - place, &frames[number], context, place as u64)
-            }
-        };
-        let Some(shown) = shown else { continue };
-        let (state, right) = watch.update(number, &shown)?;
-        run.states[state as usize] += 1;
-        run.count(state, right);
-    }
-    for number in end..(end + WATCHED).min(frames.len()) {
-        let (state, right) = watch.update(number, &frames[number])?;
-        run.count(state, right);
-        if right && run.until_right.is_none() {
-            run.until_right = Some(number + 1 - end);
-        }
-        if truth[number].is_some() {
-            run.right_at_the_end = right;
-        }
-    }
-    Ok(Some(run))
+    let watched = (end + WATCHED).min(frames.len());
+    let run = recording.run(variant, (start, target), watched, intervention, || ())?;
+    Ok(Counts::of(&run, place..end, truth))
 }
 
-impl Run {
-    fn count(&mut self, state: State, right: bool) {
-        self.frames += 1;
-        self.tracking_while_wrong += usize::from(state == State::Tracking && !right);
+impl Counts {
+    fn of(run: &Run, fault: Range<usize>, truth: &super::Trajectory) -> Option<Self> {
+        let mut counts = Self::default();
+        for (frame, state, right) in run.judged(truth) {
+            if frame < fault.start {
+                if frame + 1 == fault.start && !right {
+                    return None;
+                }
+                continue;
+            }
+            counts.frames += 1;
+            counts.tracking_while_wrong += usize::from(state == State::Tracking && !right);
+            if frame < fault.end {
+                counts.states[state as usize] += 1;
+                continue;
+            }
+            if right {
+                counts.until_right.get_or_insert(frame + 1 - fault.end);
+            }
+            if truth[frame].is_some() {
+                counts.right_at_the_end = right;
+            }
+        }
+        Some(counts)
     }
+}
+
+/// Until the box was right are the frames in the median of the runs in which it was, and in the worst.
+const COLUMNS: &[Listed<Row>] = &[
+    ("tracker", "tracker", |row| row.tracker.as_str().into()),
+    ("fault", "fault", |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
+    ("fault_frames", "", |row| row.fault.map_or(0, |fault| fault.frames()).into()),
+    ("", "state during it", Row::states),
+    ("runs", "runs", |row| row.runs.len().into()),
+    ("tracking", "", |row| row.sum(|run| run.states[0]).into()),
+    ("leaving", "", |row| row.sum(|run| run.states[1]).into()),
+    ("uncertain", "", |row| row.sum(|run| run.states[2]).into()),
+    ("lost", "", |row| row.sum(|run| run.states[3]).into()),
+    ("right_again", "", |row| row.until_right().len().into()),
+    ("", "right again", |row| percent(row.until_right().len(), row.runs.len()).into()),
+    ("frames_until_right", "", |row| median(&row.until_right()).into()),
+    ("most_frames_until_right", "", |row| row.until_right().last().copied().into()),
+    ("", "after (median, most)", |row| {
+        let all = row.until_right();
+        median(&all).zip(all.last()).map(|(median, most)| format!("{median}, {most}")).into()
+    }),
+    ("right_at_the_end", "", |row| row.sum(|run| run.right_at_the_end.into()).into()),
+    ("", "right at the end", |row| percent(row.sum(|run| run.right_at_the_end.into()), row.runs.len()).into()),
+    ("tracking_while_wrong", "", |row| row.sum(|run| run.tracking_while_wrong).into()),
+    ("frames", "", |row| row.sum(|run| run.frames).into()),
+    ("", "tracking while wrong", |row| {
+        let (wrong, all) = (row.sum(|run| run.tracking_while_wrong), row.sum(|run| run.frames));
+        format!("{:.1} %", 100.0 * wrong as f64 / all.max(1) as f64).into()
+    }),
+];
+
+fn percent(part: usize, whole: usize) -> String {
+    format!("{} %", (100 * part + whole / 2).checked_div(whole).unwrap_or(0))
+}
+
+fn median(sorted: &[usize]) -> Option<usize> {
+    sorted.get(sorted.len() / 2).copied()
 }
 
 impl Row {
-    fn of(variant: &Variant, fault: Option<&Fault>, runs: &[Run]) -> Self {
-        let mut until: Vec<usize> = runs.iter().filter_map(|run| run.until_right).collect();
-        until.sort_unstable();
-        let sum = |of: fn(&Run) -> usize| runs.iter().map(of).sum();
-        Self {
-            tracker: variant.name.clone(),
-            origin: variant.origin(),
-            fault: fault.map_or("none".to_owned(), ToString::to_string),
-            fault_frames: fault.map_or(0, Fault::frames),
-            runs: runs.len(),
-            tracking: sum(|run| run.states[0]),
-            leaving: sum(|run| run.states[1]),
-            uncertain: sum(|run| run.states[2]),
-            lost: sum(|run| run.states[3]),
-            right_again: until.len(),
-            frames_until_right: until.get(until.len() / 2).copied(),
-            most_frames_until_right: until.last().copied(),
-            right_at_the_end: sum(|run| run.right_at_the_end.into()),
-            tracking_while_wrong: sum(|run| run.tracking_while_wrong),
-            frames: sum(|run| run.frames),
+    fn sum(&self, of: fn(&Counts) -> usize) -> usize {
+        self.runs.iter().map(of).sum()
+    }
+
+    /// Of the runs in which the box was right again, sorted.
+    fn until_right(&self) -> Vec<usize> {
+        let mut all: Vec<usize> = self.runs.iter().filter_map(|run| run.until_right).collect();
+        all.sort_unstable();
+        all
+    }
+
+    /// The share of each state in the frames that came during the fault.
+    fn states(&self) -> Value {
+        let of = |state: State| self.runs.iter().map(|run| run.states[state as usize]).sum::<usize>();
+        let all = State::ALL.into_iter().map(of).sum();
+        let came = State::ALL.into_iter().filter(|&state| of(state) > 0);
+        let shares: Vec<String> = came.map(|state| format!("{} {}", name_of(state), percent(of(state), all))).collect();
+        if shares.is_empty() { "no frame came".into() } else { shares.join(", ").into() }
+    }
+}
+
+impl Results {
+    /// Takes in what was measured of another recording, by the same variants with the same faults.
+    pub fn add(&mut self, other: Self) {
+        if self.0.is_empty() {
+            *self = other;
+        } else {
+            self.0.iter_mut().zip(other.0).for_each(|(row, more)| row.runs.extend(more.runs));
         }
     }
 
-    const fn states(&self) -> [usize; 4] {
-        [self.tracking, self.leaving, self.uncertain, self.lost]
+    /// For JSON and CSV.
+    pub fn tables(&self) -> Tables {
+        let columns = Columns::new(COLUMNS).and(Origin::columns(), |row| Some(&row.origin));
+        Tables(vec![columns.table(TableName::Measured, &self.0)])
+    }
+
+    /// As text or Markdown.
+    pub fn text(&self, layout: Layout) -> String {
+        Columns::new(COLUMNS).text(&self.0, layout, 3)
     }
 }
-
-/// The tables of what is measured.
-pub const TABLES: &[TableName] = &[TableName::Measured];
-
-/// All rows for JSON and CSV.
-pub fn tables(rows: &[Row]) -> Result<Tables> {
-    let columns = [columns(COLUMNS), columns(ORIGIN)].concat();
-    Ok(Tables(vec![Table::new(TableName::Measured, columns, rows)?]))
-}
-
-/// All rows as text or Markdown.
-pub fn table(rows: &[Row], layout: Layout) -> String {
-    let titles =
-        "tracker|fault|state during it|runs|right again|after (median, most)|right at the end|tracking while wrong";
-    let mut lines = vec![header(titles)];
-    lines.extend(rows.iter().map(line));
-    layout.table(&lines, 3)
-}
-
-fn line(row: &Row) -> Vec<String> {
-    let percent = |part: usize, whole: usize| (100 * part + whole / 2).checked_div(whole).unwrap_or(0);
-    let all = row.states().iter().sum();
-    let share =
-        |(state, &count): (State, &usize)| (count > 0).then(|| format!("{} {} %", name_of(state), percent(count, all)));
-    let states: Vec<String> = State::ALL.into_iter().zip(&row.states()).filter_map(share).collect();
-    let until = row.frames_until_right.zip(row.most_frames_until_right);
-    vec![
-        row.tracker.clone(),
-        row.fault.clone(),
-        if states.is_empty() { "no frame came".to_owned() } else { states.join(", ") },
-        row.runs.to_string(),
-        format!("{} %", percent(row.right_again, row.runs)),
-        until.map_or("-".to_owned(), |(median, most)| format!("{median}, {most}")),
-        format!("{} %", percent(row.right_at_the_end, row.runs)),
-        format!("{:.1} %", 100.0 * row.tracking_while_wrong as f64 / row.frames.max(1) as f64),
-    ]
-}
-
-const COLUMNS: &str = "tracker,fault,fault_frames,runs,tracking,leaving,uncertain,lost,right_again,frames_until_right,\
-                       most_frames_until_right,right_at_the_end,tracking_while_wrong,frames";
-
-/// What is measured if nothing is said: both trackers of smr-core.
-pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
 
 #[cfg(test)]
 mod tests {
@@ -255,35 +226,29 @@ mod tests {
     use smr_recordings::{BUILT_IN, OpenOptions, open};
     use std::path::Path;
 
-    fn variants() -> Vec<Variant> {
-        METHODS.map(|kind| Variant::new(kind, &Config::camera().into())).to_vec()
-    }
-
-    fn rows(name: &str, faults: &[Fault]) -> Vec<Row> {
+    fn measured(name: &str, faults: &[Fault]) -> Results {
         let mut sequence = open(Path::new(name), &OpenOptions::default()).unwrap();
         // Two of the built-in ones have none. What they have here is not right everywhere, but no tracker may panic for it.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
-        let variants = variants();
-        measure(sequence, &variants, faults).unwrap().rows(&variants, faults)
+        measure(sequence, &METHODS.map(|kind| Variant::new(kind, &Config::camera().into())), faults).unwrap()
     }
 
     /// Also that nothing panics: overflow checks are on in tests.
     #[test]
     fn every_fault_on_every_built_in_recording() {
         for name in BUILT_IN {
-            let faults = Fault::all();
-            let rows = rows(name, &faults);
+            let Results(rows) = measured(name, &Fault::all());
+            assert_eq!(rows.len(), 2 * 13);
             for row in &rows {
-                assert!(row.right_again <= row.runs && row.right_at_the_end <= row.runs, "{name}: {row:?}");
-                assert!(row.tracking_while_wrong <= row.frames, "{name}: {row:?}");
-                let came = row.states().iter().sum::<usize>();
-                assert!(row.fault == "none" || came <= row.runs * row.fault_frames, "{name}: {row:?}");
-                assert!(!row.fault.starts_with("gap") || came == 0, "{name}: {row:?}");
-            }
-            if name == "synthetic" {
-                assert_eq!(rows.len(), 2 * 13);
-                assert!(rows.iter().all(|row| row.runs > 0));
+                assert!(name != "synthetic" || !row.runs.is_empty());
+                for run in &row.runs {
+                    let came = run.states.iter().sum::<usize>();
+                    assert!(run.tracking_while_wrong <= run.frames, "{name}: {row:?}");
+                    let Some(fault) = row.fault else { continue };
+                    assert!(came <= fault.frames(), "{name}: {row:?}");
+                    assert!(!fault.to_string().starts_with("gap") || came == 0, "{name}: {row:?}");
+                }
             }
         }
     }
@@ -291,23 +256,21 @@ mod tests {
     #[test]
     fn the_same_again_and_no_fault_is_no_fault() {
         let faults = ["black:3", "gain:100"].map(|text| text.parse().unwrap());
-        let first = rows("synthetic", &faults);
-        assert_eq!(first, rows("synthetic", &faults));
-        let of = |fault: &str, tracker: &str| {
-            first.iter().find(|row| row.fault == fault && row.tracker == tracker).cloned().unwrap()
-        };
-        for tracker in ["smr", "robust"] {
+        let mut first = measured("synthetic", &faults);
+        assert_eq!(first, measured("synthetic", &faults));
+        for of_tracker in first.0.chunks(3) {
+            let [none, black, gain] = of_tracker else { panic!("{of_tracker:?}") };
             // A gain of 1 changes nothing.
-            let (none, gain) = (of("none", tracker), of("gain:100", tracker));
-            assert_eq!(Row { fault: none.fault.clone(), fault_frames: 0, ..gain }, none);
-            // In the dark nothing is tracked for long.
-            let black = of("black:3", tracker);
-            assert_eq!(black.states().iter().sum::<usize>(), 3 * black.runs);
+            assert_eq!(none.runs, gain.runs);
+            assert!(black.runs.iter().all(|run| run.states.iter().sum::<usize>() == 3));
         }
-        let table = table(&first, Layout::Markdown);
-        assert!(table.contains("| smr | black:3 |"), "{table}");
-        let csv = tables(&first).unwrap().csv(TableName::Measured).unwrap();
-        assert_eq!(csv.lines().count(), 1 + first.len());
+        let text = first.text(Layout::Markdown);
+        assert!(text.contains("| smr | black:3 |"), "{text}");
+        let csv = first.tables().csv(TableName::Measured).unwrap();
+        assert_eq!(csv.lines().count(), 1 + 2 * 3);
         assert!(csv.starts_with("tracker,fault,fault_frames,runs,"), "{csv}");
+        let runs = first.0[0].runs.len();
+        first.add(measured("synthetic", &faults));
+        assert_eq!(first.0[0].runs.len(), 2 * runs);
     }
 }

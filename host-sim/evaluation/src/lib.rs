@@ -1,16 +1,15 @@
 //! Evaluation tells how well a tracker does: methods are run over recordings and scored against ground truth.
 //!
-//! Methods are the trackers of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. [`Run`] and
-//! [`Followed`] follow a target, [`evaluate`] scores by the protocols of the paper, OTB and VOT, also what other trackers answered.
-//! [`robustness`] starts anywhere, [`faults`] and [`covered`] put something between. Results are [`Tables`] for people and rows of JSON for
-//! programs.
+//! Methods are the trackers of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. A [`Follower`]
+//! follows a target frame by frame; a [`Run`] is the record of that, and all figures are made from it: [`evaluate`] scores by the protocols of
+//! the paper, OTB and VOT, also what other trackers answered; [`robustness`] starts anywhere; [`faults`] and [`covered`] put something
+//! between. Results are [`Tables`] for programs, and text for people.
 
 mod baseline;
 mod build;
 mod configs;
 pub mod covered;
 pub mod faults;
-mod followed;
 mod layout;
 mod means;
 mod method;
@@ -22,12 +21,10 @@ mod result_file;
 mod results;
 pub mod robustness;
 mod run;
-mod table;
 mod tables;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
-pub use followed::Followed;
 pub use layout::Layout;
 pub use layout::aligned;
 pub use layout::{NOTHING, cell, header};
@@ -37,7 +34,7 @@ pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use refused::Refused;
 pub use result_file::{ResultFile, result_files};
 pub use results::Results;
-pub use run::{Run, lock};
+pub use run::{Follower, Run, lock};
 pub use tables::{TableName, Tables};
 pub use vot::Vot;
 
@@ -100,18 +97,18 @@ pub fn evaluate(
     let Sequence { name, frames, truth, .. } = sequence;
     let truth = truth_of(&name, truth)?;
     let start = start?;
-    let run = |variant: &Variant| Ok(Run::new(variant.build()?, variant.start(start)));
-    let runs: Result<Vec<_>> = variants.iter().map(run).collect();
+    let follower = |variant: &Variant| Ok(Follower::new(variant.build()?, vec![(1, variant.start(start))]));
+    let followers: Result<Vec<_>> = variants.iter().map(follower).collect();
     let mut count = 0;
-    let reports = follow(frames.inspect(|_| count += 1), runs?, progress)?;
+    let runs = follow(frames.inspect(|_| count += 1), followers?, progress)?;
     let boxes = truth.len();
     ensure!(count == boxes, "{name}: there are {count} frames, but the ground truth has {boxes} boxes");
 
     let visible = truth.iter().flatten().count();
     let mut evaluation =
         Evaluation { sequence: name.clone(), visible, scores: vec![], failures: vec![], notes: vec![] };
-    for (variant, reports) in variants.iter().zip(reports) {
-        let score = reports.and_then(|reports| score(&reports, &truth));
+    for (variant, run) in variants.iter().zip(runs) {
+        let score = run.and_then(|run| Score::of(&run.reports, &truth));
         let score = score.with_context(|| format!("{name}: {}", variant.name));
         evaluation.add(Contestant::of(variant), score);
     }
@@ -123,14 +120,6 @@ pub fn evaluate(
         evaluation.add(Contestant::file(result_file::name(path)), score);
     }
     Ok(evaluation)
-}
-
-/// The score of a run.
-fn score(reports: &[Report], truth: &Trajectory) -> Result<Score> {
-    let answers: Vec<_> = reports.iter().map(|report| report.target).collect();
-    let confidence = |report: &Report| report.evidence.map(|evidence| evidence.confidence);
-    let confidences: Vec<_> = reports.iter().map(confidence).collect();
-    Score::with_confidence(&answers, &confidences, truth)
 }
 
 /// The ground truth of the sequence called `name`, without which nothing can be measured.
@@ -147,25 +136,25 @@ impl Evaluation {
     }
 }
 
-/// What each run reported in each frame. A run that fails is not asked again; the others go on.
+/// The record of each run. One that fails is not asked again; the others go on.
 fn follow(
     frames: impl Iterator<Item = Result<GrayFrame>>,
-    runs: Vec<Run>,
+    followers: Vec<Follower>,
     progress: impl Fn(),
-) -> Result<Vec<Result<Vec<Report>>>> {
-    let mut runs: Vec<_> = runs.into_iter().map(|run| (run, Ok(Vec::new()))).collect();
-    for frame in frames {
+) -> Result<Vec<Result<Run>>> {
+    let mut runs: Vec<_> = followers.into_iter().map(|follower| (follower, Ok(Run::default()))).collect();
+    for (place, frame) in frames.enumerate() {
         let frame = frame?;
-        for (run, reports) in &mut runs {
-            let Ok(so_far) = reports else { continue };
-            match run.step(&frame) {
-                Ok(report) => so_far.push(report),
-                Err(error) => *reports = Err(error),
+        for (follower, run) in &mut runs {
+            if let Ok(record) = run
+                && let Err(error) = record.add(follower, place, &frame)
+            {
+                *run = Err(error);
             }
         }
         progress();
     }
-    Ok(runs.into_iter().map(|(_, reports)| reports).collect())
+    Ok(runs.into_iter().map(|(_, run)| run).collect())
 }
 
 #[cfg(test)]

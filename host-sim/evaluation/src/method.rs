@@ -61,6 +61,11 @@ impl Report {
         Self::of_baseline(target.into(), true)
     }
 
+    /// `None` where nothing is known of it.
+    pub fn confidence(&self) -> Option<f64> {
+        self.evidence.map(|evidence| evidence.confidence)
+    }
+
     /// What a baseline knows: its best box, inside the frame or not.
     pub(super) fn of_baseline(target: BoundingBox, inside: bool) -> Self {
         let state = if inside { State::Tracking } else { State::Leaving };

@@ -1,9 +1,11 @@
 //! The protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
 
+use super::Report;
 use super::otb::Otb;
 use super::vot::Vot;
 use anyhow::{Result, ensure};
 use serde::Serialize;
+use serde_json::Value;
 use smr_recordings::BoundingBox;
 
 /// The boxes of a target over a recording, one entry a frame: the ground truth, or what a tracker answered. `None` where the target is
@@ -61,6 +63,14 @@ pub struct Figure {
     pub of: Of,
 }
 
+impl Figure {
+    /// As it stands in JSON and CSV.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // what has no digits is a count
+    pub(super) fn value(&self, of: &Score) -> Value {
+        (self.of)(of).map_or(Value::Null, |value| if self.digits == 0 { (value as u64).into() } else { value.into() })
+    }
+}
+
 type Of = fn(&Score) -> Option<f64>;
 
 const fn count(key: &'static str, title: &'static str, page: &'static str, of: Of) -> Figure {
@@ -99,6 +109,14 @@ impl Score {
         without_mean("vot_recall", "", |score| Some(score.vot?.vot_recall)),
         without_mean("vot_threshold", "threshold", |score| score.vot?.vot_threshold),
     ];
+
+    /// The score of what a tracker reported in each frame.
+    /// Errors: The two are not of the same length.
+    pub fn of(reports: &[Report], truth: &Trajectory) -> Result<Self> {
+        let answers: Vec<_> = reports.iter().map(|report| report.target).collect();
+        let confidences: Vec<_> = reports.iter().map(Report::confidence).collect();
+        Self::with_confidence(&answers, &confidences, truth)
+    }
 
     /// The score of `answers` by `truth`, with what follows from the confidence that was reported in each frame; `None`
     /// where none was.

@@ -1,7 +1,7 @@
 //! The boxes that targets are locked on, as they are typed: `150,100,40,48`, `car=150,100,40,48`, `car@300=150,100,40,48`.
 
 use super::BoundingBox;
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
 
@@ -53,6 +53,17 @@ impl Target {
             target.starts.sort_by_key(|(frame, _)| *frame);
         }
         Ok(targets)
+    }
+
+    /// The same boxes in whole pixels, as every tracker takes them.
+    ///
+    /// # Errors
+    /// One has less than a pixel.
+    pub fn rects(&self) -> Result<Vec<(usize, smr_core::Rect)>> {
+        let rect = |(frame, bbox): &(usize, BoundingBox)| {
+            bbox.pixels().map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))
+        };
+        self.starts.iter().map(rect).collect()
     }
 }
 

@@ -157,7 +157,7 @@ impl Eval {
         let failed = say_what_failed(&failures, &named(NAME));
         say_what_to_know(&evaluations);
         let results = Results::new(&evaluations);
-        self.tables.print(&results.tables()?, |layout| results.text(layout))?;
+        self.tables.print(&results.tables(), |layout| results.text(layout))?;
         end(failed)
     }
 
@@ -200,10 +200,7 @@ impl Eval {
         };
         let (mut robustness, failed) =
             robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts)?;
-        match &former {
-            Some(former) => robustness.compare_with(former)?,
-            None => robustness.compare_with_first(),
-        }
+        robustness.compare(former.as_ref())?;
         if let (Some(mut plot), Some(form)) = (plot, form) {
             plot.write(&form.draw(&calibration::marks(robustness.calibration()))?)?;
             plot.finish()?;
@@ -219,7 +216,7 @@ impl Eval {
                 list.push(*fault);
             }
         }
-        let (mut all, mut failures) = (faults::Measured::default(), Vec::new());
+        let (mut all, mut failures) = (faults::Results::default(), Vec::new());
         // One recording after the other is in memory; its runs are spread over the threads that there are.
         let found = self.recording.find(&self.paths)?;
         let recordings = found.len();
@@ -236,8 +233,7 @@ impl Eval {
             return Err(failures.remove(0));
         }
         let failed = say_what_failed(&failures, &named(NAME));
-        let rows = all.rows(variants, &list);
-        self.tables.print(&faults::tables(&rows)?, |layout| faults::table(&rows, layout))?;
+        self.tables.print(&all.tables(), |layout| all.text(layout))?;
         end(failed)
     }
 
@@ -263,12 +259,12 @@ impl Eval {
         let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), &named(NAME));
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
-        self.tables.print(&results.tables()?, |layout| results.text(layout))?;
+        self.tables.print(&results.tables(), |layout| results.text(layout))?;
         end(failed)
     }
 
     /// One recording under all covers; the frame of the other scene is brought to its size.
-    fn cover(&self, mut sequence: Sequence, other: &Path, variants: &[Variant]) -> Result<Vec<covered::Run>> {
+    fn cover(&self, mut sequence: Sequence, other: &Path, variants: &[Variant]) -> Result<Vec<covered::Counts>> {
         let name = &sequence.name;
         let first = sequence.frames.next().with_context(|| format!("{name} holds no frame"))??;
         let mut other =
@@ -279,7 +275,7 @@ impl Eval {
     }
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        self.tables.print(&robustness.tables()?, |layout| {
+        self.tables.print(&robustness.tables(), |layout| {
             let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table(layout));
             let mut parts = vec![robustness.table(layout), robustness.paired_table(layout), calibration];
             parts.retain(|part| !part.is_empty());

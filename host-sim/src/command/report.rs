@@ -225,7 +225,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
         "methods": methods.iter().map(Variant::origin).collect::<Vec<_>>(),
         "recordings": films.iter().map(recording).collect::<Vec<_>>(),
         "files": files,
-        "scores": results.tables()?,
+        "scores": results.tables(),
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use smr_core::Quality;
-use smr_evaluation::{Followed, MethodKind};
+use smr_evaluation::{Follower, MethodKind};
 use smr_pages::export::{Plan, Rate};
 use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{GrayFrame, Sequence};
@@ -68,7 +68,7 @@ impl Track {
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
         let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence)?;
-        let targets = Followed::all(targets, &variant).with_context(|| sequence.name.clone())?;
+        let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let printer = Printer {
             format: self.format(targets.len())?,
             origin: variant.origin(),
@@ -122,7 +122,7 @@ impl Track {
 struct Pass {
     /// Of the recording.
     name: String,
-    targets: Vec<Followed>,
+    targets: Vec<Follower>,
     printer: Printer,
     lines: Lines,
     film: Option<Film>,
@@ -180,7 +180,7 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
 }
 
 /// What follows after the recording's name.
-fn named(target: &Followed) -> String {
+fn named(target: &Follower) -> String {
     target.name.as_ref().map_or(String::new(), |name| format!(", {name}"))
 }
 

@@ -2,8 +2,8 @@
 
 use super::message::Message;
 use super::{image, region};
-use anyhow::{Context, Error, Result, anyhow, bail, ensure};
-use smr_evaluation::{Method, Report, lock};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use smr_evaluation::{Follower, Method, Report};
 use smr_recordings::words;
 use smr_recordings::{BoundingBox, GrayFrame};
 use std::io::{BufRead, Read, Write};
@@ -105,15 +105,11 @@ struct Session<'a, F> {
     /// Objects that are to be started in the next frame.
     new: Vec<BoundingBox>,
     /// Of this session.
-    frames: u64,
+    frames: usize,
 }
 
-/// One that is followed.
-struct Object {
-    method: Box<dyn Method>,
-    /// Where it was seen last.
-    last: BoundingBox,
-}
+/// One that is followed, and where it was seen last.
+type Object = (Follower, BoundingBox);
 
 impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
     fn answer(&mut self, message: Option<Message>) -> Result<Next> {
@@ -167,43 +163,30 @@ impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
         );
         self.frames += 1;
         let number = self.frames;
-        let of_frame = |error: Error| error.context(format!("frame {number}"));
-        self.look(picture).map_err(of_frame)
+        let frame = self.begin(picture).with_context(|| format!("frame {number}"))?;
+        let answer = |(follower, last): &mut Object| {
+            let report = follower.step(number, &frame)?.context("an object begins in the frame that it comes with")?;
+            *last = report.target.unwrap_or(*last);
+            Ok(state(last, &report))
+        };
+        self.objects.iter_mut().map(answer).collect()
     }
 
-    fn look(&mut self, picture: &str) -> Result<Vec<Message>> {
+    /// The next frame, in which the new objects will be locked on.
+    fn begin(&mut self, picture: &str) -> Result<GrayFrame> {
         let frame = image::frame(picture)?;
-        let mut answers = Vec::new();
-        for object in &mut self.objects {
-            let report = object.method.update(&frame.frame())?;
-            object.last = report.target.unwrap_or(object.last);
-            answers.push(state(&object.last, &report));
-        }
         for target in self.new.drain(..) {
-            let (object, report) = start(&self.server.build, &frame, &target)?;
-            answers.push(state(&object.last, &report));
-            self.objects.push(object);
+            let inside = region::inside(&target, frame.width, frame.height)?;
+            self.objects.push((Follower::new((self.server.build)()?, vec![(self.frames, inside)]), inside.into()));
         }
-        Ok(answers)
+        Ok(frame)
     }
-}
-
-fn start(
-    build: &impl Fn() -> Result<Box<dyn Method>>,
-    frame: &GrayFrame,
-    target: &BoundingBox,
-) -> Result<(Object, Report)> {
-    let mut method = build()?;
-    let inside = region::inside(target, frame.width, frame.height)?;
-    lock(method.as_mut(), &frame.frame(), inside)?;
-    Ok((Object { method, last: inside.into() }, Report::locked(inside)))
 }
 
 /// Where the object is, or was when it was seen last; the confidence tells them apart. A method that does not know its own, and the
 /// frame that was started in, are sure.
 fn state(place: &BoundingBox, report: &Report) -> Message {
-    let known = report.evidence.map(|evidence| evidence.confidence);
-    let confidence = if report.target.is_some() { known.unwrap_or(1.0) } else { 0.0 };
+    let confidence = if report.target.is_some() { report.confidence().unwrap_or(1.0) } else { 0.0 };
     Message::new("state").argument(region::text(place)).property("confidence", format!("{confidence:.6}"))
 }
 

@@ -1,6 +1,7 @@
 //! Measures speed on this machine and on emulated boards, beside OpenCV and a plain SAD search, in the same run.
 //!
 //! - [`case`]: what is timed, searches in frames of recordings.
+//! - [`clock`]: how long something takes.
 //! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`boards`]: instructions of an update in QEMU.

@@ -40,7 +40,7 @@ impl Ablation {
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
         let (robustness, failed) =
             robustness::measure(&Self::command(), &self.paths, &self.recording, &variants(), starts)?;
-        self.tables.print(&robustness.tables()?, |layout| robustness.summary(layout))?;
+        self.tables.print(&robustness.tables(), |layout| robustness.summary(layout))?;
         robustness::end(failed)
     }
 }

@@ -1,9 +1,8 @@
 //! Calibration: what the ratio that a tracker reports says of its chance to be right.
 
 use super::Robustness;
-use crate::{CORRECT, Layout, Trajectory, header, overlaps};
-use anyhow::Result;
-use serde::Serialize;
+use crate::Layout;
+use crate::tables::{Columns, Listed};
 
 /// So many bins from 0 to 1.
 const BINS: usize = 40;
@@ -19,7 +18,7 @@ struct Count {
 }
 
 /// The frames of a tracker in all runs with a ratio of at least `from` and below `to`; the last bin has 1, too.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Bin {
     pub tracker: String,
     pub from: f64,
@@ -36,16 +35,11 @@ impl Default for Calibration {
 }
 
 impl Calibration {
-    /// Of one run: the ratio, where there is one, in each frame.
-    pub fn new(ratios: &[Option<f64>], answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
-        let mut calibration = Self::default();
-        for (ratio, iou) in ratios.iter().zip(overlaps(answers, truth)?) {
-            let Some(ratio) = ratio else { continue };
-            let count = &mut calibration.0[bin(*ratio)];
-            count.frames += 1;
-            count.correct += u64::from(iou.is_some_and(|iou| iou > CORRECT));
-        }
-        Ok(calibration)
+    /// One more frame with this ratio, right or not.
+    pub fn count(&mut self, ratio: f64, right: bool) {
+        let count = &mut self.0[bin(ratio)];
+        count.frames += 1;
+        count.correct += u64::from(right);
     }
 
     /// Of several runs.
@@ -100,32 +94,31 @@ impl Robustness {
 
     /// The same as text, without the bins that have no frames.
     pub fn calibration_table(&self, layout: Layout) -> String {
-        let line = |bin: &Bin| {
-            let range = format!("{:.3} to {:.3}", bin.from, bin.to);
-            let chance = format!("{:.3}", bin.chance()?);
-            Some(vec![bin.tracker.clone(), range, bin.frames.to_string(), bin.correct.to_string(), chance])
-        };
-        let lines = std::iter::once(header("tracker|ratio|frames|correct|chance"))
-            .chain(self.calibration.iter().filter_map(line));
-        layout.table(&lines.collect::<Vec<_>>(), 2)
+        let bins: Vec<Bin> = self.calibration.iter().filter(|bin| bin.frames > 0).cloned().collect();
+        Columns::new(COLUMNS).text(&bins, layout, 2)
     }
 }
+
+pub(super) const COLUMNS: &[Listed<Bin>] = &[
+    ("tracker", "tracker", |bin| bin.tracker.as_str().into()),
+    ("from", "", |bin| bin.from.into()),
+    ("to", "", |bin| bin.to.into()),
+    ("", "ratio", |bin| format!("{:.3} to {:.3}", bin.from, bin.to).into()),
+    ("frames", "frames", |bin| bin.frames.into()),
+    ("correct", "correct", |bin| bin.correct.into()),
+    ("", "chance", |bin| bin.chance().map(|chance| format!("{chance:.3}")).into()),
+];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smr_recordings::BoundingBox;
-
-    fn at(x: f64) -> Option<BoundingBox> {
-        Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
-    }
 
     #[test]
     fn frames_are_counted_by_their_ratio() {
-        let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, at(0.0)];
-        let answers = [at(0.0), at(1.0), at(50.0), None, at(0.0), at(0.0)];
-        let ratios = [None, Some(0.51), Some(0.52), Some(0.51), Some(0.524), Some(1.0)];
-        let run = Calibration::new(&ratios, &answers, &truth).unwrap();
+        let mut run = Calibration::default();
+        for (ratio, right) in [(0.51, true), (0.52, false), (0.51, false), (0.524, false), (1.0, true)] {
+            run.count(ratio, right);
+        }
         let bins = Calibration::total([run, run].iter()).bins("robust");
         let counted: Vec<_> =
             bins.iter().filter(|bin| bin.frames > 0).map(|bin| (bin.from, bin.to, bin.frames, bin.correct)).collect();
@@ -139,11 +132,6 @@ robust   0.500 to 0.525       8        2   0.250
 robust   0.975 to 1.000       2        2   1.000
 ";
         assert_eq!(results.calibration_table(Layout::Text), expected);
-    }
-
-    #[test]
-    fn without_ratios_there_are_no_bins() {
-        let run = Calibration::new(&[None], &[at(0.0)], &[at(0.0)]).unwrap();
-        assert_eq!(run.bins("sad"), []);
+        assert_eq!(Calibration::default().bins("sad"), [], "without ratios there are no bins");
     }
 }

@@ -1,15 +1,14 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
 use super::calibration::Calibration;
-use crate::means::Named;
-use crate::{CORRECT, Score, Trajectory, overlaps};
+use crate::tables::Columns;
+use crate::{CORRECT, Run, Score, Trajectory, overlaps};
 use anyhow::Result;
-use serde::Serialize;
 use smr_core::State;
 use std::time::Duration;
 
-/// One run: one method from one start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is counted of one run: one method from one start.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct RunFigures {
     pub score: Score,
     /// Frames with an answer in which the target is visible.
@@ -17,52 +16,8 @@ pub(super) struct RunFigures {
     /// Times that the target came back after it was hidden, and of these the ones after which it was soon followed.
     returns: usize,
     found_again: usize,
-    tracking: Tracking,
-    /// What the updates took, all together.
-    pub spent: Spent,
-    pub calibration: Calibration,
-}
-
-/// What updates took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Spent {
-    pub updates: u64,
-    /// `None` if one of them was not counted.
-    pub work: Option<u64>,
-    pub time: Duration,
-}
-
-impl RunFigures {
-    /// All begin with the frame that was locked on, of which there is neither state nor ratio.
-    pub fn new(
-        answers: &Trajectory,
-        states: &[Option<State>],
-        ratios: &[Option<f64>],
-        truth: &Trajectory,
-        spent: Spent,
-    ) -> Result<Self> {
-        let score = Score::new(answers, truth)?;
-        let answered_visible = answers.iter().zip(truth).filter(|(answer, truth)| answer.is_some() && truth.is_some());
-        let calibration = Calibration::new(ratios, answers, truth)?;
-        let overlaps = overlaps(answers, truth)?;
-        let (returns, found_again) = returns(&overlaps);
-        let tracking = Tracking::new(states, &overlaps);
-        Ok(Self {
-            score,
-            answered_visible: answered_visible.count(),
-            returns,
-            found_again,
-            tracking,
-            spent,
-            calibration,
-        })
-    }
-}
-
-/// What was said of frames, set against what holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Tracking {
-    /// Frames in which it was *tracking*, and of these the ones in which the target is hidden or the box is wrong.
+    /// From here on without the frame that was locked on. Frames in which it was *tracking*, and of these the ones in which the target is
+    /// hidden or the box is wrong.
     said: usize,
     said_wrongly: usize,
     /// All frames in which the target is hidden or the box is wrong.
@@ -70,22 +25,43 @@ struct Tracking {
     /// Frames in which the box is right, and of these the ones in which it was anything but *tracking*.
     right: usize,
     right_unsaid: usize,
+    updates: u64,
+    /// `None` if that of one update was not counted.
+    work: Option<u64>,
+    time: Duration,
+    pub calibration: Calibration,
 }
 
-impl Tracking {
-    fn new(states: &[Option<State>], overlaps: &[Option<f64>]) -> Self {
-        let mut counts = Self::default();
-        for (state, overlap) in states.iter().zip(overlaps) {
-            let Some(state) = state else { continue };
-            let said = *state == State::Tracking;
+impl RunFigures {
+    /// `truth` begins with the frame that was locked on, too.
+    /// Errors: It is of another length.
+    pub fn new(run: &Run, truth: &Trajectory) -> Result<Self> {
+        let answers: Vec<_> = run.reports.iter().map(|report| report.target).collect();
+        let overlaps = overlaps(&answers, truth)?;
+        let (returns, found_again) = returns(&overlaps);
+        let mut figures = Self {
+            score: Score::new(&answers, truth)?,
+            answered_visible: answers.iter().zip(truth).filter(|(answer, truth)| answer.and(**truth).is_some()).count(),
+            returns,
+            found_again,
+            updates: run.updates().len() as u64,
+            work: run.work(),
+            time: run.time,
+            ..Self::default()
+        };
+        for (report, overlap) in run.updates().iter().zip(&overlaps[1..]) {
+            let said = report.state == State::Tracking;
             let right = overlap.is_some_and(|overlap| overlap > CORRECT);
-            counts.said += usize::from(said);
-            counts.said_wrongly += usize::from(said && !right);
-            counts.wrong += usize::from(!right);
-            counts.right += usize::from(right);
-            counts.right_unsaid += usize::from(right && !said);
+            figures.said += usize::from(said);
+            figures.said_wrongly += usize::from(said && !right);
+            figures.wrong += usize::from(!right);
+            figures.right += usize::from(right);
+            figures.right_unsaid += usize::from(right && !said);
+            if let Some(confidence) = report.confidence() {
+                figures.calibration.count(confidence, right);
+            }
         }
-        counts
+        Ok(figures)
     }
 }
 
@@ -107,14 +83,16 @@ pub(super) const HEADLINE: [&str; 3] = ["mean_correct", "mean_correct_50", "f"];
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
         /// How well a method does on a recording over all starts, or on several recordings on average.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct Figures {
             $($(#[$doc])* pub $figure: $type,)*
         }
 
         impl Figures {
-            /// All of them.
-            pub(super) const NAMES: &[&str] = &[$(stringify!($figure)),*];
+            /// For programs.
+            pub(super) fn columns<'a>() -> Columns<'a, Self> {
+                Columns::new(&[$((stringify!($figure), "", |figures: &Self| figures.$figure.into()),)*])
+            }
 
             pub(super) fn over_recordings(parts: &[Self]) -> Self {
                 Self { $($figure: $over(parts.iter().map(|part| part.$figure)),)* }
@@ -187,9 +165,9 @@ impl Figures {
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>();
         let answered_visible = sum(|run| run.answered_visible);
         let answered = sum(|run| run.score.answered);
-        let updates = runs.iter().map(|run| run.spent.updates).sum::<u64>() as f64;
-        let work: Option<u64> = runs.iter().map(|run| run.spent.work).sum();
-        let time: Duration = runs.iter().map(|run| run.spent.time).sum();
+        let updates = runs.iter().map(|run| run.updates).sum::<u64>() as f64;
+        let work: Option<u64> = runs.iter().map(|run| run.work).sum();
+        let time: Duration = runs.iter().map(|run| run.time).sum();
         Self {
             mean_correct: ratio(recalls().sum(), runs.len() as f64),
             worst_correct: recalls().reduce(f64::min).unwrap_or(0.0),
@@ -201,19 +179,19 @@ impl Figures {
             answered_hidden: answered - answered_visible,
             returns: sum(|run| run.returns),
             found_again: sum(|run| run.found_again),
-            tracking: sum(|run| run.tracking.said),
-            tracking_wrong: sum(|run| run.tracking.said_wrongly),
-            wrong: sum(|run| run.tracking.wrong),
-            right: sum(|run| run.tracking.right),
-            right_unsaid: sum(|run| run.tracking.right_unsaid),
+            tracking: sum(|run| run.said),
+            tracking_wrong: sum(|run| run.said_wrongly),
+            wrong: sum(|run| run.wrong),
+            right: sum(|run| run.right),
+            right_unsaid: sum(|run| run.right_unsaid),
             work_per_frame: work.map(|work| ratio(work as f64, updates)),
             microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
         }
     }
 
     /// What trackers are compared by.
-    pub(super) fn headline(&self) -> Named {
-        Named(HEADLINE.into_iter().zip([self.mean_correct, self.mean_correct_50, self.f]).collect())
+    pub(super) fn headline(&self) -> Vec<f64> {
+        vec![self.mean_correct, self.mean_correct_50, self.f]
     }
 }
 
@@ -224,36 +202,42 @@ fn ratio(part: f64, whole: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Report;
     use smr_recordings::BoundingBox;
 
     fn at(x: f64) -> Option<BoundingBox> {
         Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
     }
 
-    fn spent(updates: u64, work: Option<u64>, microseconds: u64) -> Spent {
-        Spent { updates, work, time: Duration::from_micros(microseconds) }
+    /// The first frame is the one that was locked on; in the others there is a state, too.
+    fn run(answers: &[Option<BoundingBox>], states: &[State], work: Option<u32>, microseconds: u64) -> Run {
+        let states = std::iter::once(&State::Tracking).chain(states);
+        let report = |(&target, &state): (&Option<BoundingBox>, &State)| Report {
+            target,
+            bbox: None,
+            state,
+            evidence: None,
+            work,
+        };
+        let reports = answers.iter().zip(states).map(report).collect();
+        Run { reports, time: Duration::from_micros(microseconds), ..Run::default() }
     }
 
     /// Two starts in six frames, the target hidden in the last two.
-    fn runs(work: Option<u64>) -> [RunFigures; 2] {
+    fn runs(work: Option<u32>) -> [RunFigures; 2] {
+        use State::{Lost, Tracking, Uncertain};
         let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
-        // IoU 1, 1/3, 0 and no answer; an answer while hidden.
+        // IoU 1, 1/3 but uncertain, 0, no answer; an answer while hidden.
         let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
-        // IoU 1 and 1; two answers while hidden.
-        let second = [at(0.0), at(0.0), None, None, at(0.0), at(3.0)];
-        let states = |of: &[State]| std::iter::once(None).chain(of.iter().copied().map(Some)).collect::<Vec<_>>();
-        // Right but uncertain; wrong; no answer; hidden; no answer.
-        let of_first = states(&[State::Uncertain, State::Tracking, State::Lost, State::Tracking, State::Lost]);
-        let of_second = states(&[State::Lost, State::Lost, State::Uncertain, State::Tracking]);
-        [
-            RunFigures::new(&first, &of_first, &[], &truth, spent(5, Some(1000), 30)).unwrap(),
-            RunFigures::new(&second[1..], &of_second, &[], &truth[1..], spent(4, work, 60)).unwrap(),
-        ]
+        let first = run(&first, &[Uncertain, Tracking, Lost, Tracking, Lost], Some(200), 30);
+        // IoU 1; two answers while hidden.
+        let second = run(&[at(0.0), None, None, at(0.0), at(3.0)], &[Lost, Lost, Uncertain, Tracking], work, 60);
+        [RunFigures::new(&first, &truth).unwrap(), RunFigures::new(&second, &truth[1..]).unwrap()]
     }
 
     #[test]
     fn over_starts_by_hand() {
-        let figures = Figures::over_starts(&runs(Some(800)));
+        let figures = Figures::over_starts(&runs(Some(200)));
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
             worst_correct: 1.0 / 3.0,
@@ -289,37 +273,8 @@ mod tests {
 
     #[test]
     fn recordings_count_alike() {
-        let part = |correct: f64, hidden: usize| Figures {
-            mean_correct: correct,
-            worst_correct: correct / 2.0,
-            mean_correct_50: correct,
-            f: correct,
-            mean_iou: correct,
-            precision: correct,
-            hidden,
-            answered_hidden: hidden / 2,
-            returns: hidden,
-            found_again: 1,
-            tracking: 5,
-            tracking_wrong: hidden,
-            wrong: 7,
-            right: 3,
-            right_unsaid: 1,
-            work_per_frame: Some(correct * 100.0),
-            microseconds_per_frame: correct * 10.0,
-        };
-        let expected = Figures {
-            hidden: 12,
-            answered_hidden: 6,
-            returns: 12,
-            found_again: 2,
-            tracking: 10,
-            tracking_wrong: 12,
-            wrong: 14,
-            right: 6,
-            right_unsaid: 2,
-            ..part(0.5, 0)
-        };
+        let part = |correct: f64, hidden: usize| Figures { mean_correct: correct, hidden, ..Figures::default() };
+        let expected = Figures { hidden: 12, ..part(0.5, 0) };
         assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), expected);
     }
 
@@ -335,8 +290,7 @@ mod tests {
 
     #[test]
     fn nothing_divides_by_zero() {
-        let silent =
-            RunFigures::new(&[None], &[], &[], &[at(0.0)], Spent { work: Some(0), ..Spent::default() }).unwrap();
+        let silent = RunFigures::new(&run(&[None], &[], Some(0), 0), &[at(0.0)]).unwrap();
         let figures = Figures::over_starts(&[silent]);
         assert_eq!(figures, Figures { work_per_frame: Some(0.0), ..Figures::default() });
     }

@@ -1,7 +1,6 @@
 //! How much it takes to lose a target: methods, or variants of one, run over recordings from several starts each, and what that comes to.
 //!
 //! - `starts`: where runs start.
-//! - `recording`: a recording in memory.
 //! - `figures`: what runs come to.
 //! - `paired`: what one method is better by than another.
 //! - `calibration`: what a reported ratio says of the chance to be right.
@@ -13,7 +12,6 @@
 mod calibration;
 mod figures;
 mod paired;
-pub(super) mod recording;
 mod starts;
 mod table;
 
@@ -22,23 +20,19 @@ pub use figures::Figures;
 pub use paired::Former;
 pub use starts::Starts;
 
-use super::configs::ORIGIN;
-use super::means::{Named, errors};
-use super::run::lock;
-use super::tables::{Table, TableName, Tables, columns, error_of};
-use super::{Origin, Variant};
+use super::means::standard_errors;
+use super::run::{Intervention, MOST_BYTES, Recording};
+use super::tables::{Columns, TableName, Tables, error_of};
+use super::{Origin, Score, Variant};
 use anyhow::{Context, Error, Result};
 use calibration::Calibration;
-use figures::{HEADLINE, RunFigures, Spent};
+use figures::{HEADLINE, RunFigures};
 use paired::Paired;
 use rayon::prelude::*;
-use recording::Recording;
-use serde::Serialize;
-use smr_recordings::{BoundingBox, Sequence};
+use smr_recordings::Sequence;
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// The tables of what is measured.
 pub const TABLES: &[TableName] =
@@ -76,108 +70,96 @@ impl Robustness {
 
     /// All of it for JSON and CSV. Starts come in the order of the rows of `measured` that they
     /// belong to.
-    pub fn tables(&self) -> Result<Tables> {
-        let figures = || Figures::NAMES.iter().map(|name| (*name).to_owned());
-        let errors = || HEADLINE.map(error_of);
-        let origin = || columns(ORIGIN);
-        let of = |first: &str, rest: Vec<String>| [columns(first), rest].concat();
-        let measured = of("tracker,sequence,folder,starts", figures().chain(origin()).collect());
-        let means = of("tracker,folder,recordings", figures().chain(errors()).chain(origin()).collect());
-        let compared = HEADLINE.iter().flat_map(|name| [(*name).to_owned(), error_of(name)]).collect();
-        let starts = columns("tracker,sequence,folder,start,frame,x,y,width,height,visible,correct");
-        Ok(Tables(vec![
-            Table::new(TableName::Measured, measured, &self.recordings)?,
-            Table::new(TableName::Starts, starts, &self.starts())?,
-            Table::new(TableName::Means, means, &self.means)?,
-            Table::new(TableName::Paired, of("tracker,against,recordings", compared), &self.paired)?,
-            Table::new(TableName::Calibration, columns("tracker,from,to,frames,correct"), &self.calibration)?,
-        ]))
-    }
-
-    fn starts(&self) -> Vec<StartOf<'_>> {
-        self.recordings.iter().flat_map(StartOf::all).collect()
+    pub fn tables(&self) -> Tables {
+        let starts: Vec<_> =
+            self.recordings.iter().flat_map(|row| row.starts.iter().map(move |start| (row, start))).collect();
+        Tables(vec![
+            Row::columns().table(TableName::Measured, &self.recordings),
+            start_columns().table(TableName::Starts, &starts),
+            Mean::columns().table(TableName::Means, &self.means),
+            paired::columns().table(TableName::Paired, &self.paired),
+            Columns::new(calibration::COLUMNS).table(TableName::Calibration, &self.calibration),
+        ])
     }
 }
 
 /// A method on a recording.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone)]
 struct Row {
-    #[serde(flatten)]
     origin: Origin,
     tracker: String,
     sequence: String,
     /// The folder that the recording lies in, among others.
-    #[serde(serialize_with = "as_name")]
     folder: PathBuf,
-    #[serde(flatten)]
     figures: Figures,
-    #[serde(skip)]
     calibration: Calibration,
-    #[serde(serialize_with = "how_many")]
-    starts: Vec<StartRow>,
+    /// Where it was started, and what it made of it.
+    starts: Vec<(Start, Score)>,
 }
 
-/// A start, with what it is of.
-#[derive(Serialize)]
-struct StartOf<'a> {
-    tracker: &'a str,
-    sequence: &'a str,
-    #[serde(serialize_with = "as_name")]
-    folder: &'a Path,
-    #[serde(flatten)]
-    start: &'a StartRow,
-}
-
-impl StartOf<'_> {
-    fn all(row: &Row) -> Vec<StartOf<'_>> {
-        let of_row = |start| StartOf { tracker: &row.tracker, sequence: &row.sequence, folder: &row.folder, start };
-        row.starts.iter().map(of_row).collect()
+impl Row {
+    fn columns<'a>() -> Columns<'a, Self> {
+        let names = Columns::new(&[
+            ("tracker", "", |row: &Self| row.tracker.as_str().into()),
+            ("sequence", "", |row| row.sequence.as_str().into()),
+            ("folder", "", |row| name_of(&row.folder).into()),
+            ("starts", "", |row| row.starts.len().into()),
+        ]);
+        names.and(Figures::columns(), |row| Some(&row.figures)).and(Origin::columns(), |row| Some(&row.origin))
     }
 }
 
+/// Frames count from 1.
+fn start_columns<'a>() -> Columns<'a, (&'a Row, &'a (Start, Score))> {
+    type Of<'a> = (&'a Row, &'a (Start, Score));
+    Columns::new(&[
+        ("tracker", "", |of: &Of<'a>| of.0.tracker.as_str().into()),
+        ("sequence", "", |of| of.0.sequence.as_str().into()),
+        ("folder", "", |of| name_of(&of.0.folder).into()),
+        ("start", "", |of| of.1.0.name.as_str().into()),
+        ("frame", "", |of| (of.1.0.frame + 1).into()),
+        ("x", "", |of| f64::from(of.1.0.target.x).into()),
+        ("y", "", |of| f64::from(of.1.0.target.y).into()),
+        ("width", "", |of| f64::from(of.1.0.target.width).into()),
+        ("height", "", |of| f64::from(of.1.0.target.height).into()),
+        ("visible", "", |of| of.1.1.visible.into()),
+        ("correct", "", |of| of.1.1.correct.into()),
+    ])
+}
+
 /// A folder is called by its last name: paths differ from machine to machine.
-fn as_name<S: serde::Serializer>(folder: &impl AsRef<Path>, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    serializer.serialize_str(&name_of(folder.as_ref()))
-}
-
-fn how_many<S: serde::Serializer>(starts: &[StartRow], serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    starts.len().serialize(serializer)
-}
-
 fn name_of(folder: &Path) -> String {
     folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// A method on a recording from one start.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct StartRow {
-    start: String,
-    /// The frame that was locked on; the first is 1.
-    frame: usize,
-    #[serde(flatten)]
-    bbox: BoundingBox,
-    visible: usize,
-    correct: usize,
-}
-
 /// A method on several recordings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
 struct Mean {
     tracker: String,
-    #[serde(flatten)]
     origin: Origin,
     /// Where the recordings lie; `None` if they are all.
     folder: Option<String>,
     recordings: usize,
-    #[serde(flatten)]
     figures: Figures,
-    /// Of the means over recordings; `None` of a single one.
-    #[serde(flatten, serialize_with = "errors")]
-    standard_error: Option<Named>,
+    /// Of the means over recordings of the figures of the headline; `None` of a single one.
+    standard_error: Option<Vec<f64>>,
+}
+
+impl Mean {
+    fn columns<'a>() -> Columns<'a, Self> {
+        let names = Columns::new(&[
+            ("tracker", "", |mean: &Self| mean.tracker.as_str().into()),
+            ("folder", "", |mean| mean.folder.as_deref().into()),
+            ("recordings", "", |mean| mean.recordings.into()),
+        ]);
+        let figures = names.and(Figures::columns(), |mean| Some(&mean.figures));
+        let errors = figures
+            .each(HEADLINE.map(error_of), |mean, place| mean.standard_error.as_ref().map(|error| error[place]).into());
+        errors.and(Origin::columns(), |mean| Some(&mean.origin))
+    }
 }
 
 /// When recordings in memory have so many bytes, no more are read before these are measured.
-const ENOUGH_BYTES: u64 = recording::MOST_BYTES;
+const ENOUGH_BYTES: u64 = MOST_BYTES;
 
 /// Runs every variant, each of a name of its own, from every start on the recordings at `paths`, which `open` opens.
 ///
@@ -227,18 +209,16 @@ struct Case {
 
 impl Case {
     fn read(path: &Path, open: impl Fn(&Path) -> Result<Sequence>, starts: Starts) -> Result<Self> {
-        let recording = Recording::read(open(path)?, recording::MOST_BYTES)?;
+        let recording = Recording::read(open(path)?, MOST_BYTES)?;
         Ok(Self { starts: starts.of(&recording)?, recording, folder: folder_of(path) })
     }
 
+    /// By one variant, from all starts.
+    fn frames_to_run(&self) -> u64 {
+        self.starts.iter().map(|start| (self.recording.frames.len() - start.frame) as u64).sum()
+    }
+
     fn row(&self, variant: &Variant, runs: &[RunFigures]) -> Row {
-        let start = |(start, run): (&Start, &RunFigures)| StartRow {
-            start: start.name.clone(),
-            frame: start.frame + 1,
-            bbox: start.target.into(),
-            visible: run.score.visible,
-            correct: run.score.correct,
-        };
         Row {
             origin: variant.origin(),
             tracker: variant.name.clone(),
@@ -246,7 +226,7 @@ impl Case {
             folder: self.folder.clone(),
             figures: Figures::over_starts(runs),
             calibration: Calibration::total(runs.iter().map(|run| &run.calibration)),
-            starts: self.starts.iter().zip(runs).map(start).collect(),
+            starts: self.starts.iter().cloned().zip(runs.iter().map(|run| run.score)).collect(),
         }
     }
 }
@@ -255,50 +235,21 @@ impl Case {
 fn run_all(cases: &[Case], variants: &[Variant], progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
     let pairs: Vec<(&Case, &Variant)> =
         cases.iter().flat_map(|case| variants.iter().map(move |variant| (case, variant))).collect();
-    let jobs: Vec<_> =
-        pairs.iter().flat_map(|&(case, variant)| case.starts.iter().map(move |start| (case, variant, start))).collect();
-    let expected: usize = jobs.iter().map(|(case, _, start)| case.recording.frames.len() - start.frame).sum();
-    progress(Progress::Expected(expected as u64));
+    progress(Progress::Expected(pairs.iter().map(|(case, _)| case.frames_to_run()).sum()));
     // Runs are of very different length: one at a time is what a thread takes.
-    let runs = jobs.par_iter().with_max_len(1).map(|&(case, variant, start)| {
-        let done = run(&case.recording, variant, start, || progress(Progress::Done));
-        done.with_context(|| format!("{}: {}: start {}", case.recording.name, variant.name, start.name))
-    });
-    let mut runs = runs.collect::<Vec<_>>().into_iter();
     let row = |&(case, variant): &(&Case, &Variant)| {
-        // All of them are taken before the first failure is looked at.
-        let of_case: Vec<_> = runs.by_ref().take(case.starts.len()).collect();
-        Ok(case.row(variant, &of_case.into_iter().collect::<Result<Vec<_>>>()?))
+        let Recording { name, frames, truth, .. } = &case.recording;
+        let run = |start: &Start| {
+            let from = (start.frame, start.target);
+            let done = || progress(Progress::Done);
+            let run = case.recording.run(variant, from, frames.len(), Intervention::None, done);
+            let figures = run.and_then(|run| RunFigures::new(&run, &truth[start.frame..]));
+            figures.with_context(|| format!("{name}: {}: start {}", variant.name, start.name))
+        };
+        let runs: Vec<_> = case.starts.par_iter().with_max_len(1).map(run).collect();
+        Ok(case.row(variant, &runs.into_iter().collect::<Result<Vec<_>>>()?))
     };
-    pairs.iter().map(row).collect()
-}
-
-/// `variant` from `start` to the end of the recording.
-fn run(recording: &Recording, variant: &Variant, start: &Start, progress: impl Fn()) -> Result<RunFigures> {
-    let mut method = variant.build()?;
-    let mut answers = vec![Some(BoundingBox::from(start.target))];
-    let (mut states, mut confidences) = (vec![None], vec![None]);
-    let mut spent = Spent { work: Some(0), ..Spent::default() };
-    let mut frames = (1..).zip(&recording.frames).skip(start.frame);
-    if let Some((number, first)) = frames.next() {
-        lock(method.as_mut(), &first.frame(), start.target).with_context(|| format!("frame {number}"))?;
-        progress();
-    }
-    for (number, frame) in frames {
-        let frame = frame.frame();
-        let begin = Instant::now();
-        let report = method.update(&frame);
-        let time = begin.elapsed();
-        let report = report.with_context(|| format!("frame {number}"))?;
-        spent.updates += 1;
-        spent.time += time;
-        spent.work = spent.work.zip(report.work).map(|(sum, more)| sum + u64::from(more));
-        answers.push(report.target);
-        states.push(Some(report.state));
-        confidences.push(report.evidence.map(|evidence| evidence.confidence));
-        progress();
-    }
-    RunFigures::new(&answers, &states, &confidences, &recording.truth[start.frame..], spent)
+    pairs.par_iter().with_max_len(1).map(row).collect()
 }
 
 /// Where the recordings lie that belong together with the one at `path`.
@@ -329,7 +280,7 @@ fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
             folder: folder.map(|folder| label(folder, &folders)),
             recordings: parts.len(),
             figures: Figures::over_recordings(&parts),
-            standard_error: Named::standard_error(&parts.iter().map(Figures::headline).collect::<Vec<_>>()),
+            standard_error: standard_errors(&parts.iter().map(Figures::headline).collect::<Vec<_>>()),
         })
     };
     variants.iter().flat_map(|variant| groups().filter_map(move |folder| mean(variant, folder))).collect()
@@ -392,8 +343,8 @@ mod tests {
         assert_eq!(result.recordings.len(), 2);
         for row in &result.recordings {
             let starts: Vec<_> =
-                row.starts.iter().map(|start| (start.frame, start.bbox.x, start.visible, start.correct)).collect();
-            assert_eq!(starts, [(1, 4.0, 3, 3), (2, 6.0, 2, 2)], "{}", row.tracker);
+                row.starts.iter().map(|(at, score)| (at.frame, at.target.x, score.visible, score.correct)).collect();
+            assert_eq!(starts, [(0, 4, 3, 3), (1, 6, 2, 2)], "{}", row.tracker);
             let figures = row.figures;
             assert_eq!((figures.mean_correct, figures.worst_correct, figures.mean_iou), (1.0, 1.0, 1.0));
             // Seven answers, two of them while hidden.
@@ -401,7 +352,7 @@ mod tests {
             assert_eq!(figures.work_per_frame.is_some(), row.tracker == "smr");
         }
         let near = measured(&["a/moving"], |_| Ok(sequence()), Starts::Near);
-        let names: Vec<_> = near.recordings[0].starts.iter().map(|start| start.start.as_str()).collect();
+        let names: Vec<_> = near.recordings[0].starts.iter().map(|(start, _)| start.name.as_str()).collect();
         assert_eq!(names, ["given", "x+2", "y+2", "0.95", "1.05"]);
     }
 

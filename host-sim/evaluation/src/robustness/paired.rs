@@ -1,30 +1,42 @@
 //! What one method is better by than another, recording by recording: the recordings differ by far more than methods do, and a
 //! paired difference does not contain that.
 
+use super::Robustness;
 use super::figures::HEADLINE;
 use super::table::TITLES;
-use super::{Robustness, Row, StartRow, name_of};
-use crate::means::{Named, errors};
+use crate::means::{means, standard_errors};
+use crate::tables::{Columns, with_errors};
 use crate::{Layout, cell, header};
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use serde::Deserialize;
 use serde::de::IgnoredAny;
-use serde::{Deserialize, Serialize};
 use smr_recordings::input;
 use std::path::Path;
 
 /// The mean over recordings of the difference between two methods.
-#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Paired {
     tracker: String,
     /// What it is set against.
     against: String,
     /// Those that both were measured on.
     recordings: usize,
-    #[serde(flatten)]
-    difference: Named,
+    /// Of each of the figures of the headline.
+    difference: Vec<f64>,
     /// Of the difference; `None` of a single recording.
-    #[serde(flatten, serialize_with = "errors")]
-    standard_error: Option<Named>,
+    standard_error: Option<Vec<f64>>,
+}
+
+/// For programs.
+pub(super) fn columns<'a>() -> Columns<'a, Paired> {
+    let names = Columns::new(&[
+        ("tracker", "", |row: &Paired| row.tracker.as_str().into()),
+        ("against", "", |row| row.against.as_str().into()),
+        ("recordings", "", |row| row.recordings.into()),
+    ]);
+    names.each(with_errors(HEADLINE), |row, place| match place % 2 {
+        0 => row.difference[place / 2].into(),
+        _ => row.standard_error.as_ref().map(|error| error[place / 2]).into(),
+    })
 }
 
 /// What was measured before, as far as it is compared.
@@ -56,11 +68,19 @@ struct FormerStart {
     frame: usize,
 }
 
-/// The tables of the file that are read. The starts come in the order of the rows that they belong to.
+/// The tables that are read. The starts come in the order of the rows that they belong to.
 #[derive(Deserialize)]
 struct FormerTables {
     measured: Vec<FormerRow>,
     starts: Vec<FormerStart>,
+}
+
+impl FormerTables {
+    fn rows(self) -> Vec<FormerRow> {
+        let mut starts = self.starts.into_iter();
+        let with_starts = |row: FormerRow| FormerRow { starts: starts.by_ref().take(row.count).collect(), ..row };
+        self.measured.into_iter().map(with_starts).collect()
+    }
 }
 
 /// What files of earlier versions had in place of the tables.
@@ -77,39 +97,15 @@ impl Former {
         let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
         let name = file.display().to_string();
         let read = serde_json::from_str(&text);
-        let FormerTables { measured, starts } = read.map_err(|error: serde_json::Error| {
+        let tables: FormerTables = read.map_err(|error: serde_json::Error| {
             if serde_json::from_str::<Nested>(&text).is_ok() {
                 return anyhow!("{name}: an earlier version of host-sim wrote it: measure again with this one");
             }
             anyhow!("{name}: line {}: expected {} in this version", error.line(), input::FORMER.expected)
         })?;
-        let mut starts = starts.into_iter();
-        let with_starts = |row: FormerRow| FormerRow { starts: starts.by_ref().take(row.count).collect(), ..row };
-        let recordings: Vec<FormerRow> = measured.into_iter().map(with_starts).collect();
+        let recordings = tables.rows();
         ensure!(!recordings.is_empty(), "{name}: there is no recording in it");
         Ok(Self { name, recordings })
-    }
-
-    /// The tracker of that name, else the first.
-    fn counterpart<'a>(&'a self, tracker: &'a str) -> &'a str {
-        let same = self.recordings.iter().any(|row| row.tracker == tracker);
-        self.recordings.first().filter(|_| !same).map_or(tracker, |row| &row.tracker)
-    }
-}
-
-impl From<&Row> for FormerRow {
-    fn from(row: &Row) -> Self {
-        let start = |start: &StartRow| FormerStart { start: start.start.clone(), frame: start.frame };
-        Self {
-            tracker: row.tracker.clone(),
-            sequence: row.sequence.clone(),
-            folder: name_of(&row.folder),
-            mean_correct: row.figures.mean_correct,
-            mean_correct_50: row.figures.mean_correct_50,
-            f: row.figures.f,
-            count: row.starts.len(),
-            starts: row.starts.iter().map(start).collect(),
-        }
     }
 }
 
@@ -118,44 +114,51 @@ impl FormerRow {
         self.sequence == row.sequence && self.folder == row.folder
     }
 
-    fn minus(&self, other: &Self) -> Named {
-        let correct = self.mean_correct - other.mean_correct;
-        let correct_50 = self.mean_correct_50 - other.mean_correct_50;
-        Named(HEADLINE.into_iter().zip([correct, correct_50, self.f - other.f]).collect())
+    fn minus(&self, other: &Self) -> Vec<f64> {
+        let figures = |row: &Self| [row.mean_correct, row.mean_correct_50, row.f];
+        figures(self).iter().zip(figures(other)).map(|(own, other)| own - other).collect()
     }
 }
 
 impl Robustness {
-    /// Sets every method against the first one.
-    pub fn compare_with_first(&mut self) {
-        let rows: Vec<FormerRow> = self.recordings.iter().map(FormerRow::from).collect();
-        let Some(first) = rows.first().map(|row| row.tracker.clone()) else { return };
-        let others = trackers(&rows).into_iter().filter(|tracker| *tracker != first);
-        let of_first: Vec<&FormerRow> = rows.iter().filter(|row| row.tracker == first).collect();
-        self.paired = others.filter_map(|tracker| paired(&rows, tracker, &of_first, &first)).collect();
-    }
-
-    /// Sets every method against what was measured before.
-    /// Errors: That was from other starts, or on no recording that is here.
-    pub fn compare_with(&mut self, former: &Former) -> Result<()> {
-        let rows: Vec<FormerRow> = self.recordings.iter().map(FormerRow::from).collect();
-        let mut compared = Vec::new();
+    /// Sets every method against the one of its name in `former`, else against the first there; without it, against the first method here.
+    /// Errors: What was before is from other starts, or on no recording that is here.
+    pub fn compare(&mut self, former: Option<&Former>) -> Result<()> {
+        let rows = serde_json::from_value::<FormerTables>(serde_json::to_value(self.tables())?)?.rows();
+        let before = former.map_or(&rows, |former| &former.recordings);
+        let Some(first) = before.first() else { return Ok(()) };
+        self.paired.clear();
         for tracker in trackers(&rows) {
-            let counterpart = former.counterpart(tracker);
-            let theirs: Vec<&FormerRow> = former.recordings.iter().filter(|row| row.tracker == counterpart).collect();
-            for row in rows.iter().filter(|row| row.tracker == tracker) {
-                let same_starts =
-                    theirs.iter().filter(|their| their.is_of(row)).all(|their| their.starts == row.starts);
-                ensure!(same_starts, "{}: {} was measured from other starts", former.name, row.sequence);
+            let same = former.is_some() && before.iter().any(|row| row.tracker == tracker);
+            let counterpart = if same { tracker } else { &first.tracker };
+            if former.is_none() && tracker == counterpart {
+                continue;
             }
-            let name = format!("{counterpart} in {}", former.name);
-            compared.extend(paired(&rows, tracker, &theirs, &name));
+            let theirs: Vec<&FormerRow> = before.iter().filter(|row| row.tracker == counterpart).collect();
+            let mut differences = Vec::new();
+            for row in rows.iter().filter(|row| row.tracker == tracker) {
+                let Some(their) = theirs.iter().find(|their| their.is_of(row)) else { continue };
+                let from = former.map_or("", |former| &former.name);
+                ensure!(their.starts == row.starts, "{from}: {} was measured from other starts", row.sequence);
+                differences.push(row.minus(their));
+            }
+            if differences.is_empty() {
+                continue;
+            }
+            self.paired.push(Paired {
+                tracker: tracker.to_owned(),
+                against: former.map_or(counterpart.to_owned(), |former| format!("{counterpart} in {}", former.name)),
+                recordings: differences.len(),
+                difference: means(&differences),
+                standard_error: standard_errors(&differences),
+            });
         }
-        if compared.is_empty() && !rows.is_empty() {
-            bail!("{}: there is none of these recordings in it", former.name);
+        match former {
+            Some(former) if self.paired.is_empty() && !rows.is_empty() => {
+                bail!("{}: there is none of these recordings in it", former.name)
+            }
+            _ => Ok(()),
         }
-        self.paired = compared;
-        Ok(())
     }
 
     /// The differences as text; nothing if there is none.
@@ -166,10 +169,10 @@ impl Robustness {
         let mut lines = vec![header(&format!("paired difference|recordings|{TITLES}"))];
         for Paired { tracker, against, recordings, difference, standard_error } in &self.paired {
             let names = [format!("{tracker} - {against}"), recordings.to_string()].into_iter();
-            lines.push(names.chain(difference.values().map(|value| format!("{value:+.3}"))).collect());
+            lines.push(names.chain(difference.iter().map(|value| format!("{value:+.3}"))).collect());
             if let Some(error) = standard_error {
                 let names = ["  standard error".to_owned(), String::new()].into_iter();
-                lines.push(names.chain(error.values().map(|error| cell(Some(error), 3))).collect());
+                lines.push(names.chain(error.iter().map(|&error| cell(Some(error), 3))).collect());
             }
         }
         layout.table(&lines, 1)
@@ -187,25 +190,9 @@ fn trackers(rows: &[FormerRow]) -> Vec<&str> {
     all
 }
 
-/// `tracker` against `theirs`, on the recordings that both have.
-fn paired(rows: &[FormerRow], tracker: &str, theirs: &[&FormerRow], against: &str) -> Option<Paired> {
-    let own = rows.iter().filter(|row| row.tracker == tracker);
-    let pair = |row: &FormerRow| {
-        let their = theirs.iter().find(|their| their.is_of(row))?;
-        Some(row.minus(their))
-    };
-    let differences: Vec<Named> = own.filter_map(pair).collect();
-    (!differences.is_empty()).then(|| Paired {
-        tracker: tracker.to_owned(),
-        against: against.to_owned(),
-        recordings: differences.len(),
-        difference: Named::mean(&differences),
-        standard_error: Named::standard_error(&differences),
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::Row;
     use super::super::table::tests::row;
     use super::*;
     use crate::robustness::Figures;
@@ -238,10 +225,10 @@ robust - smr                3   +0.100       +0.050  +0.100
     #[test]
     fn differences_by_hand() {
         let mut measured = measured();
-        measured.compare_with_first();
+        measured.compare(None).unwrap();
         assert_eq!(measured.paired_table(Layout::Text), EXPECTED);
         assert_eq!(Robustness::default().paired_table(Layout::Text), "");
-        let json = serde_json::to_value(measured.tables().unwrap()).unwrap();
+        let json = serde_json::to_value(measured.tables()).unwrap();
         let paired = &json["paired"][0];
         assert_eq!(
             (&paired["tracker"], &paired["against"], &paired["recordings"]),
@@ -254,7 +241,7 @@ robust - smr                3   +0.100       +0.050  +0.100
     fn written(of: &Robustness) -> Former {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");
-        fs::write(&file, serde_json::to_string(&of.tables().unwrap()).unwrap()).unwrap();
+        fs::write(&file, serde_json::to_string(&of.tables()).unwrap()).unwrap();
         Former { name: "FILE".to_owned(), ..Former::read(&file).unwrap() }
     }
 
@@ -264,7 +251,7 @@ robust - smr                3   +0.100       +0.050  +0.100
         now.recordings.retain(|row| row.tracker == "robust");
         let mut former = measured();
         former.recordings.retain(|row| row.tracker == "smr");
-        now.compare_with(&written(&former)).unwrap();
+        now.compare(Some(&written(&former))).unwrap();
         assert_eq!(
             now.paired_table(Layout::Text),
             EXPECTED
@@ -273,14 +260,14 @@ robust - smr                3   +0.100       +0.050  +0.100
                 .replace("  standard error  ", "  standard error     ")
         );
         // Its own name is there, and nothing has changed.
-        now.compare_with(&written(&measured())).unwrap();
-        assert_eq!((now.paired[0].against.as_str(), now.paired[0].difference.values().sum()), ("robust in FILE", 0.0));
+        now.compare(Some(&written(&measured()))).unwrap();
+        assert_eq!((now.paired[0].against.as_str(), now.paired[0].difference.iter().sum()), ("robust in FILE", 0.0));
         assert_eq!(now.paired[0].recordings, 3);
     }
 
     #[test]
     fn what_cannot_be_paired_is_named() {
-        let error = |former: &Robustness| format!("{:#}", measured().compare_with(&written(former)).unwrap_err());
+        let error = |former: &Robustness| format!("{:#}", measured().compare(Some(&written(former))).unwrap_err());
         let mut other = measured();
         other.recordings[1].starts.pop();
         assert_eq!(error(&other), "FILE: b was measured from other starts");
@@ -290,22 +277,17 @@ robust - smr                3   +0.100       +0.050  +0.100
 
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");
-        for text in ["", "[]", "{\"measured\": [{}], \"starts\": []}"] {
+        let later = "expected what `host-sim eval --robustness --json` writes in this version";
+        let earlier = "an earlier version of host-sim wrote it: measure again with this one";
+        for (text, why) in [
+            ("", later),
+            ("{\"measured\": [{}], \"starts\": []}", later),
+            ("{\"recordings\": [{\"tracker\": \"smr\", \"starts\": []}]}", earlier),
+            ("{\"measured\": [], \"starts\": []}", "there is no recording in it"),
+        ] {
             fs::write(&file, text).unwrap();
             let error = format!("{:#}", Former::read(&file).unwrap_err());
-            assert!(
-                error.contains("former.json: line ")
-                    && error.contains(": expected what `host-sim eval --robustness --json` writes"),
-                "{error}"
-            );
+            assert!(error.contains("former.json: ") && error.ends_with(why), "{error}");
         }
-        fs::write(&file, "{\"recordings\": [{\"tracker\": \"smr\", \"starts\": []}]}").unwrap();
-        let error = Former::read(&file).unwrap_err().to_string();
-        assert!(
-            error.ends_with("former.json: an earlier version of host-sim wrote it: measure again with this one"),
-            "{error}"
-        );
-        fs::write(&file, "{\"measured\": [], \"starts\": []}").unwrap();
-        assert!(Former::read(&file).unwrap_err().to_string().ends_with("there is no recording in it"));
     }
 }

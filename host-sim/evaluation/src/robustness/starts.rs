@@ -1,6 +1,6 @@
 //! Where runs start: on the given box and on four close to it, or on the ground truth's boxes along the way.
 
-use super::recording::Recording;
+use crate::run::Recording;
 use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::Rect;
 use smr_recordings::BoundingBox;
@@ -117,46 +117,21 @@ mod tests {
         starts.into_iter().map(|start| start.target).collect()
     }
 
+    /// Near the given one: rounded once, and what lies outside the frame is cut off.
     #[test]
     fn five_boxes_near_the_given_one() {
-        let expected = [
-            Rect::new(10, 5, 20, 24),
-            Rect::new(12, 5, 20, 24),
-            Rect::new(10, 7, 20, 24),
-            Rect::new(11, 6, 19, 23), // 10.5, 5.6, 19, 22.8
-            Rect::new(10, 4, 21, 25), // 9.5, 4.4, 21, 25.2
-        ];
-        assert_eq!(targets(Starts::Near, "10,5,20,24"), expected);
-    }
-
-    #[test]
-    fn the_given_box_alone() {
+        let near = |given: &str, expected: [[i32; 4]; 5]| {
+            let boxes = targets(Starts::Near, given).into_iter();
+            let boxes = boxes.map(|Rect { x, y, width, height }| [x, y, width.into(), height.into()]);
+            assert_eq!(boxes.collect::<Vec<_>>(), expected);
+        };
+        // 10.5, 5.6, 19, 22.8; and 9.5, 4.4, 21, 25.2.
+        near("10,5,20,24", [[10, 5, 20, 24], [12, 5, 20, 24], [10, 7, 20, 24], [11, 6, 19, 23], [10, 4, 21, 25]]);
+        // 10.4 + 2 is 12; rounded first, 10.4 would be 10, and 19.6 * 0.95 = 18.62 would be 20 * 0.95 = 19. 9.91, 5.375, 20.58, 9.45.
+        near("10.4,5.6,19.6,9", [[10, 6, 20, 9], [12, 6, 20, 9], [10, 8, 20, 9], [11, 6, 19, 9], [10, 5, 21, 9]]);
+        // 40.5, 1, 19, 38: cut to nothing less; and 39.5, -1, 21, 42.
+        near("40,0,20,40", [[40, 0, 20, 40], [42, 0, 18, 40], [40, 2, 20, 38], [41, 1, 19, 38], [40, 0, 20, 40]]);
         assert_eq!(targets(Starts::Given, "10,5,20,24"), [Rect::new(10, 5, 20, 24)]);
-    }
-
-    #[test]
-    fn numbers_are_rounded_once() {
-        // 10.4 + 2 is 12; rounded first, 10.4 would be 10, and 19.6 * 0.95 = 18.62 would be 20 * 0.95 = 19.
-        let expected = [
-            Rect::new(10, 6, 20, 9),
-            Rect::new(12, 6, 20, 9),
-            Rect::new(10, 8, 20, 9),
-            Rect::new(11, 6, 19, 9),
-            Rect::new(10, 5, 21, 9), // 9.91, 5.375, 20.58, 9.45
-        ];
-        assert_eq!(targets(Starts::Near, "10.4,5.6,19.6,9"), expected);
-    }
-
-    #[test]
-    fn what_lies_outside_the_frame_is_cut_off() {
-        let expected = [
-            Rect::new(40, 0, 20, 40),
-            Rect::new(42, 0, 18, 40),
-            Rect::new(40, 2, 20, 38),
-            Rect::new(41, 1, 19, 38), // 40.5, 1, 19, 38: cut to nothing less
-            Rect::new(40, 0, 20, 40), // 39.5, -1, 21, 42
-        ];
-        assert_eq!(targets(Starts::Near, "40,0,20,40"), expected);
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl Robustness {
                 let is_it = |mean: &&Mean| mean.tracker == over_all.tracker && mean.folder.as_deref() == Some(*folder);
                 cell(self.means.iter().find(is_it).map(correct), 3)
             };
-            let error = over_all.standard_error.as_ref().and_then(|error| error.values().next());
+            let error = over_all.standard_error.as_ref().map(|error| error[0]);
             let mut line = vec![over_all.tracker.clone(), cell(Some(correct(over_all)), 3), cell(error, 3)];
             line.extend(folders.iter().map(in_folder));
             line.extend(columns().map(|(_, text)| text(&over_all.figures)));
@@ -93,7 +93,7 @@ impl Mean {
     /// Below the means that it is of.
     fn standard_error_line(&self) -> Option<Vec<String>> {
         let empty = || Some(String::new());
-        let mut errors = self.standard_error.as_ref()?.values().map(|error| cell(Some(error), 3));
+        let mut errors = self.standard_error.iter().flatten().map(|&error| cell(Some(error), 3));
         let names = [Some(self.tracker.clone()), Some("  standard error".to_owned()), empty()];
         let figures = [errors.next(), empty(), errors.next(), errors.next()];
         names.into_iter().chain(figures).collect()
@@ -102,11 +102,12 @@ impl Mean {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::Row;
     use super::super::calibration::Calibration;
-    use super::super::{Row, StartRow};
+    use super::super::starts::Start;
     use super::*;
-    use crate::means::Named;
-    use crate::{MethodKind, Origin};
+    use crate::{MethodKind, Origin, Score};
+    use smr_core::Rect;
     use std::path::PathBuf;
 
     fn figures(correct: f64, hidden: usize, work: Option<f64>) -> Figures {
@@ -132,8 +133,8 @@ pub(super) mod tests {
     }
 
     pub fn row(tracker: &str, sequence: &str, figures: Figures) -> Row {
-        let start =
-            StartRow { start: "given".to_owned(), frame: 1, bbox: "1,2,3,4".parse().unwrap(), visible: 4, correct: 2 };
+        let start = Start { name: "given".to_owned(), frame: 0, target: Rect::new(1, 2, 3, 4) };
+        let start = (start, Score { visible: 4, correct: 2, ..Score::default() });
         let folder = PathBuf::from("tld");
         Row {
             origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
@@ -146,32 +147,30 @@ pub(super) mod tests {
         }
     }
 
-    fn results() -> Robustness {
-        let counted = figures(0.75, 10, Some(123_456.0));
-        let uncounted = figures(2.0 / 3.0, 0, None);
-        let mean = |tracker: &str, folder: Option<&str>, recordings, figures| Mean {
+    fn mean(tracker: &str, folder: Option<&str>, recordings: usize, figures: Figures) -> Mean {
+        Mean {
             tracker: tracker.to_owned(),
             origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             folder: folder.map(str::to_owned),
             recordings,
             figures,
-            standard_error: (recordings > 1)
-                .then(|| Named(vec![("mean_correct", 0.1), ("mean_correct_50", 0.2), ("f", 0.3)])),
-        };
-        Robustness {
-            recordings: vec![
-                row("smr", "01_david", counted),
-                row("smr", "Man", counted),
-                row("sad", "01_david", uncounted),
-            ],
-            means: vec![
-                mean("smr", None, 2, counted),
-                mean("smr", Some("tld"), 1, counted),
-                mean("smr", Some("more"), 1, counted),
-                mean("sad", None, 1, uncounted),
-            ],
-            ..Robustness::default()
+            standard_error: (recordings > 1).then(|| vec![0.1, 0.2, 0.3]),
         }
+    }
+
+    fn results() -> Robustness {
+        let counted = figures(0.75, 10, Some(123_456.0));
+        let uncounted = figures(2.0 / 3.0, 0, None);
+        let recordings = [("smr", "01_david", counted), ("smr", "Man", counted), ("sad", "01_david", uncounted)];
+        let means = vec![
+            mean("smr", None, 2, counted),
+            mean("smr", Some("tld"), 1, counted),
+            mean("smr", Some("more"), 1, uncounted),
+            mean("sad", None, 1, uncounted),
+            mean("sad", Some("more"), 1, uncounted),
+        ];
+        let recordings = recordings.map(|(tracker, name, figures)| row(tracker, name, figures)).to_vec();
+        Robustness { recordings, means, ..Robustness::default() }
     }
 
     #[test]
@@ -183,8 +182,9 @@ smr      Man                     5    0.750  0.250        0.250  0.500     0.500
 smr      mean of 2                    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
 smr        standard error             0.100               0.200  0.300
 smr      mean of 1 in tld             0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
-smr      mean of 1 in more            0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+smr      mean of 1 in more            0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
 sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
+sad      mean of 1 in more            0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
 ";
         assert_eq!(results().table(Layout::Text), expected);
         assert_eq!(Robustness::default().table(Layout::Text), "");
@@ -192,7 +192,7 @@ sad      01_david                5    0.667  0.250        0.250  0.500     0.500
 
     #[test]
     fn json_has_recordings_with_their_starts_and_means() {
-        let json = serde_json::to_value(results().tables().unwrap()).unwrap();
+        let json = serde_json::to_value(results().tables()).unwrap();
         let recording = &json["measured"][0];
         assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"smr".into(), &0.75.into()));
         assert_eq!(json["starts"].as_array().unwrap().len(), 3 * 5);
@@ -206,38 +206,12 @@ sad      01_david                5    0.667  0.250        0.250  0.500     0.500
 
     #[test]
     fn folders_stand_side_by_side() {
-        let mean = |tracker: &str, folder: Option<&str>, correct| Mean {
-            tracker: tracker.to_owned(),
-            origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
-            folder: folder.map(str::to_owned),
-            recordings: 2,
-            figures: Figures {
-                mean_correct: correct,
-                worst_correct: 0.125,
-                precision: 0.75,
-                hidden: 9,
-                answered_hidden: 3,
-                work_per_frame: Some(1234.4),
-                microseconds_per_frame: 55.5,
-                ..Figures::default()
-            },
-            standard_error: None,
-        };
-        let means = vec![
-            mean("smr", None, 0.5),
-            mean("smr", Some("tld"), 0.625),
-            mean("smr", Some("more"), 0.375),
-            mean("without cells", None, 1.0),
-            mean("without cells", Some("more"), 1.0),
-        ];
-        let row = row("smr", "01_david", means[0].figures);
-        let results = Robustness { means, recordings: vec![row], ..Robustness::default() };
         let expected = "\
-tracker        correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
-smr              0.500               -   0.625    0.375  0.125      0.750              3/9              -               -               -             -        1234        56
-without cells    1.000               -       -    1.000  0.125      0.750              3/9              -               -               -             -        1234        56
+tracker  correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
+smr        0.750           0.100   0.750    0.667  0.250      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+sad        0.667               -       -    0.667  0.250      1.000                -              -               -               -             -           -        12
 ";
-        assert_eq!(results.summary(Layout::Text), expected);
+        assert_eq!(results().summary(Layout::Text), expected);
         assert_eq!(Robustness::default().summary(Layout::Text), "");
     }
 }

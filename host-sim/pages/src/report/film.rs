@@ -3,9 +3,9 @@
 use super::look::{self, Shown, Sight};
 use super::pictures::Pictures;
 use super::reel::{Choice, Reel};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
-use smr_evaluation::{Contestant, Evaluation, MethodKind, Refused, Report, ResultFile, Score, Variant};
+use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
 use smr_recordings::{BoundingBox, FrameRange, GrayFrame, Sequence, Target};
 use std::path::PathBuf;
 
@@ -47,27 +47,20 @@ pub(super) struct Locked {
 }
 
 impl Locked {
-    fn new(Target { name, starts }: Target, first: usize) -> Result<Self> {
-        let pixels = |(frame, bbox): (usize, BoundingBox)| {
-            let rect = bbox.pixels().map_err(|what| anyhow!("the box to start from {what}"))?;
-            Ok((frame - first, rect))
-        };
-        Ok(Self { name, starts: starts.into_iter().map(pixels).collect::<Result<_>>()? })
+    fn new(target: Target, first: usize) -> Result<Self> {
+        let starts = target.rects()?.into_iter().map(|(frame, rect)| (frame - first, rect)).collect();
+        Ok(Self { name: target.name, starts })
     }
 
     /// The index of the first frame with a box.
     pub fn begins(&self) -> usize {
         self.starts[0].0
     }
-
-    fn start_at(&self, index: usize) -> Option<Rect> {
-        self.starts.iter().find(|(at, _)| *at == index).map(|(_, start)| *start)
-    }
 }
 
 /// One method on one target.
-struct Follower {
-    tracker: Box<dyn Shown>,
+struct Pair {
+    follower: Follower<dyn Shown>,
     variant: Variant,
     /// The place of the target.
     target: usize,
@@ -162,20 +155,22 @@ pub fn watch_all(
     let listed = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
     let boxes = targets.iter().flat_map(|target| &target.starts).map(|(index, _)| *index);
     let last = listed.into_iter().chain(boxes).max();
-    let mut followers = followers(&targets, methods)?;
+    let mut pairs = pairs(&targets, methods, first)?;
     let mut notes = Vec::new();
     let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
     let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
         if index == 0 && refusal == Refusal::LeftOut {
-            notes = leave_out(&mut followers, &frame, &targets, methods[0].kind);
+            notes = leave_out(&mut pairs, &frame, &targets, methods[0].kind);
         }
-        let look = |follower: &mut Follower| {
-            let look = follower.step(&targets[follower.target], index, &frame);
-            look.with_context(|| format!("{name}: {}: frame {}", follower.variant.name, index + first))
+        let look = |Pair { follower, variant, target }: &mut Pair| {
+            let report = follower.step(index + first, &frame);
+            let report = report.with_context(|| format!("{name}: {}", variant.name))?;
+            let begun = report.zip(follower.method.sight());
+            Ok(begun.unwrap_or_else(|| look::not_begun(targets[*target].starts[0].1)))
         };
-        let looks: Result<Vec<(Report, Sight)>> = followers.iter_mut().map(look).collect();
+        let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
         let moment = Moment { reports, lasts: Vec::new() };
         let changed = moments.last().is_some_and(|last| last.first().state != moment.first().state);
@@ -198,8 +193,8 @@ pub fn watch_all(
     let truth = truth.filter(|_| targets.len() == 1);
     Ok(Film {
         name,
-        of: followers.iter().map(|follower| follower.target).collect(),
-        methods: followers.into_iter().map(|follower| follower.variant).collect(),
+        of: pairs.iter().map(|pair| pair.target).collect(),
+        methods: pairs.into_iter().map(|pair| pair.variant).collect(),
         size,
         targets,
         padding,
@@ -216,39 +211,28 @@ pub fn watch_all(
 }
 
 /// Each method once for each target.
-fn followers(targets: &[Locked], methods: &[Variant]) -> Result<Vec<Follower>> {
-    let pairs = targets.iter().enumerate().flat_map(|target| methods.iter().map(move |method| (target, method)));
-    let follower = |((target, locked), method): ((usize, &Locked), &Variant)| {
+fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pair>> {
+    let all = targets.iter().enumerate().flat_map(|target| methods.iter().map(move |method| (target, method)));
+    let pair = |((target, locked), method): ((usize, &Locked), &Variant)| {
         let mut variant = method.clone();
         if let Some(name) = &locked.name {
             variant.name = format!("{name}, {}", method.name);
         }
-        Ok(Follower { tracker: look::shown(method)?, variant, target })
+        let starts = locked.starts.iter().map(|&(index, start)| (index + first, start)).collect();
+        Ok(Pair { follower: Follower::new(look::shown(method)?, starts), variant, target })
     };
-    pairs.map(follower).collect()
-}
-
-impl Follower {
-    fn step(&mut self, target: &Locked, index: usize, frame: &GrayFrame) -> Result<(Report, Sight)> {
-        let refused = |error, start| Refused::or(error, self.variant.kind, start, frame.frame().bounds());
-        match target.start_at(index) {
-            Some(start) => self.tracker.lock(frame, start).map_err(|error| refused(error, start)),
-            None if index < target.begins() => Ok(look::not_begun(target.starts[0].1)),
-            None => self.tracker.update(frame),
-        }
-    }
+    all.map(pair).collect()
 }
 
 /// Leaves out the methods, but not the `first`, that do not start on a box, and tells why.
-fn leave_out(followers: &mut Vec<Follower>, frame: &GrayFrame, targets: &[Locked], first: MethodKind) -> Vec<String> {
+fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first: MethodKind) -> Vec<String> {
     let mut notes = Vec::new();
-    followers.retain_mut(|Follower { tracker, variant, target }| {
+    pairs.retain_mut(|Pair { follower, variant, target }| {
         if variant.kind == first {
             return true;
         }
         let start = targets[*target].starts[0].1;
-        let Err(error) = tracker.lock(frame, start) else { return true };
-        let error = Refused::or(error, variant.kind, start, frame.frame().bounds());
+        let Err(error) = lock(follower.method.as_mut(), &frame.frame(), start) else { return true };
         let refused = error.downcast_ref::<Refused>();
         notes.extend(refused.map(|refused| format!("{} is left out: {refused}", variant.name)));
         refused.is_none()
@@ -288,10 +272,8 @@ impl Film {
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {
-            let confidence = |moment: &Moment| moment.reports[index].evidence.map(|evidence| evidence.confidence);
-            let confidences: Vec<_> = self.moments.iter().map(confidence).collect();
-            let score = Score::with_confidence(&self.trajectory(index), &confidences, truth);
-            let score = score.with_context(|| self.name.clone())?;
+            let reports: Vec<Report> = self.moments.iter().map(|moment| moment.reports[index]).collect();
+            let score = Score::of(&reports, truth).with_context(|| self.name.clone())?;
             anyhow::Ok((Contestant::of(variant), score))
         };
         let mut scores = self.methods.iter().enumerate().map(score).collect::<Result<Vec<_>>>()?;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
 use smr_core::search::Window;
 use smr_core::unstable::followed;
-use smr_core::{Image, Rect, Robust, State, Tracker};
+use smr_core::{Frame, Image, Rect, Robust, State, Tracker};
 use smr_evaluation::Paper;
 use smr_evaluation::{Method, MethodKind, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
@@ -32,10 +32,50 @@ pub struct Search {
 }
 
 /// A tracker whose sight can be shown.
-pub trait Shown {
-    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)>;
+pub trait Shown: Method {
+    /// What it looked at in the last frame, once; `None` before the first lock.
+    fn sight(&mut self) -> Option<Sight>;
+}
+
+/// A tracker that keeps what it looks at.
+struct Looking<T> {
+    tracker: T,
+    sight: Option<Sight>,
+}
+
+/// How a tracker looks.
+trait Looks {
+    fn kind(&self) -> MethodKind;
+
+    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()>;
 
     fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)>;
+}
+
+impl<T: Looks> Method for Looking<T> {
+    fn kind(&self) -> MethodKind {
+        self.tracker.kind()
+    }
+
+    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
+        self.tracker.lock(frame, start)?;
+        self.sight = Some(Sight { bbox: start.into(), search: None });
+        Ok(())
+    }
+
+    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+        let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?;
+        let Pixels { size: (width, height), pixels } = Pixels::of(image);
+        let (report, sight) = self.tracker.update(&GrayFrame { width, height, pixels })?;
+        self.sight = Some(sight);
+        Ok(report)
+    }
+}
+
+impl<T: Looks> Shown for Looking<T> {
+    fn sight(&mut self) -> Option<Sight> {
+        self.sight.take()
+    }
 }
 
 /// A tracker without a target.
@@ -43,16 +83,19 @@ pub trait Shown {
 /// # Errors
 /// A number of the configuration that smr-core cannot use.
 pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
+    fn looking(tracker: impl Looks + 'static) -> Box<dyn Shown> {
+        Box::new(Looking { tracker, sight: None })
+    }
     let configs = &variant.configs;
     Ok(match variant.kind {
         MethodKind::Smr => {
             let mut config = configs.paper;
             // It is drawn; where nothing depends on it, looking for it changes nothing else.
             config.runner_up = RunnerUp::Always;
-            Box::new(Tracker::<Paper>::new(config)?)
+            looking(Tracker::<Paper>::new(config)?)
         }
-        MethodKind::Robust => Box::new(Tracker::<Robust>::new(configs.robust)?),
-        MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => Box::new(variant.build()?),
+        MethodKind::Robust => looking(Tracker::<Robust>::new(configs.robust)?),
+        MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => looking(variant.build()?),
     })
 }
 
@@ -62,15 +105,14 @@ pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
     (report, Sight { bbox: start.into(), search: None })
 }
 
-/// The frame that was locked on.
-fn locked(start: Rect) -> (Report, Sight) {
-    (Report::locked(start), Sight { bbox: start.into(), search: None })
-}
+impl Looks for Tracker<Paper> {
+    fn kind(&self) -> MethodKind {
+        MethodKind::Smr
+    }
 
-impl Shown for Tracker<Paper> {
-    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)> {
-        Self::lock(self, &frame.frame(), start)?;
-        Ok(locked(start))
+    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
+        Self::lock(self, frame, start)?;
+        Ok(())
     }
 
     fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
@@ -92,10 +134,14 @@ impl Shown for Tracker<Paper> {
 }
 
 /// The robust tracker compares on its grid: here what is seen in its box, with the early template in the light of that.
-impl Shown for Tracker<Robust> {
-    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)> {
-        Self::lock(self, &frame.frame(), start)?;
-        Ok(locked(start))
+impl Looks for Tracker<Robust> {
+    fn kind(&self) -> MethodKind {
+        MethodKind::Robust
+    }
+
+    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
+        Self::lock(self, frame, start)?;
+        Ok(())
     }
 
     fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
@@ -136,10 +182,13 @@ impl Shown for Tracker<Robust> {
     }
 }
 
-impl Shown for Box<dyn Method> {
-    fn lock(&mut self, frame: &GrayFrame, start: Rect) -> Result<(Report, Sight)> {
-        self.as_mut().lock(&frame.frame(), start)?;
-        Ok(locked(start))
+impl Looks for Box<dyn Method> {
+    fn kind(&self) -> MethodKind {
+        self.as_ref().kind()
+    }
+
+    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
+        self.as_mut().lock(frame, start)
     }
 
     fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {

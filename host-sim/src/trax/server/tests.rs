@@ -40,8 +40,9 @@ fn names(messages: &[Message]) -> Vec<&str> {
 fn both_trackers_follow_in_every_version() {
     for kind in [MethodKind::Smr, MethodKind::Robust] {
         let configs = paper::Config::camera().into();
-        let mut run = smr_evaluation::Run::new(kind.build(&configs).unwrap(), target().to_rect().unwrap());
-        let expected: Vec<_> = synthetic::frames().take(4).map(|frame| run.step(&frame).unwrap()).collect();
+        let mut follower = Follower::new(kind.build(&configs).unwrap(), vec![(1, target().to_rect().unwrap())]);
+        let frames = (1..5).zip(synthetic::frames());
+        let expected: Vec<_> = frames.map(|(number, frame)| follower.step(number, &frame).unwrap().unwrap()).collect();
         let frame = |index| Message::new("frame").argument(picture(index)).line();
         let rest: String = (1..4).map(frame).chain([Message::new("quit").line()]).collect();
         let target = region::text(&target());

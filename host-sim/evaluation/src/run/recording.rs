@@ -1,9 +1,13 @@
 //! A recording with all its frames in memory, so that many runs read it and it is decoded once.
 
-use crate::{CORRECT, Method, Trajectory, Variant, lock, truth_of};
+use super::{Follower, Run};
+use crate::{Variant, truth_of};
 use anyhow::{Context, Result, ensure};
-use smr_core::{Rect, State};
+use smr_core::Rect;
+use smr_recordings::cover::Cover;
+use smr_recordings::fault::Fault;
 use smr_recordings::{BoundingBox, GrayFrame, Sequence};
+use std::borrow::Cow;
 
 /// The most bytes of frames that one recording may have: 1 GiB, some 14000 frames of 320x240 pixels.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
@@ -53,12 +57,25 @@ impl Recording {
         Ok(Self { name, frames: kept, init, truth })
     }
 
-    /// A tracker that is locked on `target` in frame `start`, counted from 0.
-    /// Errors: It cannot be built, or refuses the target.
-    pub fn watch(&self, variant: &Variant, start: usize, target: Rect) -> Result<Watch<'_>> {
-        let mut method = variant.build()?;
-        lock(method.as_mut(), &self.frames[start].frame(), target)?;
-        Ok(Watch { method, truth: &self.truth })
+    /// Follows the target in a box of frame `start.0` from there on, as far as the frame before `end`. `progress` is called after each frame.
+    /// Errors: A tracker that cannot be built, or the tracker's.
+    pub fn run(
+        &self,
+        variant: &Variant,
+        (start, target): (usize, Rect),
+        end: usize,
+        intervention: Intervention<'_>,
+        progress: impl Fn(),
+    ) -> Result<Run> {
+        let mut follower = Follower::new(variant.build()?, vec![(start + 1, target)]);
+        let mut run = Run::default();
+        for place in start..end {
+            for frame in intervention.shown(&self.frames, place) {
+                run.add(&mut follower, place, &frame)?;
+                progress();
+            }
+        }
+        Ok(run)
     }
 
     /// The size of a frame.
@@ -74,18 +91,30 @@ impl Recording {
 
 const MIB: u64 = 1 << 20;
 
-/// A tracker that is watched for what it says, and whether that is right.
-pub(crate) struct Watch<'a> {
-    method: Box<dyn Method>,
-    truth: &'a Trajectory,
+/// What comes between a recording and a tracker. Places are of frames, counted from 0.
+#[derive(Clone, Copy)]
+pub(crate) enum Intervention<'a> {
+    None,
+    /// From this frame on the camera has a fault, as long as that goes.
+    Fault(usize, &'a Fault),
+    /// Before this frame come so many that show nothing but the cover, or the frame of another scene.
+    Cover(usize, usize, Cover, &'a GrayFrame),
 }
 
-impl Watch<'_> {
-    /// What it says of `frame`, and whether its box is right if the target is where it is in frame `number` of the recording.
-    pub fn update(&mut self, number: usize, frame: &GrayFrame) -> Result<(State, bool)> {
-        let report = self.method.update(&frame.frame()).with_context(|| format!("frame {}", number + 1))?;
-        let iou = report.target.zip(self.truth[number]).map_or(0.0, |(answer, truth)| truth.iou(&answer));
-        Ok((report.state, iou > CORRECT))
+impl<'a> Intervention<'a> {
+    /// The frames that come for the one at `place`.
+    fn shown(self, frames: &'a [GrayFrame], place: usize) -> Box<dyn Iterator<Item = Cow<'a, GrayFrame>> + 'a> {
+        let own = std::iter::once(Cow::Borrowed(&frames[place]));
+        match self {
+            Self::Fault(at, fault) if (at..at + fault.frames()).contains(&place) => {
+                let before = (&frames[at - 1], &frames[place - 1]);
+                Box::new(fault.of(place - at, &frames[place], before, at as u64).map(Cow::Owned).into_iter())
+            }
+            Self::Cover(at, count, cover, other) if at == place => {
+                Box::new((0..count).map(move |index| Cow::Owned(cover.frame(index, other))).chain(own))
+            }
+            _ => Box::new(own),
+        }
     }
 }
 
@@ -112,6 +141,23 @@ mod tests {
         let recording = Recording::read(sequence(), MOST_BYTES).unwrap();
         assert_eq!((recording.frames.len(), recording.bytes()), (3, 3 << 19));
         assert_eq!(recording.bounds(), Rect::new(0, 0, 1024, 512));
+    }
+
+    #[test]
+    fn an_intervention_shows_other_frames() {
+        let frames: Vec<GrayFrame> =
+            (0..6).map(|pixel| GrayFrame { width: 1, height: 1, pixels: vec![pixel] }).collect();
+        let shown = |intervention: Intervention<'_>| {
+            let of = |place| intervention.shown(&frames, place).map(move |frame| (place, frame.pixels[0]));
+            (1..6).flat_map(of).collect::<Vec<_>>()
+        };
+        let white = GrayFrame { pixels: vec![255], ..frames[0].clone() };
+        let (gap, repeated): (Fault, Fault) = ("gap:2".parse().unwrap(), "repeated:2".parse().unwrap());
+        assert_eq!(shown(Intervention::None), [(1, 1), (2, 2), (3, 3), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, &gap)), [(1, 1), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, &repeated)), [(1, 1), (2, 1), (3, 1), (4, 4), (5, 5)]);
+        let covered = shown(Intervention::Cover(4, 2, Cover::Black, &white));
+        assert_eq!(covered, [(1, 1), (2, 2), (3, 3), (4, 0), (4, 0), (4, 4), (5, 5)]);
     }
 
     #[test]

@@ -1,0 +1,199 @@
+//! A run: one tracker on its way through a recording, and the record of what came out.
+//!
+//! A [`Follower`] drives it frame by frame: the tracker is locked where it is told to, again where it is corrected, and asked in all other
+//! frames. It remembers no answer, so it can follow a camera for days. A [`Run`] is the record of the answers: scores and tables are made from
+//! it. [`Recording::run`] makes one from any frame of a recording on, with an [`Intervention`] on the way.
+
+mod recording;
+
+pub(crate) use recording::{Intervention, MOST_BYTES, Recording};
+
+use super::method::{Method, Report};
+use super::{CORRECT, Refused, Trajectory, Variant};
+use anyhow::{Context, Result};
+use smr_core::{Frame, Quality, Rect, State};
+use smr_recordings::{BoundingBox, GrayFrame, Target};
+use std::time::{Duration, Instant};
+
+/// One target on its way through the frames, and the tracker that follows it.
+pub struct Follower<M: Method + ?Sized = dyn Method> {
+    /// `None` if it is the only one, and was given none.
+    pub name: Option<String>,
+    pub method: Box<M>,
+    /// The boxes that it is locked on, and the numbers of their frames. The next one is the first.
+    starts: std::iter::Peekable<std::vec::IntoIter<(usize, Rect)>>,
+    begun: bool,
+}
+
+impl Follower {
+    /// One for each of `targets`, all followed by `variant` with one workspace.
+    /// Errors: A box has less than one pixel, or the configuration is invalid.
+    pub fn all(targets: Vec<Target>, variant: &Variant) -> Result<Vec<Self>> {
+        let methods = variant.build_all(targets.len())?;
+        let one = |(target, method): (Target, _)| {
+            let starts = target.rects()?;
+            Ok(Self { name: target.name, ..Self::new(method, starts) })
+        };
+        targets.into_iter().zip(methods).map(one).collect()
+    }
+}
+
+impl<M: Method + ?Sized> Follower<M> {
+    /// `method` will be locked on each of `starts` in the frame of its number.
+    pub fn new(method: Box<M>, starts: Vec<(usize, Rect)>) -> Self {
+        Self { name: None, method, starts: starts.into_iter().peekable(), begun: false }
+    }
+
+    /// What is known of the target in the frame of this number; `None` before its first box.
+    /// Errors: The tracker's, with the number of the frame.
+    pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
+        let report = match self.starts.next_if(|(at, _)| *at == number) {
+            Some((_, start)) => {
+                self.begun = true;
+                lock(self.method.as_mut(), &frame.frame(), start).map(|()| Some(Report::locked(start)))
+            }
+            None if self.begun => self.method.update(&frame.frame()).map(Some),
+            None => Ok(None),
+        };
+        let named = self.name.as_ref().map_or(String::new(), |name| format!("{name}, "));
+        report.with_context(|| format!("{named}frame {number}"))
+    }
+
+    /// Of the frame that was locked on last: see [`Method::quality`].
+    pub fn quality(&self) -> Option<Quality> {
+        self.method.quality()
+    }
+
+    /// The frame of the next box, if there is one left.
+    pub fn next_start(&mut self) -> Option<usize> {
+        self.starts.peek().map(|(frame, _)| *frame)
+    }
+}
+
+/// Starts `method` on the target in `target`.
+/// Errors: What the method refuses is a [`Refused`].
+pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect) -> Result<()> {
+    method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
+}
+
+/// The record of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// One for each frame that was shown, from the one that was locked on.
+    pub reports: Vec<Report>,
+    /// Their places in the recording, counted from 0: what is true of a report stands there.
+    pub frames: Vec<usize>,
+    /// What all updates took.
+    pub time: Duration,
+}
+
+impl Run {
+    /// Lets `follower` see `frame`, which stands at this place of the recording.
+    /// Errors: The tracker's.
+    pub fn add(&mut self, follower: &mut Follower, place: usize, frame: &GrayFrame) -> Result<()> {
+        let begin = Instant::now();
+        if let Some(report) = follower.step(place + 1, frame)? {
+            if !self.reports.is_empty() {
+                self.time += begin.elapsed();
+            }
+            self.reports.push(report);
+            self.frames.push(place);
+        }
+        Ok(())
+    }
+
+    /// What was reported after the frame that was locked on.
+    pub fn updates(&self) -> &[Report] {
+        self.reports.get(1..).unwrap_or_default()
+    }
+
+    /// The work of all updates; `None` if one of them was not counted.
+    pub fn work(&self) -> Option<u64> {
+        self.updates().iter().map(|report| report.work.map(u64::from)).sum()
+    }
+
+    /// The place of each frame, its state, and whether the box is right as it was answered, by the truth of the recording.
+    pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
+        self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
+            let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;
+            (frame, report.state, report.target.zip(truth[frame]).is_some_and(right))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Configs, MethodKind};
+    use clap::ValueEnum;
+    use smr_core::{UpdateError, paper};
+    use smr_recordings::synthetic;
+
+    fn variant(kind: MethodKind) -> Variant {
+        Variant::new(kind, &paper::Config::paper().into())
+    }
+
+    fn target(name: &str, frames: &[usize]) -> Target {
+        let start = |&frame: &usize| (frame, synthetic::truth(frame - 1).unwrap());
+        Target { name: Some(name.to_owned()), starts: frames.iter().map(start).collect() }
+    }
+
+    fn followed(variant: &Variant, targets: Vec<Target>) -> Vec<Vec<Option<Report>>> {
+        let mut all = Follower::all(targets, variant).unwrap();
+        let frames: Vec<GrayFrame> = synthetic::frames().take(12).collect();
+        let of =
+            |one: &mut Follower| (1..).zip(&frames).map(|(number, frame)| one.step(number, frame).unwrap()).collect();
+        all.iter_mut().map(of).collect()
+    }
+
+    /// One workspace or one for each: the answers are the same.
+    #[test]
+    fn targets_beside_one_another_do_not_disturb_each_other() {
+        for &kind in MethodKind::value_variants() {
+            let variant = variant(kind);
+            let targets = [target("a", &[1]), target("b", &[4]), target("c", &[1, 8])];
+            let together = followed(&variant, targets.to_vec());
+            for (alone, together) in targets.into_iter().zip(&together) {
+                assert_eq!(&followed(&variant, vec![alone])[0], together, "{}", kind.name());
+            }
+            assert_eq!(together[1][..3], [None; 3]);
+            assert_eq!(together[1][3].unwrap().target, synthetic::truth(3));
+            // Corrected: it is where it was put.
+            assert_eq!(together[2][7], Some(Report::locked(synthetic::truth(7).unwrap().to_rect().unwrap())));
+            assert_eq!(together[0][..7], together[2][..7]);
+            let report = together[0][1].unwrap();
+            assert_eq!((report.evidence.is_some(), report.work.is_some()), (kind.is_core(), kind.is_core()));
+        }
+    }
+
+    #[test]
+    fn errors_name_the_target_and_the_frame() {
+        let frames: Vec<GrayFrame> = synthetic::frames().take(2).collect();
+        for &kind in MethodKind::value_variants() {
+            let mut outside = target("car", &[2]);
+            outside.starts[0].1.x = -30.0;
+            let mut all = Follower::all(vec![outside, target("man", &[1])], &variant(kind)).unwrap();
+            assert_eq!((all[0].step(1, &frames[0]).unwrap(), all[0].next_start()), (None, Some(2)));
+            let error = format!("{:#}", all[0].step(2, &frames[1]).unwrap_err());
+            assert!(error.starts_with("car, frame 2: the box -30,"), "{error}");
+            all[1].step(1, &frames[0]).unwrap();
+            let other = GrayFrame { width: 9, height: 9, pixels: vec![0; 81] };
+            let error = format!("{:#}", all[1].step(2, &other).unwrap_err());
+            assert_eq!(error, format!("man, frame 2: {}", UpdateError::FrameSizeChanged));
+        }
+    }
+
+    #[test]
+    fn steps_change_no_answer_and_no_work_is_left_out() {
+        for kind in [MethodKind::Smr, MethodKind::Robust] {
+            let reports = |step| {
+                let configs = Configs { step, ..paper::Config::camera().into() };
+                let mut reports = followed(&Variant::new(kind, &configs), vec![target("a", &[1])]).remove(0);
+                reports.iter_mut().flatten().for_each(|report| report.work = None);
+                reports
+            };
+            let whole = reports(u32::MAX);
+            assert!([1, 5000].into_iter().all(|step| reports(step) == whole), "{}", kind.name());
+        }
+    }
+}
