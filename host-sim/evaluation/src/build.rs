@@ -12,23 +12,19 @@ use std::rc::Rc;
 impl MethodKind {
     /// A tracker without a target.
     pub fn build(self, configs: &Configs) -> Result<Box<dyn Method>> {
-        let baseline = |measure| Box::new(Baseline::new(measure, &configs.paper));
-        Ok(match self {
-            Self::Smr => Box::new(Stepped::<Paper>::new(self, configs.paper, configs.step, &Rc::default())?),
-            Self::Robust => Box::new(Stepped::<Robust>::new(self, configs.robust, configs.step, &Rc::default())?),
-            Self::Sad => baseline(Measure::Absolute),
-            Self::Ssd => baseline(Measure::Squared),
-            Self::Ncc => baseline(Measure::Correlation),
-            Self::Lk => Box::new(Flow::new(&configs.paper)),
-        })
+        Ok(self.build_all(1, configs)?.remove(0))
     }
 
     /// So many trackers for the targets of one recording. Those of smr-core share one workspace, as in firmware.
     fn build_all(self, count: usize, configs: &Configs) -> Result<Vec<Box<dyn Method>>> {
+        let baseline = |measure| Ok(Baseline::new(measure, &configs.paper));
         match self {
             Self::Smr => stepped::<Paper>(self, count, configs.paper, configs.step),
             Self::Robust => stepped::<Robust>(self, count, configs.robust, configs.step),
-            _ => (0..count).map(|_| self.build(configs)).collect(),
+            Self::Sad => several(count, || baseline(Measure::Absolute)),
+            Self::Ssd => several(count, || baseline(Measure::Squared)),
+            Self::Ncc => several(count, || baseline(Measure::Correlation)),
+            Self::Lk => several(count, || Ok(Flow::new(&configs.paper))),
         }
     }
 }
@@ -44,6 +40,10 @@ impl Variant {
     }
 }
 
+fn several<M: Method + 'static>(count: usize, one: impl Fn() -> Result<M>) -> Result<Vec<Box<dyn Method>>> {
+    (0..count).map(|_| Ok(Box::new(one()?) as Box<dyn Method>)).collect()
+}
+
 fn stepped<T: Target + 'static>(
     kind: MethodKind,
     count: usize,
@@ -51,7 +51,7 @@ fn stepped<T: Target + 'static>(
     step: u32,
 ) -> Result<Vec<Box<dyn Method>>> {
     let workspace = Rc::default();
-    (0..count).map(|_| Ok(Box::new(Stepped::<T>::new(kind, config, step, &workspace)?) as Box<dyn Method>)).collect()
+    several(count, || Ok(Stepped::<T> { kind, target: T::new(config)?, workspace: Rc::clone(&workspace), step }))
 }
 
 /// A target of smr-core, updated in steps of so much work.
@@ -60,12 +60,6 @@ struct Stepped<T: Target> {
     target: T,
     workspace: Rc<RefCell<T::Workspace>>,
     step: u32,
-}
-
-impl<T: Target> Stepped<T> {
-    fn new(kind: MethodKind, config: T::Config, step: u32, workspace: &Rc<RefCell<T::Workspace>>) -> Result<Self> {
-        Ok(Self { kind, target: T::new(config)?, workspace: Rc::clone(workspace), step })
-    }
 }
 
 impl<T: Target> Method for Stepped<T> {

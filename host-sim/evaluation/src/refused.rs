@@ -27,23 +27,21 @@ impl Refused {
     /// What can be done, with the options that the command has.
     pub fn way_out(&self, has: impl Fn(&str) -> bool) -> String {
         let all = match self.why {
-            LockError::BoxTooLarge => [
+            LockError::BoxTooLarge => vec![
                 (has("method") && self.kind != MethodKind::Robust, "--method robust, which takes every box"),
                 (has("init"), "a smaller box (--init)"),
                 (!has("init"), "a smaller box"),
                 (has("resize"), "--resize 1/2"),
             ],
-            LockError::WindowTooLarge => [
+            LockError::WindowTooLarge => vec![
                 (has("method"), "--method robust"),
                 (has("window-limit"), "a smaller --window-limit"),
                 (has("padding"), "a smaller --padding"),
                 (has("resize"), "--resize 1/2"),
             ],
-            _ => [
+            _ => vec![
                 (has("init"), "--init X,Y,W,H with a box in the frame (`host-sim frame` shows coordinates)"),
                 (!has("init"), "a box in the frame"),
-                (false, ""),
-                (false, ""),
             ],
         };
         let ways: Vec<&str> = all.into_iter().filter(|(there, _)| *there).map(|(_, way)| way).collect();

@@ -320,8 +320,5 @@ mod tests {
         flow.lock(&waves(0.0, 0.0).frame(), Rect::new(0, 0, 1, 1)).unwrap();
         let found = flow.update(&waves(1.0, 1.0).frame()).unwrap().target.unwrap();
         assert!((-20.0..=139.0).contains(&found.x));
-        let other = GrayFrame { width: 9, height: 9, pixels: vec![0; 81] };
-        let error = flow.update(&other.frame()).unwrap_err();
-        assert_eq!(error.downcast_ref(), Some(&UpdateError::FrameSizeChanged));
     }
 }

@@ -202,7 +202,7 @@ fn ratio(part: f64, whole: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Report;
+    use crate::{Evidence, Report};
     use smr_recordings::BoundingBox;
 
     fn at(x: f64) -> Option<BoundingBox> {
@@ -212,13 +212,11 @@ mod tests {
     /// The first frame is the one that was locked on; in the others there is a state, too.
     fn run(answers: &[Option<BoundingBox>], states: &[State], work: Option<u32>, microseconds: u64) -> Run {
         let states = std::iter::once(&State::Tracking).chain(states);
-        let report = |(&target, &state): (&Option<BoundingBox>, &State)| Report {
-            target,
-            bbox: None,
-            state,
-            evidence: None,
-            work,
-        };
+        let (confidence, ratio, scale) = (0.5, 1.0, 1.0);
+        let evidence =
+            Some(Evidence { confidence, ratio, runner_up_ratio: None, alpha: None, scale, found_again: false });
+        let report =
+            |(&target, &state): (&Option<BoundingBox>, &State)| Report { target, bbox: None, state, evidence, work };
         let reports = answers.iter().zip(states).map(report).collect();
         Run { reports, time: Duration::from_micros(microseconds), ..Run::default() }
     }
@@ -237,7 +235,10 @@ mod tests {
 
     #[test]
     fn over_starts_by_hand() {
-        let figures = Figures::over_starts(&runs(Some(200)));
+        let runs = runs(Some(200));
+        let bins = Calibration::total(runs.iter().map(|run| &run.calibration)).bins("smr");
+        assert_eq!((bins[20].frames, bins[20].correct), (9, 1), "without the frames that were locked on");
+        let figures = Figures::over_starts(&runs);
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
             worst_correct: 1.0 / 3.0,
@@ -273,9 +274,26 @@ mod tests {
 
     #[test]
     fn recordings_count_alike() {
-        let part = |correct: f64, hidden: usize| Figures { mean_correct: correct, hidden, ..Figures::default() };
-        let expected = Figures { hidden: 12, ..part(0.5, 0) };
-        assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), expected);
+        let part = |mean: f64, sum: usize| Figures {
+            mean_correct: mean,
+            worst_correct: mean,
+            mean_correct_50: mean,
+            f: mean,
+            mean_iou: mean,
+            precision: mean,
+            hidden: sum,
+            answered_hidden: sum,
+            returns: sum,
+            found_again: sum,
+            tracking: sum,
+            tracking_wrong: sum,
+            wrong: sum,
+            right: sum,
+            right_unsaid: sum,
+            work_per_frame: Some(mean),
+            microseconds_per_frame: mean,
+        };
+        assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), part(0.5, 12));
     }
 
     #[test]
