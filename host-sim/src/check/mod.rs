@@ -2,6 +2,7 @@
 
 pub mod paper;
 pub mod robust;
+mod tolerance;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;

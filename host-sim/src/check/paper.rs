@@ -8,6 +8,7 @@
 //!    1/65535, the rounding of n table entries, and by f64's own rounding. Where the exact sums have another arg max, the
 //!    lead of that offset over core's may not exceed twice the bound.
 
+use super::tolerance::bound;
 use super::{Checked, Mismatch, Sides, differs};
 use anyhow::{Context, Result};
 use rayon::prelude::*;
@@ -40,14 +41,6 @@ pub struct OtherPeak {
     pub frame: usize,
     /// By how much the exact sum of the other offset is larger, in units of 1/65535.
     pub margin: f64,
-}
-
-/// The most that a score of `pixels` pixels can differ from the exact sum, in units of 1/65535.
-fn bound(pixels: u32) -> f64 {
-    let n = f64::from(pixels);
-    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each off by 2^-52 of itself, and rounds
-    // each partial sum of at most n * 65535 by another 2^-53 of itself.
-    n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
 
 impl Checked for Paper {
