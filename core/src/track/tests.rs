@@ -1,5 +1,5 @@
-//! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the camera, saved
-//! targets, misuse.
+//! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the
+//! camera, saved targets, misuse.
 
 use belonging::whoever_moves_whatever_is_under_way_goes_on_with_its_own_target;
 
@@ -257,7 +257,8 @@ fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Co
     assert_eq!(one.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
 }
 
-/// Two cameras that have seen the same, so that the two targets are bit for bit equal: which of them goes on does not matter.
+/// Two cameras that have seen the same, so that the two targets are bit for bit equal: which of them goes on does not
+/// matter.
 fn what_is_under_way_is_of_every_equal_target<T: Target>(config: T::Config) {
     let (mut left, mut right) = (locked::<T>(config), locked::<T>(config));
     let (a, b) = (picture(62, 42), picture(58, 47));
@@ -636,7 +637,8 @@ fn the_preset_robust_is_the_same_in_every_build() {
     }
 }
 
-/// Everything that a user can see of the preset `robust`, as one checksum: a build with the refiner and one without have the same.
+/// Everything that a user can see of the preset `robust`, as one checksum: a build with the refiner and one without
+/// have the same.
 #[test]
 fn the_preset_robust_answers_the_same_in_every_build() {
     let mut sum = Crc::new();

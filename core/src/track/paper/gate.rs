@@ -1,4 +1,5 @@
-//! The track of a target: its search window (step 1 of the method), and the gate, which accepts the peak of a search or not.
+//! The track of a target: its search window (step 1 of the method), and the gate, which accepts the peak of a search or
+//! not.
 
 use super::config::{Config, Fraction, RunnerUp};
 use crate::image::Rect;
@@ -47,7 +48,7 @@ impl Track {
     }
 
     /// The window of the next search: radius + growth * `lost_for`, up to the limit.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn search_window(&self, config: &Config) -> Window {
         let grown =
             |radius: u16, limit: u16| radius.saturating_add(config.growth.saturating_mul(self.lost_for)).min(limit);
@@ -57,7 +58,7 @@ impl Track {
     }
 
     /// The pixels of the frame that the next search may read.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn pixels(&self, config: &Config) -> Rect {
         self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
     }
@@ -81,9 +82,9 @@ impl Track {
         Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
     }
 
-    /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only if
-    /// `least_ratio` is not 0.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only
+    /// if `least_ratio` is not 0.
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn after(&self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
         let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
@@ -96,14 +97,14 @@ impl Track {
     }
 
     /// The box at `peak`, and the state of a target there.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
 
     /// The gate: does the peak exceed the runner-up enough to enter `state`?
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn accepts(&self, found: &Found, state: State, config: &Config) -> bool {
         let (gate, peak) = (&config.gate, found.peak.score);
         // `None`: it is below the peak, and the decision does not depend on it.
@@ -114,7 +115,7 @@ impl Track {
     }
 
     /// What the search must find to decide on `state`.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
         match ratio.numerator.cmp(&ratio.denominator) {
@@ -134,7 +135,7 @@ impl Track {
     }
 
     /// The ratio of peak and runner-up needed to enter `state`.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
             (State::Lost, _) => config.gate.lost,
@@ -145,7 +146,8 @@ impl Track {
     }
 }
 
-/// For each state: whether the search includes the runner-up from the start, and whether a second search may follow for it.
+/// For each state: whether the search includes the runner-up from the start, and whether a second search may follow for
+/// it.
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

@@ -88,7 +88,7 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
 }
 
 /// The numbers that answers depend on: all but the table, backend and pruning.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
     let Config { k, gate, window, window_limit: limit, update_zone: zone, .. } = config;
     [

@@ -18,8 +18,8 @@ use core::fmt;
 
 /// A target of the paper's tracker.
 ///
-/// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS` bytes, its
-/// [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
+/// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS`
+/// bytes, its [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
 ///
 /// In addition to the calls of [`Target`] it gives the template, and the score of any offset:
 ///
@@ -70,8 +70,8 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         self.track.as_ref().map(|track| track.search_window(&self.config))
     }
 
-    /// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. For maps of scores and
-    /// for checks. `None` before the first lock, or if a pixel of the box is not in memory.
+    /// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. For maps of
+    /// scores and for checks. `None` before the first lock, or if a pixel of the box is not in memory.
     ///
     /// Cost: one comparison per pixel of the template.
     #[must_use]
@@ -154,7 +154,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         config.check()
     }
 
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     fn of_checked(config: Config) -> Self {
         // A constant is set to zeroes by words there, but copied by way of the stack in a debug build.
         #[cfg(smr_small)]
@@ -238,7 +238,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         workspace.under_way.done()
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
         let track = self.track.as_ref().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
@@ -270,7 +270,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         (self.track, self.locking) = (None, Locking::new(bounds, target));
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Self { template, config, .. } = self;
         // Without a track a lock is under way. `conclude_lock` does all of it.

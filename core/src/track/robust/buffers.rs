@@ -14,7 +14,8 @@ const CELLS: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// What the stages fill and read.
-// Fields with padding come before a vector. In the other order a build without optimisation builds the value on the stack and copies it.
+// Fields with padding come before a vector. In the other order a build without optimisation builds the value on the
+// stack and copies it.
 #[repr(C)]
 pub(super) struct Buffers {
     /// Features of the search window.
@@ -31,7 +32,7 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         // Constants, so that they are not built on the stack.
         Self {

@@ -6,8 +6,8 @@
 //! confidence = 2/3 mean
 //! ```
 //!
-//! A filter that learns from its own answers responds well to anything it follows, so its response is weak evidence. The early template
-//! hardly learns, so its agreement counts twice as much. A response above 1/2 counts as 1/2.
+//! A filter that learns from its own answers responds well to anything it follows, so its response is weak evidence.
+//! The early template hardly learns, so its agreement counts twice as much. A response above 1/2 counts as 1/2.
 //! Evidence and mean are in units of 1/65536, at most 1.5.
 
 use super::config::Config;
@@ -21,7 +21,7 @@ pub(super) struct Evidence(i32);
 
 impl Evidence {
     /// 0 where no target can be seen.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn of(candidate: &Candidate) -> Self {
         if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
     }
@@ -69,7 +69,7 @@ impl Confidence {
         Self(mean.min(evidence.0 + CONFIDENCE_LEAD))
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn state(self, config: &Config) -> State {
         let confidence = self.value();
         if confidence < config.lost_below {
@@ -87,7 +87,7 @@ impl Confidence {
     }
 
     /// In units of 1/65535.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn value(self) -> u16 {
         u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
     }

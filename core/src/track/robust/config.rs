@@ -4,8 +4,8 @@ use super::constants::REACH;
 use crate::similarity::{Backend, Table};
 use crate::track::ConfigError;
 
-/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, or the same with the refiner
-/// (`Config::refined`), and change what you need.
+/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, or the same
+/// with the refiner (`Config::refined`), and change what you need.
 ///
 /// ```
 /// use smr_core::{Robust, Target, robust::Config};
@@ -24,26 +24,26 @@ pub struct Config {
     pub table: &'static Table,
     /// How sums are computed; affects only the time. `None`: the fastest backend of the machine.
     pub backend: Option<Backend>,
-    /// Radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's area. The
-    /// work of an update grows with the square of 2 `reach` + 1.
+    /// Radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's area.
+    /// The work of an update grows with the square of 2 `reach` + 1.
     pub reach: u8,
     /// Whether the box follows the target's size.
     pub size: bool,
     /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
     pub sweep: bool,
-    /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer, turns or changes its
-    /// shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a build without the feature `refiner`,
-    /// [`Config::check`] refuses it.
+    /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer,
+    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a
+    /// build without the feature `refiner`, [`Config::check`] refuses it.
     pub refiner: bool,
-    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher value holds on to the
-    /// target for longer: through short occlusions, but also through errors.
+    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher
+    /// value holds on to the target for longer: through short occlusions, but also through errors.
     pub patience: u8,
     /// The target is lost while the confidence is below this, in units of 1/65535.
     pub lost_below: u16,
     /// It is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// The filter's learning rate: the fraction of the exact step, in units of 1/256, 0 to 256. With 0 the filter keeps what it learned in
-    /// the first frame.
+    /// The filter's learning rate: the fraction of the exact step, in units of 1/256, 0 to 256. With 0 the filter keeps
+    /// what it learned in the first frame.
     pub learning_rate: u16,
     /// The early template's learning rate, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,

@@ -1,9 +1,9 @@
 //! All constants of the method that are not in [`Config`](super::Config), with their units.
 //!
-//! *R with ...* is the change of R, the mean part of frames in which the box is right, with another value: 90 recordings, from the first
-//! frame's annotated box, paired, with the standard error. R is 0.802 with the values here (`host-sim eval --robustness --single-start
-//! --method robust`). Constants without such a line were not measured one by one; `host-sim/RESULTS.md` of the project says what each
-//! part of the tracker is worth.
+//! *R with ...* is the change of R, the mean part of frames in which the box is right, with another value: 90
+//! recordings, from the first frame's annotated box, paired, with the standard error. R is 0.802 with the values here
+//! (`host-sim eval --robustness --single-start --method robust`). Constants without such a line were not measured one
+//! by one; `host-sim/RESULTS.md` of the project says what each part of the tracker is worth.
 
 // Units.
 
@@ -32,15 +32,16 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells on a side of the filter.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// The filter is 1.4 times as wide and as high as the target: 1.4 / `CELL` cells for each pixel of the grid, as a fraction.
+/// The filter is 1.4 times as wide and as high as the target: 1.4 / `CELL` cells for each pixel of the grid, as a
+/// fraction.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the grid, in positions: half a pixel. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 // Gradients.
 
-/// Added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for each pixel of a cell. Without it, noise
-/// in flat cells would get full contrast.
+/// Added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for each pixel of a
+/// cell. Without it, noise in flat cells would get full contrast.
 /// R with nearly no floor -0.067 +- 0.021; with twice as much -0.038 +- 0.018.
 pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
 /// feature = gain * gradient (in 1/4 gray level) / norm (in 1/8). 0.4 of the norm becomes 127, so gain = 2 * 127 / 0.4.
@@ -48,7 +49,8 @@ pub(super) const NORM_GAIN: u32 = 635;
 
 // Response.
 
-/// The penalty of a response at the edge of the search window, in units of 1/256. It grows with the squared distance from the middle.
+/// The penalty of a response at the edge of the search window, in units of 1/256. It grows with the squared distance
+/// from the middle.
 /// R without -0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
@@ -69,8 +71,8 @@ pub(super) const REFINED_FROM: u16 = 55_000;
 pub(super) const MOST_MOVE: i64 = 64;
 /// The largest growth by a step, in units of 1/65536: 2 %.
 pub(super) const MOST_GROWTH: i32 = 1310;
-/// Damping (Levenberg): each diagonal element of the normal equations grows by 2^-6 of itself. Without it, a target with a single edge
-/// could slide along that edge.
+/// Damping (Levenberg): each diagonal element of the normal equations grows by 2^-6 of itself. Without it, a target
+/// with a single edge could slide along that edge.
 pub(super) const DAMPING: u32 = 6;
 
 // Verification.
@@ -78,7 +80,8 @@ pub(super) const DAMPING: u32 = 6;
 /// Parts on a side of the template: 4 x 4.
 pub(super) const PARTS: u16 = 4;
 /// Which of the sorted ratios of the parts is the agreement; 1 is the least. Three parts may be hidden.
-/// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are *tracking* instead of 23 %.
+/// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are
+/// *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
 /// The bounds of alpha, in gray levels.
 pub(super) const LEAST_ALPHA: u32 = 8;
@@ -114,8 +117,8 @@ pub(super) const LEARNED_FROM: i32 = 37_500;
 pub(super) const FOUND_FROM: i32 = 52_000;
 /// and exceeds the evidence at its last place by at least this much.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The running mean exceeds the evidence of the present frame by at most this much. So one frame without evidence makes a target
-/// uncertain. With the default thresholds, two such frames make it lost.
+/// The running mean exceeds the evidence of the present frame by at most this much. So one frame without evidence makes
+/// a target uncertain. With the default thresholds, two such frames make it lost.
 /// R without +0.002 +- 0.002: it is there for the state, not for the place.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
@@ -129,7 +132,8 @@ pub(super) const MOST_ERROR: i32 = 65_535;
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// (label's standard deviation / root of the target's area)^2: 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half of its side.
+/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half
+/// of its side.
 pub(super) const LEARNED_WIDTH: u64 = 32;
 /// Steps of steepest descent in the first frame.
 pub(super) const FIRST_STEPS: u32 = 25;

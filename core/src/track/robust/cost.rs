@@ -1,7 +1,7 @@
 //! The cost of each stage in units of work, and the most work of an update, a lock and a step.
 //!
-//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel read from the
-//! frame.
+//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel
+//! read from the frame.
 #![allow(clippy::cast_possible_truncation)] // numbers of a few thousand, in `const` functions
 
 use super::config::Config;
@@ -58,7 +58,8 @@ struct Shape {
     reach: u32,
 }
 
-/// The most pixels of the frame that a lattice reads: its steps are less than two blocks, and it reads four pixels of each block.
+/// The most pixels of the frame that a lattice reads: its steps are less than two blocks, and it reads four pixels of
+/// each block.
 const fn read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -133,7 +134,8 @@ impl Shape {
         Self::crop(config) + self.view() + self.features(self.reach) + FIRST_STEPS * lesson
     }
 
-    /// The largest indivisible piece of work: a row of cells, of the view or of responses, or one pass over the weights or the template.
+    /// The largest indivisible piece of work: a row of cells, of the view or of responses, or one pass over the weights
+    /// or the template.
     const fn unit(self) -> u32 {
         let columns = (self.across + 2 * self.reach) * CELL as u32 + 2;
         let span = 2 * self.reach + 1;

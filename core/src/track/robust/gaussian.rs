@@ -1,4 +1,5 @@
-//! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's cells.
+//! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's
+//! cells.
 //!
 //! ```text
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from a table of 32 entries per sigma; 0 from 5 sigma on
@@ -42,7 +43,7 @@ impl Gaussian {
     }
 
     /// The value at a distance from the middle.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.entries) >> 20;
         usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&part| part.into())

@@ -5,8 +5,8 @@
 //! velocity' = (velocity + place' - place) / 2
 //! ```
 //!
-//! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of 1/65536. Positions lie
-//! within the frame, so both coordinates are below 2^28.
+//! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of
+//! 1/65536. Positions lie within the frame, so both coordinates are below 2^28.
 
 use super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
@@ -24,7 +24,7 @@ impl Place {
     pub(super) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
 
     /// The middle of a box.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn of(target: Rect) -> Self {
         let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
@@ -37,7 +37,7 @@ impl Place {
     }
 
     /// Moved into a frame.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn inside(self, bounds: Rect) -> Self {
         let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;
         Self { x: self.x.clamp(0, end(bounds.width)), y: self.y.clamp(0, end(bounds.height)), ..self }
@@ -58,7 +58,7 @@ impl Motion {
     }
 
     /// The expected place in the next frame; without `velocity`, the present place.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn expected(&self, velocity: bool, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
         let further = |from: i64, by: i64| if velocity { from + (by >> 1) } else { from };

@@ -7,8 +7,8 @@
 //! lock:   view, which becomes the template -> features -> learning -> 24 times: response -> learning
 //! ```
 //!
-//! A search computes features and responses. Each stage holds its inputs and passes on its result. Until an update or a lock is finished, only
-//! the workspace changes.
+//! A search computes features and responses. Each stage holds its inputs and passes on its result. Until an update or a
+//! lock is finished, only the workspace changes.
 
 use super::buffers::Buffers;
 use super::confidence::{Confidence, Evidence};
@@ -92,7 +92,7 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { stage: Stage::Done, outcome: Outcome::new(None) }
     }
@@ -115,7 +115,7 @@ impl Outcome {
     }
 
     /// The patch that the early template starts as or learns from.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
         buffers.verification.patch(grid, self.displacement)
     }
@@ -184,7 +184,7 @@ impl Model<'_> {
     }
 
     /// Continues until the grant is spent; true at the end.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn advance(
         &self,
         pipeline: &mut Pipeline,
@@ -198,8 +198,8 @@ impl Model<'_> {
         matches!(pipeline.stage, Stage::Done)
     }
 
-    /// One unit of work. After the last unit of a stage, a function of its own begins the next stage, so that only this function takes its
-    /// stack.
+    /// One unit of work. After the last unit of a stage, a function of its own begins the next stage, so that only this
+    /// function takes its stack.
     fn advance_stage(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
         match &mut pipeline.stage {
             Stage::Done => {}
@@ -296,8 +296,8 @@ impl Model<'_> {
         }
     }
 
-    /// After the learning of an update: begins the refinement of the box, unless the early template gave the exact place and size. The
-    /// window's features are not needed any more, so the refiner may use their memory.
+    /// After the learning of an update: begins the refinement of the box, unless the early template gave the exact
+    /// place and size. The window's features are not needed any more, so the refiner may use their memory.
     #[cfg(feature = "refiner")]
     #[inline(never)] // see `advance_stage`
     fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
@@ -322,7 +322,7 @@ impl Model<'_> {
         pipeline.stage = Stage::Features(purpose, lattice);
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn centre(&self, purpose: Purpose) -> Place {
         match purpose {
             Purpose::Lock => self.track.motion.place,
@@ -343,7 +343,7 @@ impl Model<'_> {
     }
 
     /// Begins the view of a place.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn view(&self, buffers: &mut Buffers, place: Place) -> View {
         let Buffers { extractor, verification, .. } = buffers;
         View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), verification)
@@ -424,7 +424,7 @@ impl Model<'_> {
         )
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn products(&self) -> Products {
         Products::new(self.config.backend())
     }
@@ -458,7 +458,7 @@ impl Model<'_> {
 }
 
 /// Follows a candidate of redetection if it is the lost target.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
     *stage = Stage::Done;
     let Some(track) = &mut outcome.track else { return };

@@ -11,8 +11,9 @@
 //! | `r` | response | 1/16384 of the label | +-2^24 |
 //! | peak | place of the largest counted response | 1/256 cell | |
 //!
-//! A parabola through its neighbours on each axis refines the peak. Of equal responses the middle one wins, or else the first: in a black
-//! frame the place stays. Cost: one product for each weight and offset, by default 289 for each weight.
+//! A parabola through its neighbours on each axis refines the peak. Of equal responses the middle one wins, or else the
+//! first: in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for each
+//! weight.
 
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::cost::units;
@@ -47,7 +48,7 @@ pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
 }
 
 impl Responses {
-    #[inline(always)] // made in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
@@ -58,7 +59,7 @@ impl Responses {
     }
 
     /// One part of the responses of coded weights; true after the last part.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(super) fn advance(
         &mut self,
@@ -85,7 +86,7 @@ impl Responses {
 }
 
 /// The peak of the responses at `span` offsets on each axis. With `penalty`, responses far from the middle count less.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let responses = Counted { rows, span, penalty };
     let (mut x, mut y) = (span / 2, span / 2);
@@ -120,7 +121,7 @@ struct Counted<'a> {
 
 impl Counted<'_> {
     /// What the response at an offset counts; `None` outside.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn at(&self, x: usize, y: usize) -> Option<i32> {
         let response = self.rows.get(..self.span)?.get(y)?.get(..self.span)?.get(x)?;
         Some(self.count(x, y, *response))
@@ -132,7 +133,7 @@ impl Counted<'_> {
 }
 
 /// The counted response at an offset.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);
     let away = |at: usize| u32::try_from(at).map_or(0, |at| at.abs_diff(reach).pow(2));
@@ -142,9 +143,9 @@ fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 
-/// The top of a parabola through three responses: its place from the middle one, in units of 1/256 of their distance (-128 to 128), and
-/// its height above the middle one. Both are 0 if the middle one is no maximum.
-#[inline(never)] // one copy in flash
+/// The top of a parabola through three responses: its place from the middle one, in units of 1/256 of their distance
+/// (-128 to 128), and its height above the middle one. Both are 0 if the middle one is no maximum.
+#[inline(never)]
 fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
     // Responses are at most 2^24.
     let curvature = before - 2 * at + after;

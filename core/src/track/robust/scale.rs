@@ -1,13 +1,13 @@
-//! The scale search: is the target a little smaller or larger? The filter's response at the last scale, and at 1/1.02 and 1.02 times it
-//! (as in DSST; Danelljan et al., 2014).
+//! The scale search: is the target a little smaller or larger? The filter's response at the last scale, and at 1/1.02
+//! and 1.02 times it (as in DSST; Danelljan et al., 2014).
 //!
 //! ```text
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
 //! ```
 //!
-//! All three are sampled around the same place, so that none has an advantage by its place. Offsets of up to one cell are searched.
-//! The search runs even if refinement has found the exact growth, which then wins. So every frame costs the same.
-//! Cost: three small windows of features, and 27 products for each weight.
+//! All three are sampled around the same place, so that none has an advantage by its place. Offsets of up to one cell
+//! are searched. The search runs even if refinement has found the exact growth, which then wins. So every frame costs
+//! the same. Cost: three small windows of features, and 27 products for each weight.
 
 use super::constants::{CHANNELS, WEIGHTS};
 use super::constants::{LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP};
@@ -114,7 +114,7 @@ fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
 }
 
 /// The next smaller and the next larger scale.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(super) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = i64::from(scale);
     [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]

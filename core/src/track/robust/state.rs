@@ -33,7 +33,7 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             track: None,
@@ -101,7 +101,7 @@ impl Track {
     }
 
     /// The middle of the next window of redetection, at the scale last tracked.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn swept(&self, reach: u16) -> Place {
         let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
         let (x, y) = self.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), self.bounds);
@@ -114,7 +114,7 @@ impl Track {
     }
 
     /// The target's box, as it is answered.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn bbox(&self) -> FineRect {
         #[cfg(feature = "refiner")]
         return self.correction.correct(self.followed());
@@ -122,8 +122,8 @@ impl Track {
         self.followed()
     }
 
-    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`: a view may be displaced,
-    /// place and peak lie between two, and the scale may change by a step.
+    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`: a
+    /// view may be displaced, place and peak lie between two, and the scale may change by a step.
     #[cfg(feature = "refiner")]
     pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {
         let [_, larger] = scale::other_scales(centre.scale);
@@ -294,8 +294,9 @@ pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>,
     Reader::new(bytes, Kind::Robust, &Settings { table: config.table, numbers: &numbers(config) })
 }
 
-/// The numbers that answers depend on: all but the table and the backend. The refiner comes last: a flight record names it only if it is on.
-#[inline(never)] // one copy in flash
+/// The numbers that answers depend on: all but the table and the backend. The refiner comes last: a flight record names
+/// it only if it is on.
+#[inline(never)]
 pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
     let Parts { velocity, distance_penalty, verification, gated_learning } = config.parts;
     [

@@ -66,8 +66,8 @@ impl Robust {
         }
     }
 
-    /// The early template, by which the target is verified, row by row; `None` before the first lock. Its shape is that of
-    /// [`Robust::grid`].
+    /// The early template, by which the target is verified, row by row; `None` before the first lock. Its shape is that
+    /// of [`Robust::grid`].
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
         self.memory.track.as_ref().map(|_| self.memory.template.pixels())
@@ -119,8 +119,8 @@ impl Robust {
         Model { config: &self.config, memory: &self.memory, track }
     }
 
-    /// The pixels that an update may read around the expected place: the search window, the view of any place in it, and the windows of other
-    /// scales.
+    /// The pixels that an update may read around the expected place: the search window, the view of any place in it,
+    /// and the windows of other scales.
     fn expected_pixels(&self, track: &Track) -> Rect {
         let centre = track.expected(&self.config);
         let reach = self.config.reach();
@@ -137,8 +137,8 @@ impl Robust {
         pixels
     }
 
-    /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is given whenever it
-    /// may be.
+    /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is
+    /// given whenever it may be.
     fn swept_pixels(&self, track: &Track) -> Option<Rect> {
         let reach = self.config.reach();
         let may_be_lost = self.config.sweeps() && track.confidence.may_be_lost_next(&self.config);
@@ -169,7 +169,7 @@ impl Target for Robust {
         config.check()
     }
 
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     fn of_checked(config: Config) -> Self {
         Self { config, memory: Memory::new(), locking: Locking::NOTHING }
     }
@@ -383,7 +383,7 @@ impl Robust {
 }
 
 /// The smallest rectangle that holds both.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));
     let side = |from: i32, to: i32| u16::try_from(to.saturating_sub(from)).unwrap_or(u16::MAX);

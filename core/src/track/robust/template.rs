@@ -1,4 +1,5 @@
-//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong target first.
+//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong
+//! target first.
 //!
 //! ```text
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
@@ -15,7 +16,7 @@ pub(super) struct Template {
 }
 
 impl Template {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { mean: Vec::new() }
     }
@@ -40,8 +41,9 @@ impl Template {
         &self.mean
     }
 
-    /// Moves `rate` / 1024 of the way to `patch`. With a rate of 1 a pixel that differs by less than 2 gray levels stays as it is.
-    #[inline(never)] // one copy in flash
+    /// Moves `rate` / 1024 of the way to `patch`. With a rate of 1 a pixel that differs by less than 2 gray levels
+    /// stays as it is.
+    #[inline(never)]
     pub(super) fn learn(&mut self, patch: Image<'_>, rate: u16) {
         let columns = usize::from(patch.width());
         for y in 0..patch.height() {
@@ -61,7 +63,7 @@ impl Template {
     }
 
     /// Copies them into `out`.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn copy_to(&self, out: &mut Vec<u8, MOST_PIXELS>) {
         // Cannot fail: both have the same capacity.
         let _ = out.resize_default(self.mean.len());

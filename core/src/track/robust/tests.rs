@@ -1,5 +1,5 @@
-//! The whole tracker: extreme sizes and contents, partial frames, and targets that change. Overflow checks are on in tests, so an
-//! overflow fails them.
+//! The whole tracker: extreme sizes and contents, partial frames, and targets that change. Overflow checks are on in
+//! tests, so an overflow fails them.
 
 use super::constants::PIXEL;
 use super::sampling::{Lattice, Scratch};
@@ -140,8 +140,8 @@ fn a_step_does_no_more_than_it_promises() {
     }
 }
 
-/// A few pixels of each block are read, so the size of the target hardly affects the work. The largest target has a frame of 4 GiB, nearly
-/// all of which is never touched.
+/// A few pixels of each block are read, so the size of the target hardly affects the work. The largest target has a
+/// frame of 4 GiB, nearly all of which is never touched.
 #[cfg(target_pointer_width = "64")]
 #[test]
 fn a_target_of_any_size_costs_about_the_same() {
@@ -336,8 +336,8 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels in tiles on a background of weaker tiles; brightness and contrast in percent. Without a place there is only
-/// background.
+/// A target of 40x40 pixels in tiles on a background of weaker tiles; brightness and contrast in percent. Without a
+/// place there is only background.
 fn scene(at: Option<(usize, usize)>, light: u32) -> Vec<u8> {
     let hash =
         |x: usize, y: usize, seed: usize| ((x * 31 + y * 57 + seed).wrapping_mul(2_654_435_761) >> 16) as u32 % 200;
@@ -395,7 +395,8 @@ fn light_may_change() {
     }
 }
 
-/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, noisy. They move slowly.
+/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, noisy.
+/// They move slowly.
 fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
     let hash = |x: usize, y: usize| (x * 31 + y * 57 + kind).wrapping_mul(2_654_435_761) >> 16;
     let (left, top) = (40 + frame / 2, 30 + frame / 4);

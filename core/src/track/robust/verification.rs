@@ -1,15 +1,16 @@
 //! Verification: is the target still at the peak?
 //!
-//! The view around the peak is sampled, the early template is displaced to where it fits best ([`displacement`](super::displacement)), and
-//! both are compared part by part:
+//! The view around the peak is sampled, the early template is displaced to where it fits best
+//! ([`displacement`](super::displacement)), and both are compared part by part:
 //!
 //! ```text
 //! agreement = the fourth lowest of the SMR ratios of 4x4 parts, in units of 1/65535
 //! ```
 //!
-//! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. By the fourth lowest part, three parts
-//! may be hidden or turned away, but not four. The template is first adapted to the light of the patch
-//! ([`lighting`](super::lighting)). A patch without contrast, or clipped to black or white, shows no target (`similarity/contrast.rs`).
+//! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. By the fourth
+//! lowest part, three parts may be hidden or turned away, but not four. The template is first adapted to the light of
+//! the patch ([`lighting`](super::lighting)). A patch without contrast, or clipped to black or white, shows no target
+//! (`similarity/contrast.rs`).
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
@@ -29,7 +30,8 @@ use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::UnderWay;
 use heapless::Vec;
 
-/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of margin.
+/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of
+/// margin.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
@@ -66,7 +68,8 @@ impl Candidate {
     }
 }
 
-/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best displacement.
+/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
+/// displacement.
 #[repr(C)] // see `Workspace`
 pub(super) struct Scratch {
     table: CutTable,
@@ -77,7 +80,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { view: Vec::new(), relit: Vec::new(), table: const { CutTable::EMPTY }, contrast: Contrast::NONE }
     }
@@ -107,13 +110,14 @@ impl Scratch {
     }
 
     /// The template in the light of the patch.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
         Image::new(&self.relit, grid.columns, grid.rows).ok()
     }
 
-    /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a target.
-    #[inline(never)] // one copy in flash
+    /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a
+    /// target.
+    #[inline(never)]
     fn relight(&mut self, reference: &Reference<'_>, displacement: Displacement) -> bool {
         let Self { table, contrast, view, relit } = self;
         let Some(patch) = patch(view, reference.grid, displacement) else { return false };
@@ -142,7 +146,7 @@ impl Scratch {
     }
 }
 
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn patch<'a>(view: &'a [u8], grid: &Grid, displacement: Displacement) -> Option<Image<'a>> {
     let Grid { columns, rows, .. } = *grid;
     let [left, top] = in_view(displacement).map(i32::from);
@@ -171,7 +175,7 @@ impl View {
     }
 
     /// Samples a row; true after the last one.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn advance(
         &mut self,
         frame: &Frame<'_>,

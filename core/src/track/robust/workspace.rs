@@ -21,7 +21,7 @@ pub struct Workspace {
 impl Workspace {
     /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
     #[must_use]
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     pub const fn new() -> Self {
         Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
@@ -39,7 +39,7 @@ impl core::fmt::Debug for Workspace {
 }
 
 impl Default for Workspace {
-    #[inline(always)] // built in place
+    #[inline(always)]
     fn default() -> Self {
         Self::new()
     }

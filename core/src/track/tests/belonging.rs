@@ -1,8 +1,8 @@
 //! An update or a lock under way belongs to its target, wherever target and workspace are.
 //!
-//! Targets and workspaces change places, are replaced, restored into each other and left in the middle of updates and locks. A model knows
-//! what is under way by the targets' saved bytes: `resume` succeeds if and only if the model says so, for every target in every workspace
-//! after every call; and every end is that of a twin that did all at once.
+//! Targets and workspaces change places, are replaced, restored into each other and left in the middle of updates and
+//! locks. A model knows what is under way by the targets' saved bytes: `resume` succeeds if and only if the model says
+//! so, for every target in every workspace after every call; and every end is that of a twin that did all at once.
 
 use super::{SIZE, TARGET, picture, saved, whole};
 use crate::{Paper, Rect, Robust, Target};
@@ -139,7 +139,8 @@ impl<T: Learning> Scene<T> {
         Self { config, frames, targets, workspaces }
     }
 
-    /// A target and a workspace whose job it can go on with, from these numbers on; those of the numbers if there are none.
+    /// A target and a workspace whose job it can go on with, from these numbers on; those of the numbers if there are
+    /// none.
     fn pair(&self, target: Index, workspace: Index) -> (usize, usize) {
         let (targets, workspaces) = (self.targets.len(), self.workspaces.len());
         let (first, second) = (target.index(targets), workspace.index(workspaces));

@@ -5,8 +5,9 @@
 //! factor' = 1 + 15/16 (factor (1 + estimate / 4) - 1)         of width and height
 //! ```
 //!
-//! The next crop is that of the corrected box, so errors of the network are corrected by the network. Without the leak of 1/16 they would
-//! add up. If the early template gives the exact place and size, the network does not run, and the correction fades by a quarter.
+//! The next crop is that of the corrected box, so errors of the network are corrected by the network. Without the leak
+//! of 1/16 they would add up. If the early template gives the exact place and size, the network does not run, and the
+//! correction fades by a quarter.
 
 use crate::image::FineRect;
 
@@ -53,7 +54,7 @@ impl Correction {
     }
 
     /// The corrected box.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(in super::super) fn correct(&self, target: FineRect) -> FineRect {
         let [right, down] = self.centre;
         let [wider, higher] = self.sides;
@@ -71,7 +72,7 @@ impl Correction {
 }
 
 /// One axis of a corrected box.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn corrected(from: i32, side: u32, moved: i32, factor: i32) -> (i32, u32) {
     let new = (i64::from(side) * i64::from(factor) + (1 << 15)) >> 16;
     let middle = i64::from(from) + i64::from(side / 2) + ((i64::from(moved) * new) >> 12);

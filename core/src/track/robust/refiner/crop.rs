@@ -42,16 +42,18 @@ fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
 }
 
 /// The crop of a box.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
     Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
 }
 
-/// All pixels that the crop of a box may read if the box moves by up to `by`, in units of 1/4096 pixel, in a frame with these `bounds`.
+/// All pixels that the crop of a box may read if the box moves by up to `by`, in units of 1/4096 pixel, in a frame with
+/// these `bounds`.
 ///
-/// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the mean of the steps.
-#[inline(never)] // one copy in flash
+/// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the
+/// mean of the steps.
+#[inline(never)]
 pub(in super::super) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
     let blocks = right + down + (2 << 12);
@@ -61,7 +63,7 @@ pub(in super::super) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Re
 }
 
 /// The first pixel, and the number of pixels, on an axis of a frame with `size` pixels.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
     let last = i64::from(size.max(1)) - 1;
     let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
@@ -72,7 +74,7 @@ fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
 }
 
 impl Crop {
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut sampling::Scratch) -> Self {
         let lattice = crop_of(target);
         lattice.prepare(bounds, sampling);
@@ -80,7 +82,7 @@ impl Crop {
     }
 
     /// Samples a row into `crop`; true after the last one, when the crop is normalised.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(in super::super) fn advance(
         &mut self,
         frame: &Frame<'_>,
@@ -107,8 +109,9 @@ impl Crop {
     }
 }
 
-/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26, a product at most 255 * 2^14.
-#[inline(never)] // one copy in flash
+/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26, a product at most 255
+/// * 2^14.
+#[inline(never)]
 fn normalise(crop: &mut [i8; FIRST]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
     let mean = (rolled(crop.iter()).map(sample).sum::<i32>() + (1 << 9)) >> 10;

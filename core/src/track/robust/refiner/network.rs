@@ -9,13 +9,13 @@
 //! | full | 384 | 24 | | 8 | 9,216 |
 //! | full | 24 | 6 | | none | 144 |
 //!
-//! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. Inputs and outputs are 16 times
-//! what they stand for, weights 2^shift times (the last ones 2^8). The first layer has 64 beyond the edge, the others 0.
-//! The six outputs, in units of 1/4096: the centre to the right and down, in sides of the box; the logarithms of the factors of width and
-//! height; and two of their spread, which training uses.
+//! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. Inputs and
+//! outputs are 16 times what they stand for, weights 2^shift times (the last ones 2^8). The first layer has 64 beyond
+//! the edge, the others 0. The six outputs, in units of 1/4096: the centre to the right and down, in sides of the box;
+//! the logarithms of the factors of width and height; and two of their spread, which training uses.
 //!
-//! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its inputs row by row, with
-//! zeroes up to a multiple of 4. `weights.json` says how it was made.
+//! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
+//! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
 
 use super::super::cost::units;
 use super::crop::{FIRST, MEAN, SIDE};
@@ -116,8 +116,8 @@ pub(in super::super) const WORK: u32 = {
     sum as u32
 };
 
-/// Scratch memory: the patches of a row, two layers of inputs, which take turns, and what the kernels need. The present crop lies where
-/// patches are made later.
+/// Scratch memory: the patches of a row, two layers of inputs, which take turns, and what the kernels need. The present
+/// crop lies where patches are made later.
 const PATCHES: usize = 1152;
 const INPUTS: usize = 2592;
 pub(in super::super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
@@ -148,7 +148,7 @@ pub(in super::super) struct Layers {
 
 impl Layers {
     /// Makes the inputs of the first layer: both crops, sample by sample, with their mean beyond the edge.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], work: &mut UnderWay) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
         if let Some([present, inputs, ..]) = regions(scratch) {
@@ -167,7 +167,7 @@ impl Layers {
     }
 
     /// A row of a convolution, or both full layers; their outputs after the last unit.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
@@ -206,7 +206,7 @@ fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
 }
 
 /// The inputs of each output of a row, one after the other. Returns their number.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &mut [i8]) -> usize {
     let patches = patches.chunks_mut(length.max(1)).take(of.side);
     for (x, patch) in patches.enumerate() {
@@ -226,7 +226,7 @@ fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
 }
 
 /// The two full layers.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
     let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
     let number = CONVOLUTIONS.len();
