@@ -1,4 +1,4 @@
-//! The numbers of the method. [`Target::new`](crate::Target::new) checks them.
+//! The configuration of the paper's tracker. [`Target::new`](crate::Target::new) checks it.
 
 use crate::image::Rect;
 use crate::search::Radius;
@@ -42,7 +42,7 @@ impl Fraction {
     }
 }
 
-/// The distances, in pixels, that a box must keep from the edges of the frame.
+/// The distances that a box must keep from the edges of the frame. Unit: pixel.
 ///
 /// ```
 /// use smr_core::{Rect, paper::Margins};
@@ -103,19 +103,19 @@ pub struct Gate {
     pub returning: Fraction,
     /// The ratio needed to find a lost target again.
     pub lost: Fraction,
-    /// The lead that is sufficient in every state, in fully similar pixels: score / 65535.
+    /// The lead over the runner-up that is sufficient in every state. Unit: one fully similar pixel, a score of 65535.
     pub lead: u16,
-    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, turns the
-    /// following check off as well.
+    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. The paper's value, 0, also turns
+    /// off the following check.
     ///
-    /// The check is against a covered lens and applies to boxes inside the frame. The patch must have at least 1/4 of
+    /// The check detects a covered lens and applies to boxes inside the frame. The patch must have at least 1/4 of
     /// the template's contrast (mean absolute deviation). Its number of pixels at 0 or 255 must be at most that of the
     /// template plus half of all pixels.
     pub least_ratio: u16,
 }
 
-/// The numbers of the method. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change what you
-/// need.
+/// The settings of the paper's tracker. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change
+/// what you need.
 ///
 /// ```
 /// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
@@ -135,14 +135,14 @@ pub struct Config {
     pub k: Fraction,
     /// alpha of the first update, rounded up to whole gray levels; at least 1. A pixel counts if d < alpha.
     pub first_threshold: u8,
-    /// The least alpha after an update, in whole gray levels. 0 (the paper's) and 1 set no bound. After a still scene
-    /// alpha is then so small that no pixel counts once the light changes.
+    /// The least alpha after an update, in whole gray levels. 0 (the paper's value) and 1 set no bound: after a still
+    /// scene, alpha is then so small that no pixel counts once the light changes.
     pub least_threshold: u8,
-    /// The width of the border of zeros around the frame, in pixels: how far a box may leave the frame.
+    /// The width of the border of zeros around the frame, in pixels. A box may leave the frame by this much.
     pub padding: u16,
     /// The radius of the search window around the last position.
     pub window: Radius,
-    /// By how many pixels the window grows on each side, per frame while the target is lost.
+    /// The growth of the window in each frame while the target is lost: pixels on each side.
     pub growth: u16,
     /// The largest radius. At least `window`. The padded frame always bounds the window.
     pub window_limit: Radius,
@@ -165,14 +165,13 @@ pub struct Config {
 
 /// When the runner-up is searched.
 ///
-/// The runner-up is usually far below the peak, so few offsets can be excluded. To search it in every frame multiplies
-/// the time.
+/// The runner-up is usually far below the peak, so few offsets can be excluded. A search for it in every frame
+/// multiplies the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RunnerUp {
-    /// If the decision of the gate depends on it. With the paper's gate it does not if the target was tracked before
-    /// and the peak is inside the frame: then the peak only has to be larger, and the runner-up is given only if it
-    /// equals the peak.
+    /// If the decision of the gate depends on it. With the paper's gate it does not while a target stays inside the
+    /// frame: its peak only has to exceed the runner-up, so the runner-up is given only if it equals the peak.
     WhenItDecides,
     /// In every frame.
     Always,
@@ -210,7 +209,7 @@ impl Config {
         }
     }
 
-    /// For cameras: the paper's values with bounded time and memory.
+    /// The preset for cameras: the paper's values with bounded time and memory.
     ///
     /// Differences from [`Config::paper`]:
     /// - While the target is lost, the window grows by at most 20 pixels on each side, so the cost of a frame at most

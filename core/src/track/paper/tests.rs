@@ -187,7 +187,7 @@ fn the_most_work_is_nearly_done() {
     assert!(closest > 0.995, "{closest}");
 }
 
-/// The factor 1.25 of the documentation, and twice that if the window is searched twice.
+/// The work is within the factor 1.25 of the documentation, or twice that if the window is searched twice.
 #[test]
 fn the_most_work_is_what_the_documentation_says() {
     for (side, radius) in (8..=64).flat_map(|side| (4..=80).map(move |radius| (side, radius))) {

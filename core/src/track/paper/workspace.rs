@@ -35,8 +35,8 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
         }
     }
 
-    /// The peak and the runner-up of the last search, accepted or not. `None` while a search is under way. For checks;
-    /// the result of an update is its [`Answer`](crate::Answer).
+    /// The peak and the runner-up of the last search, for checks, even if the gate refused the peak. `None` while a
+    /// search is under way. The result of an update is its [`Answer`](crate::Answer).
     #[must_use]
     pub fn found(&self) -> Option<Found> {
         self.search.found(&self.window)

@@ -1,11 +1,11 @@
-//! The configuration of the robust tracker: what firmware may tune, with ranges and defaults.
+//! The configuration of the robust tracker: the settings that firmware may tune, with ranges and defaults.
 
 use super::constants::REACH;
 use crate::similarity::{Backend, Table};
 use crate::track::ConfigError;
 
-/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, or the same
-/// with the refiner (`Config::refined`), and change what you need.
+/// The settings of the robust tracker. Start from [`Config::robust`], the values that were best on many recordings, or
+/// from `Config::refined`, the same values with the refiner, and change what you need.
 ///
 /// ```
 /// use smr_core::{Robust, Target, robust::Config};
@@ -24,12 +24,12 @@ pub struct Config {
     pub table: &'static Table,
     /// How sums are computed; affects only the time. `None`: the fastest backend of the machine.
     pub backend: Option<Backend>,
-    /// Radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's area.
-    /// The work of an update grows with the square of 2 `reach` + 1.
+    /// The radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's
+    /// area. The work of an update grows with the square of 2 `reach` + 1.
     pub reach: u8,
     /// Whether the box follows the target's size.
     pub size: bool,
-    /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
+    /// Whether a lost target is searched in the whole frame (redetection), or only in the window around its last place.
     pub sweep: bool,
     /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer,
     /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a
@@ -50,7 +50,7 @@ pub struct Config {
     pub(super) parts: Parts,
 }
 
-/// Parts that can be left out, to measure the effect of each.
+/// The parts of the tracker that can be left out, to measure the effect of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Parts {
@@ -64,7 +64,7 @@ pub(super) struct Parts {
 #[cfg(feature = "unstable")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// A moving target is expected to go on.
+    /// A moving target is expected to keep moving.
     Velocity,
     /// Responses far from the expected place count less.
     DistancePenalty,
@@ -101,7 +101,7 @@ impl Config {
         Self { refiner: true, ..Self::robust() }
     }
 
-    /// The same without a part.
+    /// This configuration without a part.
     #[cfg(feature = "unstable")]
     #[must_use]
     pub(crate) const fn without(mut self, part: Part) -> Self {
@@ -114,7 +114,7 @@ impl Config {
         self
     }
 
-    /// Whether it has a part.
+    /// Whether this configuration has a part.
     #[cfg(feature = "unstable")]
     #[must_use]
     pub(crate) const fn has(&self, part: Part) -> bool {
@@ -150,7 +150,7 @@ impl Config {
         }
     }
 
-    /// Offsets on an axis of the search.
+    /// The number of offsets of the search on each axis.
     pub(super) const fn span(&self) -> usize {
         2 * self.reach as usize + 1
     }

@@ -1,4 +1,4 @@
-//! Displacement: where the early template fits best around the filter's peak.
+//! Displacement: the shift at which the early template fits best around the filter's peak.
 //!
 //! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers
 //! drifts. The early template hardly learns. It is compared, by SMR, at 17 displacements: nine that are two pixels
@@ -15,7 +15,7 @@ pub(super) struct Search {
     /// The best one so far.
     pub(super) best: Displacement,
     score: u32,
-    /// The centre of the present round.
+    /// The centre of the present round of displacements.
     middle: Displacement,
 }
 
@@ -24,7 +24,7 @@ impl Search {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The displacement of a number; 0 is the middle.
+    /// The displacement with this number, in the order of the search. 0 is the middle.
     #[inline(never)]
     pub(super) fn displacement(&self, number: u16) -> Displacement {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };

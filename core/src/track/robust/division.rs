@@ -1,7 +1,7 @@
 //! Division of wide numbers.
 //!
-//! Where registers have 32 bits, the compiler's functions for it take 1 KB of flash. An update divides few wide
-//! numbers, so here a loop does it, bit by bit.
+//! On processors with registers of 32 bits, the compiler's function for it takes 1 KB of flash. An update divides few
+//! wide numbers, so here a loop divides bit by bit.
 
 /// `number` / `divisor`, rounded toward zero; 0 if `divisor` is 0.
 #[inline(never)]

@@ -34,11 +34,11 @@ pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
-/// Computes features row by row. Holds only the lines and rows of cells that it needs at a time.
+/// Computes features row by row. It holds only the lines of samples and the rows of cells that the present row needs.
 pub(super) struct Extractor {
     sampling: Scratch,
     lines: [[u8; COLUMNS]; SIDE],
-    /// Sums of the last two rows of cells. Between two windows the filter uses this memory for its products.
+    /// Sums of the last two rows of cells. Between two windows, the filter's products use this memory.
     sums: Packed,
     /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
@@ -67,8 +67,8 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of `lattice`: whole cells, and one sample more on each side. False if there is no room;
-    /// there are then no cells.
+    /// Begins the features of `lattice`, which covers whole cells and one sample more on each side. False if there is
+    /// no room; `out` is then empty.
     #[inline(never)]
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
@@ -140,7 +140,7 @@ impl Extractor {
     }
 
     #[cfg(any(test, feature = "unstable"))]
-    /// All features at once. False if a needed pixel is not in memory, or if there is no room.
+    /// Computes all features at once. False if a needed pixel is not in memory, or if there is no room.
     pub(super) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,
@@ -167,8 +167,8 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     scale(sums, above, out);
 }
 
-/// Replaces energies of columns of three cells, `rows` of which lie in the lattice, by the factors for the sums of
-/// cells.
+/// Replaces the energies of columns of three cells by the factors for the sums of cells. `rows` of the three lie in the
+/// lattice.
 fn invert(columns: &mut [u32], rows: u32) {
     let columns = Cell::from_mut(columns).as_slice_of_cells();
     let (mut left, mut here) = (0, 0);

@@ -32,11 +32,12 @@
 //!   answer                                                                                    4.55 in all
 //! ```
 //!
-//! The numbers are those of the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The rest of 4.55 is
-//! coding of weights. The sum is without the refiner. A frame is learned or redetected, never both.
+//! The numbers are measured with the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The sum is a
+//! frame that is learned, without the refiner; the rest of it is the coding of weights. A frame is learned or
+//! redetected, never both.
 //!
 //! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs`
-//! counts the work, `division.rs` divides wide numbers, `constants.rs` holds the constants of the method that are not
+//! counts the work, `division.rs` divides wide numbers, `constants.rs` holds most constants of the method that are not
 //! in [`Config`].
 
 mod buffers;

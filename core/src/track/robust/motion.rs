@@ -1,4 +1,4 @@
-//! Where the target is expected, from its place and velocity.
+//! The target's motion: its expected place, from its last place and its velocity.
 //!
 //! ```text
 //! expected  = place + velocity / 2
@@ -30,13 +30,13 @@ impl Place {
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
     }
 
-    /// Moved by units of 1/64 pixel of the grid.
+    /// This place moved to the right and down, in units of 1/64 pixel of the grid.
     pub(super) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
         let moved = |from: i64, by: i32| from + ((i64::from(by) * grid.step_at(self.scale)) >> 6);
         Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
     }
 
-    /// Moved into a frame.
+    /// This place moved into the frame.
     #[inline(never)]
     pub(super) fn inside(self, bounds: Rect) -> Self {
         let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;
@@ -66,19 +66,19 @@ impl Motion {
         Place { x: further(x, right), y: further(y, down), scale }.inside(bounds)
     }
 
-    /// The target was followed to `place`.
+    /// Follows the target to `place` and updates the velocity.
     pub(super) fn follow(&mut self, place: Place) {
         let [right, down] = self.velocity;
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
     }
 
-    /// The target was not seen: it keeps its place, and its velocity is halved.
+    /// Keeps the place of a target that was not seen, and halves its velocity.
     pub(super) fn hold(&mut self) {
         self.follow(self.place);
     }
 
-    /// The picture has moved, by units of 1/256 pixel; the target's own velocity stays.
+    /// Moves the place with the picture, by units of 1/256 pixel. The target's own velocity stays.
     pub(super) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

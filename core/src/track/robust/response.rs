@@ -1,4 +1,4 @@
-//! The filter's responses at all offsets of a search window, and their peak.
+//! The filter's responses at all offsets of a search window, and the peak of the penalised responses.
 //!
 //! ```text
 //! r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
@@ -11,9 +11,11 @@
 //! | `r` | response | 1/16384 of the label | +-2^24 |
 //! | peak | place of the largest counted response | 1/256 cell | |
 //!
-//! A parabola through its neighbours on each axis refines the peak. Of equal responses the middle one wins, or else the
-//! first: in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for each
-//! weight.
+//! The counted response is the penalised one; the scale search counts responses without penalty. The place and the
+//! response of the peak, and all that follows from them, are those of the counted responses. A parabola through the
+//! peak and its neighbours on each axis refines the place. Of equal responses the middle one wins, otherwise the first
+//! in scan order. So in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for
+//! each weight.
 
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::cost::units;
@@ -30,18 +32,19 @@ pub(super) struct Responses {
     pub(super) span: usize,
 }
 
-/// The largest response.
+/// The peak: the largest counted response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Peak {
     /// From the middle, in units of 1/256 cell.
     pub(super) x: i32,
     pub(super) y: i32,
+    /// The counted response there, in units of 1/16384.
     pub(super) response: i32,
-    /// The response at the top of the parabolas.
+    /// The counted response at the top of the parabolas, in units of 1/16384.
     pub(super) height: i32,
 }
 
-/// The layout of the filter on cells with a margin of `span / 2` on each side.
+/// The layout of the filter on a window of cells with a margin of `span / 2` cells on each side.
 pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
     let row = usize::from(grid.across) * CHANNELS;
     Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
@@ -53,12 +56,12 @@ impl Responses {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
-    /// The responses of weights that are all 0.
+    /// Sets the responses of weights that are all 0.
     pub(super) fn clear(&mut self, span: usize) {
         *self = Self { span, ..const { Self::new() } };
     }
 
-    /// One part of the responses of coded weights; true after the last part.
+    /// Computes one part of the responses of coded weights, without penalty. True after the last part.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(super) fn advance(
@@ -93,7 +96,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // A response never counts for more than its value.
+            // The penalty never raises a response.
             let counted = if candidate > response { responses.count(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -104,7 +107,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
         (Some(before), Some(after)) => top(before, response, after),
         _ => (0, 0),
     };
-    // What wraps is outside.
+    // An index that wraps below 0 is outside, where `at` gives `None`.
     let (right, across) = part(responses.at(x.wrapping_sub(1), y), responses.at(x + 1, y));
     let (below, down) = part(responses.at(x, y.wrapping_sub(1)), responses.at(x, y + 1));
     let cells = |at: usize| i32::try_from(2 * at + 1).unwrap_or(0) - i32::try_from(span).unwrap_or(0);
@@ -112,7 +115,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-/// The responses at `span` offsets on each axis. With `penalty`, those far from the middle count less.
+/// The counted responses at `span` offsets on each axis. With `penalty`, those far from the middle count less.
 struct Counted<'a> {
     rows: &'a [[i32; SPAN]],
     span: usize,
@@ -120,7 +123,7 @@ struct Counted<'a> {
 }
 
 impl Counted<'_> {
-    /// What the response at an offset counts; `None` outside.
+    /// The counted response at an offset; `None` outside.
     #[cfg_attr(smr_small, inline(never))]
     fn at(&self, x: usize, y: usize) -> Option<i32> {
         let response = self.rows.get(..self.span)?.get(y)?.get(..self.span)?.get(x)?;
@@ -132,7 +135,7 @@ impl Counted<'_> {
     }
 }
 
-/// The counted response at an offset.
+/// The penalised response at an offset. Negative responses are not penalised.
 #[inline(never)]
 fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);

@@ -25,7 +25,8 @@ pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The places of samples: columns `step` apart, rows `step_down` apart, around a centre.
+/// The places of samples: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096
+/// pixel of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Lattice {
     pub(super) x: i64,
@@ -36,8 +37,8 @@ pub(super) struct Lattice {
     pub(super) rows: u16,
 }
 
-/// One axis of a lattice on the reduced frame. Positions are below 2^29: a frame has 65,535 pixels, and a lattice
-/// reaches less than 2 * COLUMNS blocks out of it.
+/// One axis of a lattice on the reduced frame. Positions are below 2^29: a frame has at most 65,535 pixels on a side,
+/// and a lattice reaches less than twice `COLUMNS` blocks beyond it.
 #[derive(Clone, Copy)]
 struct Axis {
     first: i32,
@@ -50,14 +51,14 @@ impl Axis {
     #[inline(never)]
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
-        // The middle between the two pixels that the first block reads.
+        // The middle between the two pixels that are read of the first block.
         let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
         let blocks = i32::from((size >> halvings).max(1));
         let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
         Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
     }
 
-    /// A block, and the part of the next one in units of 1/256.
+    /// The block of a sample, and the weight of the next block in units of 1/256.
     #[inline(always)] // a few instructions, run for each column
     fn place(&self, number: u16) -> (u16, u8) {
         // Nothing overflows (see above). Not `clamp`: the compiler would link its panic.
@@ -67,7 +68,7 @@ impl Axis {
         (low(position >> PIXEL_BITS), part)
     }
 
-    /// The same, with the number of the next block.
+    /// The block of a sample, the next block, and its weight in units of 1/256.
     #[inline(never)]
     fn at(&self, number: u16) -> (u16, u16, u8) {
         let (block, part) = self.place(number);
@@ -95,7 +96,7 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// How often the frame is halved: until the mean step is less than two blocks.
+    /// How often the frame is halved until the mean step is less than two blocks.
     #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least h for which the sum of both steps is below 2^(h + BITS).
@@ -187,7 +188,7 @@ pub(super) struct Scratch {
     /// Pixels read from the frame, and samples computed.
     read: u32,
     sampled: u32,
-    /// Sums of blocks while a row of means is computed; then a row interpolated from two.
+    /// Sums of blocks while a row of means is computed; then the row that is mixed from two rows.
     mixed: MixedRow,
 }
 
@@ -226,11 +227,11 @@ pub(super) struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Row `number` of the lattice. The caller asks for each row once, from the top.
+    /// Samples row `number` of the lattice. The caller asks for each row once, from the top.
     #[inline(never)]
     pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, part) = self.scratch.down.at(number);
-        // Block numbers from the first pixel that is read, not from the frame's edge.
+        // Blocks are counted from the first pixel that is read, not from the frame's edge.
         let (top, _) = self.scratch.down.place(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
@@ -284,7 +285,7 @@ fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// The same, as a loop that the compiler vectorizes by eight.
+/// Mixes two rows as the plain version does, in a loop that the compiler vectorizes by eight.
 #[cfg(smr_helium)]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
@@ -300,14 +301,15 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The two columns (and rows) that a block reads: both of a 2x2 block, otherwise those a quarter of its side from its
-/// edges.
+/// The two columns (and rows) that are read of a block: both of a 2x2 block, otherwise those a quarter of its side from
+/// its edges.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Means of the row of blocks that begins at row `first`. Returns the number of pixels read. `sums` is scratch memory.
+/// Computes the means of the row of blocks that begins at row `first`. Returns the number of pixels read. `sums` is
+/// scratch memory.
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);
@@ -334,7 +336,7 @@ fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32,
     if block.is_multiple_of(2) { even } else { odd }
 }
 
-/// Row `first` + `row` of `pixels`. Below the last row it is repeated: the frame's edge may cut a block.
+/// Row `first` + `row` of `pixels`. The last row is repeated below, because the frame's edge may cut a block.
 #[cfg_attr(smr_dsp, inline(never))]
 pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))

@@ -1,4 +1,4 @@
-//! The robust tracker's target: its calls.
+//! The calls of a target of the robust tracker.
 
 use super::config::Config;
 #[cfg(feature = "unstable")]
@@ -53,7 +53,7 @@ pub struct Robust {
 }
 
 impl Robust {
-    /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
+    /// A tracker state without a target, for a `const` or a `static`. At run time see [`Target::new`].
     ///
     /// # Panics
     /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
@@ -66,8 +66,8 @@ impl Robust {
         }
     }
 
-    /// The early template, by which the target is verified, row by row; `None` before the first lock. Its shape is that
-    /// of [`Robust::grid`].
+    /// The early template, which verifies the target: its pixels, row by row. `None` before the first lock. Its shape
+    /// is that of [`Robust::grid`].
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
         self.memory.track.as_ref().map(|_| self.memory.template.pixels())
@@ -120,7 +120,7 @@ impl Robust {
     }
 
     /// The pixels that an update may read around the expected place: the search window, the view of any place in it,
-    /// and the windows of other scales.
+    /// the windows of other scales, and the refiner's crop.
     fn expected_pixels(&self, track: &Track) -> Rect {
         let centre = track.expected(&self.config);
         let reach = self.config.reach();
@@ -138,7 +138,7 @@ impl Robust {
     }
 
     /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is
-    /// given whenever it may be.
+    /// `Some` whenever it may be.
     fn swept_pixels(&self, track: &Track) -> Option<Rect> {
         let reach = self.config.reach();
         let may_be_lost = self.config.sweeps() && track.confidence.may_be_lost_next(&self.config);
@@ -160,7 +160,7 @@ impl Target for Robust {
 
     const SAVED_SIZE: usize = state::SAVED_SIZE;
 
-    /// The same for every box: see [`Config::most_work`].
+    /// The most work, which is the same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work()
     }
@@ -355,7 +355,7 @@ impl Steps for Robust {
 }
 
 impl Robust {
-    /// Continues until the grant is spent. True if an update, or a step of a lock's learning, is done.
+    /// Continues until the grant is spent. True if an update or a learning step of a lock is done.
     fn advance_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
         let Workspace { pipeline, buffers, under_way } = workspace;
         // During a lock the track is in the workspace. `or` would put both on the stack.
@@ -364,7 +364,7 @@ impl Robust {
         self.model(track).advance(pipeline, buffers, under_way, frame)
     }
 
-    /// A step of a lock's learning is done: changes the weights. True if another step has begun.
+    /// Changes the weights after a learning step of a lock. True if another step has begun.
     #[inline(never)] // a step of an update need not reserve its stack
     fn begin_another_step(&mut self, workspace: &mut Workspace) -> bool {
         let Workspace { pipeline, buffers, under_way } = workspace;

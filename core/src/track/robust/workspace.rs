@@ -26,7 +26,8 @@ impl Workspace {
         Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's response where the last finished update found the target, in units of 1/16384.
+    /// The filter's penalised response at the last update's peak, or at the peak of redetection if that found the
+    /// target. Unit: 1/16384. 0 after a lock, and during an update until its candidate is refined.
     pub(crate) const fn response(&self) -> i32 {
         self.pipeline.response()
     }
