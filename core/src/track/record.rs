@@ -49,19 +49,30 @@
 //! | then | the content of the entry, see below |
 //! | last 4 | CRC-32 (the one of Ethernet and zip) of all bytes of the entry before it |
 //!
-//! | entry | content |
-//! |---|---|
-//! | `SMRB`, begin | version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for each number |
-//! | `SMRL`, lock | frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each); the pixels of the part, row by row |
-//! | `SMRM`, moved | right, down, in 1/256 pixel (4 bytes each, signed) |
-//! | `SMRW`, window | frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each; all 0 if there is no second part); the pixels of the first part, the pixels of the second part |
-//! | `SMRA`, answer | fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte, [`State::code`](super::State::code): 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte, a sum of: 1 found again, 2 has a runner-up, 4 has an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 if there is none); scale (4 bytes) |
-//! | `SMRS`, restored | the saved target ([`Target::save`]) that the tracker continued with |
+//! The content of each entry:
 //!
-//! | tracker | numbers of the configuration |
-//! |---|---|
-//! | `P` | the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`, `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window` x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone` left, top, right, bottom |
-//! | `R` | the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near, verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate`; with the refiner a 1 |
+//! - `SMRB`, begin: version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for
+//!   each number
+//! - `SMRL`, lock: frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each);
+//!   the pixels of the part, row by row
+//! - `SMRM`, moved: right, down, in 1/256 pixel (4 bytes each, signed)
+//! - `SMRW`, window: frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each;
+//!   all 0 if there is no second part); the pixels of the first part, the pixels of the second part
+//! - `SMRA`, answer: fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte,
+//!   [`State::code`](super::State::code): 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte, a sum of: 1 found
+//!   again, 2 has a runner-up, 4 has an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 if there
+//!   is none); scale (4 bytes)
+//! - `SMRS`, restored: the saved target ([`Target::save`]) that the tracker continued with
+//!
+//! The numbers of the configuration of each tracker:
+//!
+//! - `P`: the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`,
+//!   `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window`
+//!   x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone`
+//!   left, top, right, bottom
+//! - `R`: the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near,
+//!   verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate`; with
+//!   the refiner a 1
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.

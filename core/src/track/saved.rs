@@ -346,7 +346,7 @@ settings! {
     Parts = "parts",
     /// The radius of its window.
     Reach = "reach",
-    /// How slowly the confidence changes.
+    /// The inertia of the confidence.
     Patience = "patience",
     /// The confidence below which the target is lost.
     LostBelow = "lost_below",

@@ -472,9 +472,12 @@ impl<'a, T: Steps> Update<'a, T> {
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
-    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4: a product is 1 unit, a pixel of the grid 64, a comparison of one 12 |
-    /// | most work beyond `work` ([`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step)) | max(pixels of the template, 2 * pixels of a row of the window) + 7 * `SPAN` | 128,000 |
+    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4 |
+    /// | most work beyond `work` | max(pixels of the template, 2 * pixels in a window's row) + 7 * `SPAN` | 128,000 |
     /// | left to `finish` | one pass over the template | one pass over the weights and the template |
+    ///
+    /// For [`Robust`](crate::Robust) a product is 1 unit, a pixel of the grid 64 and the comparison of a pixel 12. The
+    /// most work beyond `work` for a configuration is [`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step).
     pub fn step(&mut self, work: u32) -> bool {
         let Running { target, workspace, frame } = &mut self.0;
         step(*target, workspace, frame, work)

@@ -79,11 +79,11 @@ impl Margins {
     }
 }
 
-/// When a match is accepted: how far the peak must exceed the runner-up.
+/// The gate: the lead over the runner-up with which a peak is accepted.
 ///
-/// A peak is accepted if peak / runner-up > r, or peak - runner-up > `lead` fully similar pixels. The state of the
-/// target and the place of the peak decide which of the first four numbers is r. An r below 1 accepts every peak above
-/// 0.
+/// A peak is accepted if peak / runner-up > r, or peak - runner-up > `lead` fully similar pixels. One of the first four
+/// numbers is r: the state of the target and the place of the peak decide which one. An r below 1 accepts every peak
+/// above 0.
 ///
 /// ```
 /// use smr_core::paper::{Config, Fraction};
@@ -151,19 +151,19 @@ pub struct Config {
     /// The template and alpha are updated only from a box that keeps these margins. Outside them an accepted peak only
     /// moves the box.
     pub update_zone: Margins,
-    /// When a match is accepted.
+    /// The gate, which accepts or refuses a match.
     pub gate: Gate,
-    /// How scores are computed; affects only the time. `None`: the fastest backend of the machine. A backend that the
-    /// machine lacks is replaced by the plain loop.
+    /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A backend
+    /// that the machine lacks is replaced by the plain loop.
     pub backend: Option<Backend>,
     /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
     /// scored to its last pixel.
     pub pruning: bool,
-    /// When the runner-up is searched.
+    /// The frames in which the runner-up is searched.
     pub runner_up: RunnerUp,
 }
 
-/// When the runner-up is searched.
+/// The frames in which the runner-up is searched.
 ///
 /// The runner-up is usually far below the peak, so few offsets can be excluded. A search for it in every frame
 /// multiplies the time.

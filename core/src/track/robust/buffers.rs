@@ -4,14 +4,14 @@
 //!
 //! | memory | contents |
 //! |---|---|
-//! | `cells` | features of the search window, until it is learned; then features of the window of redetection, or the refiner's patches and layers |
+//! | `cells` | features of the search window; then those of redetection's, or the refiner's patches and layers |
 //! | `responses` | responses to `cells`; learning reads them |
 //! | `coded` | the filter's weights; from the direction of a step of learning on, that direction |
 //! | `learning.gradient` | scratch memory of responses; in learning, the gradient |
-//! | `learning.responses` | responses at one scale; in learning, the errors, scratch memory of the gradient, responses to the direction |
+//! | `learning.responses` | responses at one scale; in learning, errors, scratch memory, responses to the direction |
 //! | `scale_cells` | features at one scale; in a lock, the refiner's first crop until the end of the lock |
-//! | `extractor` | lines and sums of cells, and the sampling of every window, view and crop; between windows, unpacked bytes for products |
-//! | `verification` | the view, and the relit template; at the end, the early template learns from this view |
+//! | `extractor` | sampling of windows, views and crops; sums of cells, or between windows unpacked bytes for products |
+//! | `verification` | the view, and the relit template; at the end, the early template learns from the view |
 
 use super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
 use super::gradients::Extractor;
@@ -35,7 +35,7 @@ pub(super) struct Buffers {
     pub(super) cells: Vec<i8, CELLS>,
     /// The filter's responses to `cells`.
     pub(super) responses: Responses,
-    /// The filter's weights; while it learns, the direction of its step.
+    /// The filter's weights, coded; during a step of learning, from its direction on, that direction.
     pub(super) coded: Coded<WEIGHTS>,
     pub(super) learning: learning::Scratch,
     /// Features at one scale of the scale search.

@@ -22,7 +22,7 @@ use crate::track::ConfigError;
 pub struct Config {
     /// The similarity p(d) of two pixels that differ by d.
     pub table: &'static Table,
-    /// How sums are computed; affects only the time. `None`: the fastest backend of the machine.
+    /// The backend that computes sums; affects only the time. `None`: the fastest backend of the machine.
     pub backend: Option<Backend>,
     /// The radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's
     /// area. The work of an update grows with the square of 2 `reach` + 1.
@@ -35,8 +35,8 @@ pub struct Config {
     /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a
     /// build without the feature `refiner`, [`Config::check`] refuses it.
     pub refiner: bool,
-    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher
-    /// value holds on to the target for longer: through short occlusions, but also through errors.
+    /// The inertia of the confidence: it keeps `patience` / 256 of its value in each frame, and follows the evidence by
+    /// the rest. A higher value holds on to the target for longer: through short occlusions, but also through errors.
     pub patience: u8,
     /// The target is lost while the confidence is below this, in units of 1/65535.
     pub lost_below: u16,

@@ -59,7 +59,7 @@ pub(super) const DISTANCE_PENALTY: u32 = 77;
 
 // Displacement and refinement by the early template.
 
-/// How far the template is displaced to each side, in pixels of the grid.
+/// The largest displacement of the template to each side, in pixels of the grid.
 pub(super) const MARGIN: u16 = 3;
 /// `MARGIN` in whole cells, rounded up.
 pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
@@ -86,7 +86,7 @@ pub(super) const PARTS: u16 = 4;
 /// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are
 /// *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
-/// The bounds of alpha, in gray levels.
+/// The least and the most alpha, in gray levels.
 pub(super) const LEAST_ALPHA: u32 = 8;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// The least and the most gain of the template's contrast, in units of 1/256: 1/2 and 2.

@@ -79,7 +79,7 @@ impl Shape {
         (2 * self.reach + 1) * (2 * self.reach + 1)
     }
 
-    /// The features of a window with a margin of `reach` cells around the filter.
+    /// The work for the features of a window with a margin of `reach` cells around the filter.
     const fn features(self, reach: u32) -> u32 {
         let columns = (self.across + 2 * reach) * CELL as u32 + 2;
         let rows = (self.down + 2 * reach) * CELL as u32 + 2;
@@ -93,7 +93,8 @@ impl Shape {
         columns * rows * VIEWED + read(columns, rows)
     }
 
-    /// A search with its verification: features, responses, the view of the peak, displacements and agreement.
+    /// The work for a search with its verification: features, responses, the view of the peak, displacements and
+    /// agreement.
     const fn search(self) -> u32 {
         let agreement = DISPLACEMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
         self.features(self.reach) + self.offsets() * self.weights() + self.view() + agreement * self.pixels()
@@ -104,17 +105,17 @@ impl Shape {
         3 * (self.features(SCALE_REACH as u32) + offsets * self.weights())
     }
 
-    /// A step of learning.
+    /// The work for a step of learning.
     const fn learn(self) -> u32 {
         self.offsets() + (2 * self.offsets() + 2 * CODED + SLOPED) * self.weights()
     }
 
-    /// A crop for the refiner. Its steps across and down are less than four blocks together.
+    /// The work for a crop of the refiner. Its steps across and down are less than four blocks together.
     const fn crop(config: &Config) -> u32 {
         if config.refiner { CROP * CROP * (VIEWED + NORMALISED) + 4 * (2 * CROP + 2) * (2 * CROP + 2) } else { 0 }
     }
 
-    /// The refiner: its crop, and its network.
+    /// The work for the refiner: its crop and its network.
     const fn refiner(config: &Config) -> u32 {
         if config.refiner { Self::crop(config) + NETWORK } else { 0 }
     }
@@ -147,7 +148,8 @@ impl Shape {
             // The errors.
             self.offsets() + CODED * self.weights(),
             SLOPED * self.weights(),
-            // The first displacement, for which the template is relit.
+            // The pass over the weights of the scale search, or the first displacement, for which the template is
+            // relit.
             if scale > (RELIT + COMPARED) * self.pixels() { scale } else { (RELIT + COMPARED) * self.pixels() },
             REFINED * self.pixels(),
         ];

@@ -58,7 +58,7 @@ impl Extractor {
         }
     }
 
-    /// Scratch memory for the filter's products.
+    /// The memory of the sums, which the filter's products use between two windows.
     pub(super) fn packed(&mut self) -> &mut Packed {
         &mut self.sums
     }
@@ -131,7 +131,7 @@ impl Extractor {
         }
         // A row is normalised once the row below it is computed.
         let of_row = across * CHANNELS;
-        // Not by `chunks`: the compiler would link its panic.
+        // Not by `chunks`: the compiler would link the panic of `chunks`.
         let finished = row.checked_sub(1).map(|row| usize::from(row) * of_row);
         if let Some(out) = finished.and_then(|from| out.get_mut(from..from + of_row)) {
             normalise(before, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);

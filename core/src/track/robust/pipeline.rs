@@ -43,11 +43,11 @@ use crate::track::update::UnderWay;
 /// The purpose of a search.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
-    /// To learn the target at a lock.
+    /// Learns the target at a lock.
     Lock,
-    /// To follow the target where it is expected.
+    /// Follows the target in the window around its expected place.
     Follow,
-    /// To find the lost target elsewhere.
+    /// Finds the lost target elsewhere.
     Redetect,
 }
 

@@ -10,7 +10,7 @@
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
-//! | `s` | right, down: 4 m, where m is the mean slope of both pictures; outward: m . distance / 8 | gray level | 510, 1130 |
+//! | `s` | right, down: 4 m, with m the mean slope of both pictures; outward: m . place / 8 | gray level | 510, 1130 |
 //! | `S` | their products, summed over at most 1600 pixels | | 2^31 |
 //! | `x`, `y` | displacement | 1/64 pixel of the grid | +-64 |
 //! | `g` | growth | 1/65536 | +-1310 |

@@ -96,7 +96,7 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// How often the frame is halved until the mean step is less than two blocks.
+    /// The number of times that the frame must be halved until the mean step is less than two blocks.
     #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least h for which the sum of both steps is below 2^(h + BITS).
@@ -177,7 +177,7 @@ const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 pub(super) struct Scratch {
     columns: Interpolation<COLUMNS>,
     down: Axis,
-    /// How often the frame is halved.
+    /// The number of times that the frame is halved.
     halvings: u32,
     /// The pixels of the frame that the lattice reads.
     pixels: Rect,

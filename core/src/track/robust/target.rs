@@ -178,7 +178,7 @@ impl Target for Robust {
         &self.config
     }
 
-    /// The box and its surroundings, up to the reach of a search window.
+    /// The box and its surroundings, up to the reach of a search window, and the refiner's crop of the box.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) {
             let window = Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach());
