@@ -70,9 +70,9 @@
 //!   `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window`
 //!   x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone`
 //!   left, top, right, bottom
-//! - `R`: the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near,
-//!   verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate`; with
-//!   the refiner a 1
+//! - `R`: the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, distance
+//!   penalty, verification, gated learning); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`,
+//!   `early_rate`; with the refiner a 1
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.

@@ -1,6 +1,6 @@
 //! Scratch memory of all stages.
 //!
-//! Some stages share memory. In the order of the stages:
+//! Stages share memory:
 //!
 //! | memory | contents |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | `learning.gradient` | scratch memory of responses; in learning, the gradient |
 //! | `learning.responses` | responses at one scale; in learning, errors, scratch memory, responses to the direction |
 //! | `scale_cells` | features at one scale; in a lock, the refiner's first crop until the end of the lock |
-//! | `extractor` | sampling of windows, views and crops; sums of cells, or between windows unpacked bytes for products |
+//! | `extractor` | sampling of windows, views, crops; sums of cells; between windows, unpacked bytes for products |
 //! | `verification` | the view, and the relit template; at the end, the early template learns from the view |
 
 use super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
