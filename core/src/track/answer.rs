@@ -1,8 +1,8 @@
-//! The answer of an update: where the target is, and how reliable that is.
+//! The answer of an update: the target's box, and how reliable it is.
 
 use crate::image::{FineRect, Rect};
 
-/// What the tracker believes about its target after a frame.
+/// The tracker's judgement of its target after a frame.
 ///
 /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
 /// |---|---|---|
@@ -28,7 +28,8 @@ impl State {
     /// All states, in the order of their codes.
     pub const ALL: [Self; 4] = [Self::Tracking, Self::Leaving, Self::Uncertain, Self::Lost];
 
-    /// The number that stands for this state in saved targets, in flight records and in the C interface. It never changes.
+    /// The number that stands for this state in saved targets, in flight records and in the C interface. It never
+    /// changes.
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
@@ -53,7 +54,8 @@ impl State {
     }
 }
 
-/// The answer of an update. All numbers are integers; ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
+/// The answer of an update. All numbers are integers; ratios and the confidence are in units of 1/65535, so 65535 is
+/// 1.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
@@ -63,18 +65,19 @@ pub struct Answer {
     pub fine: FineRect,
     /// Whether the box is reliable.
     pub state: State,
-    /// How sure the tracker is of the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
-    /// mean of 2/3 the early template's agreement and 1/3 the filter's response.
+    /// How sure the tracker is of the box. [`Paper`](crate::Paper): the ratio, or 0 when lost.
+    /// [`Robust`](crate::Robust): a running mean of 2/3 the early template's agreement and 1/3 the filter's response,
+    /// which counts in full from 1/2 on.
     pub confidence: u16,
-    /// How similar the target in the box is to the template. [`Paper`](crate::Paper): the similarity matching ratio, which is the
-    /// peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth lowest ratio of the 16 parts
-    /// of the early template.
+    /// How similar the target in the box is to the template. [`Paper`](crate::Paper): the similarity matching ratio,
+    /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
+    /// lowest ratio of the 16 parts of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,
-    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no decision depended
-    /// on it ([`RunnerUp`](crate::paper::RunnerUp)), and always from [`Robust`](crate::Robust).
+    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no
+    /// decision depended on it ([`RunnerUp`](crate::paper::RunnerUp)), and always from [`Robust`](crate::Robust).
     pub runner_up_ratio: Option<u16>,
-    /// The threshold of this frame: alpha, rounded up to whole gray levels. A pixel counted if it differed by less. `None` from
-    /// [`Robust`](crate::Robust), which has a threshold for each place.
+    /// The threshold of this frame: alpha, rounded up to whole gray levels. A pixel counted if it differed by less.
+    /// `None` from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
     pub alpha: Option<u16>,
     /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from
     /// [`Paper`](crate::Paper).

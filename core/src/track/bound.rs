@@ -24,7 +24,7 @@ pub struct MostWork {
     pub update: u64,
     /// The most work of a lock.
     pub lock: u64,
-    /// The most work of a step beyond the granted work, because the last piece of work cannot be divided. `begin` and
-    /// `begin_lock` do at most this much.
+    /// The most work by which a step exceeds its grant: its last piece of work cannot be divided. `begin` and
+    /// `begin_lock` do at most this much work.
     pub beyond_a_step: u32,
 }

@@ -1,7 +1,7 @@
 //! CRC-32 (the one of Ethernet and zip), the checksum of saved targets and flight records.
 //!
-//! Four bits at a time from a table of 64 bytes: 120 bytes of flash in all. The usual crates take 1.5 KB or more for a table of 256
-//! entries. The tests compare it with the crate `crc32fast`.
+//! It takes four bits at a time, from a table of 64 bytes: 120 bytes of flash in all. The usual crates take 1.5 KB or
+//! more, for a table of 256 entries. The tests compare it with the crate `crc32fast`.
 
 /// The remainder of each group of four bits.
 #[allow(clippy::indexing_slicing)] // evaluated at compile time
@@ -21,7 +21,7 @@ const TABLE: [u32; 16] = {
     table
 };
 
-/// A checksum of the bytes so far.
+/// The checksum of the bytes so far.
 #[derive(Clone, Copy)]
 pub(super) struct Crc(u32);
 
@@ -30,7 +30,7 @@ impl Crc {
         Self(u32::MAX)
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     #[allow(clippy::indexing_slicing)] // four bits are always a valid index into 16 entries
     pub(super) fn update(&mut self, bytes: &[u8]) {
         for &byte in bytes {

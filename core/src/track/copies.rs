@@ -1,12 +1,13 @@
 //! Two saved copies of a target, written in turn: if the power fails while one is written, the other one is whole.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | first | the target, as [`Target::save`] writes it; it ends with its checksum |
 //! | 4 | number of the copy |
 //! | 4 | checksum (CRC-32) of the number and the target's checksum |
 //!
-//! So a number that was written and a target that was not do not pass for a copy.
+//! The second checksum ties the number to its target. A new number beside an old or unfinished target is not accepted
+//! as a copy.
 //!
 //! ```
 //! use smr_core::{Frame, Image, Rect, Robust, Target, Tracker, copies, robust};
@@ -39,10 +40,10 @@ use super::checksum::Crc;
 use super::saved::{SaveError, whole_length};
 use super::target::Target;
 
-/// Number and checksum.
+/// Bytes of the number and of the checksum.
 const AROUND: usize = 8;
 
-/// Bytes of a copy of a target that takes `saved` bytes: see [`Target::saved_size`] and [`Target::SAVED_SIZE`].
+/// The size in bytes of a copy whose target takes `saved` bytes: see [`Target::saved_size`] and [`Target::SAVED_SIZE`].
 #[must_use]
 pub const fn size(saved: usize) -> usize {
     saved + AROUND
@@ -51,18 +52,18 @@ pub const fn size(saved: usize) -> usize {
 /// A copy that is whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SavedCopy<'a> {
-    /// 0: the first place, 1: the second.
+    /// The place of the copy. 0: the first, 1: the second.
     pub place: usize,
-    /// The number that it was written with.
+    /// The number with which it was written.
     pub number: u32,
     /// The saved target, for [`Target::restore`].
     pub saved: &'a [u8],
 }
 
-/// Writes the target as the copy with this number, and returns how many bytes it takes.
+/// Writes the target and makes it a copy with this number. Returns how many bytes the copy takes.
 ///
 /// # Errors
-/// As [`Target::save`]. The bytes are then unchanged.
+/// Those of [`Target::save`]. The bytes are then unchanged.
 pub fn write<T: Target>(target: &T, number: u32, bytes: &mut [u8]) -> Result<usize, SaveError> {
     let needed = target.saved_size()?;
     let bytes = bytes.get_mut(..size(needed)).ok_or(SaveError::BufferTooSmall)?;
@@ -70,8 +71,8 @@ pub fn write<T: Target>(target: &T, number: u32, bytes: &mut [u8]) -> Result<usi
     seal(number, saved, bytes)
 }
 
-/// Makes a copy of a target that [`Target::save`] wrote into the first `saved` bytes: puts number and checksum behind it, and returns how
-/// many bytes it takes. [`write()`] does both.
+/// Makes a copy of a target that [`Target::save`] has written into the first `saved` bytes: writes number and checksum
+/// behind it. Returns how many bytes the copy takes. [`write()`] saves and seals.
 ///
 /// # Errors
 /// [`SaveError::BufferTooSmall`]. The bytes are then unchanged.
@@ -82,10 +83,11 @@ pub fn seal(number: u32, saved: usize, bytes: &mut [u8]) -> Result<usize, SaveEr
     Ok(size(saved.len()))
 }
 
-/// The newer one of two copies; `None` if neither is whole. Whether it is of this tracker and configuration is for [`Target::restore`] to
-/// say. The bytes may go on behind the copies.
+/// The newer one of two copies; `None` if neither is whole. Other bytes may follow each copy. Only [`Target::restore`]
+/// checks that the copy fits the tracker and its configuration.
 ///
-/// Numbers start again at 0 after `u32::MAX`: the newer number is the one that is ahead by less than half of all numbers.
+/// Numbers start again at 0 after `u32::MAX`, so the newer number is the one that is ahead by less than half of all
+/// numbers.
 #[must_use]
 pub fn newest<'a>(first: &'a [u8], second: &'a [u8]) -> Option<SavedCopy<'a>> {
     match (read(0, first), read(1, second)) {
@@ -97,7 +99,7 @@ pub fn newest<'a>(first: &'a [u8], second: &'a [u8]) -> Option<SavedCopy<'a>> {
     }
 }
 
-/// Where the next copy is to be written, 0 or 1, and its number: over the older one, or over the one that is not whole.
+/// The place of the next copy, 0 or 1, and its number. It overwrites the older copy, or the one that is not whole.
 #[must_use]
 pub fn next(first: &[u8], second: &[u8]) -> (usize, u32) {
     newest(first, second).map_or((0, 1), |copy| (1 - copy.place, copy.number.wrapping_add(1)))
@@ -112,8 +114,8 @@ fn read(place: usize, bytes: &[u8]) -> Option<SavedCopy<'_>> {
     (sum == checksum(number, saved)).then_some(SavedCopy { place, number, saved })
 }
 
-/// Of the number and of the checksum at the end of the target. (A checksum of a target together with its own checksum would be the same for
-/// all targets.)
+/// The checksum of the number and of the checksum at the end of the target. (The CRC of any bytes followed by their own
+/// CRC is a constant, so the whole target would add nothing.)
 fn checksum(number: u32, saved: &[u8]) -> u32 {
     let mut sum = Crc::new();
     sum.update(&number.to_le_bytes());

@@ -44,15 +44,15 @@ pub enum LockError {
     BoxOutsideFrame,
     /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
     BoxTooLarge,
-    /// The window could grow to more than `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only from
-    /// [`Paper`](crate::Paper).
+    /// The window could grow to more than `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only
+    /// from [`Paper`](crate::Paper).
     WindowTooLarge,
     /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
     LockWindowNotInMemory,
     /// The frame has another size than the one the lock was begun with.
     FrameSizeChanged,
-    /// No lock of this target is under way in this workspace: none was begun, it was finished, the target changed, the workspace
-    /// served another target, or one of the two was moved in memory.
+    /// No lock of this target is under way in this workspace: none was begun, it was finished, the target changed, or
+    /// the workspace served another target.
     NotBegun,
 }
 
@@ -81,10 +81,11 @@ pub enum UpdateError {
     NotLocked,
     /// The frame has another size than the one that was locked on.
     FrameSizeChanged,
-    /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly in memory.
+    /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly
+    /// in memory.
     WindowNotInMemory,
-    /// No update of this target is under way in this workspace: none was begun, it was finished, the target changed, the
-    /// workspace served another target, or one of the two was moved in memory.
+    /// No update of this target is under way in this workspace: none was begun, it was finished, the target changed, or
+    /// the workspace served another target.
     NotBegun,
 }
 

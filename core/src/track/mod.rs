@@ -1,16 +1,25 @@
-//! What both trackers share.
+//! The code that both trackers share: calls, answers, errors, saved targets, flight records.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
 //! | `answer.rs`, `error.rs`, `quality.rs`, `bound.rs` | the results of the calls |
 //! | `update.rs` | updates and locks in steps |
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
-//! | `copies.rs` | two saved copies, of which one survives a loss of power |
+//! | `copies.rs` | two saved copies, one of which survives a loss of power |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
+//!
+//! # Inlining
+//!
+//! The crate has one rule for both attributes. Where there is another reason, a comment beside the attribute gives it.
+//! - `#[inline(never)]` keeps one copy of a function in flash, however many places call it. In generic code, the part
+//!   that is the same for all types is such a function. `cfg_attr(smr_small, inline(never))` does so only where every
+//!   byte counts: on microcontrollers and in WebAssembly.
+//! - `#[inline(always)]` on a constructor builds the value in place. As a call it would be built on the stack and
+//!   copied.
 
 mod answer;
 mod bound;

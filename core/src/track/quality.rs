@@ -1,4 +1,4 @@
-//! How distinct a target is from its surroundings: measured by `lock`.
+//! The quality of a target, which `lock` measures: how distinct the target is from itself at a shifted position.
 
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
@@ -7,8 +7,8 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///
-/// ratio(dx, dy) is the similarity matching ratio of the target with itself, shifted by (dx, dy). A flat target, an edge and a
-/// single pixel have a quality of 0: a tracker follows them, but may slip along them without noticing.
+/// ratio(dx, dy) is the similarity matching ratio of the target with itself, shifted by (dx, dy). A flat target, an
+/// edge and a single pixel have a quality of 0: a tracker follows them, but may slip along them without noticing.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
@@ -23,8 +23,8 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 pub struct Quality(u16);
 
 impl Quality {
-    /// A lower quality is poor. A flat target with noise of +-4 gray levels has about 700. The two lowest of the first boxes of
-    /// 90 recordings have 1128 (a face in the dark) and 16,866.
+    /// A lower quality is poor. A flat target with noise of +-4 gray levels has about 700. Among the first boxes of 90
+    /// recordings the two lowest have 1128 (a face in the dark) and 16,866.
     pub const POOR_BELOW: u16 = Table::ONE / 64;
 
     pub(super) const NONE: Self = Self(0);
@@ -45,7 +45,7 @@ impl Quality {
         self.0 < Self::POOR_BELOW
     }
 
-    /// The quality of a patch of at most [`Table::MAX_PIXELS`] pixels, by the plain loop.
+    /// The quality of a patch of at most [`Table::MAX_PIXELS`] pixels. The plain loop computes it.
     #[inline(never)] // keeps its stack out of that of a step
     pub(super) fn of(patch: Image<'_>, table: &CutTable) -> Self {
         let scorer = &Scorer::new(Backend::Scalar, table);
@@ -56,11 +56,11 @@ impl Quality {
     }
 }
 
-/// The ratio of a patch with itself, shifted; 65535 if no pixel is left.
+/// The ratio of a patch and the same patch shifted; 65535 if no pixel is left.
 fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
     let (width, height) = (patch.width() - right, patch.height() - down);
     let moved = patch.crop(Rect::new(right.into(), down.into(), width, height));
-    // Compares the common top left part.
+    // The moved patch is smaller. It is compared with the top left corner of the whole patch.
     let score = moved.and_then(|moved| scorer.score_at_least(patch, moved, 0));
     let pixels = u32::from(width) * u32::from(height);
     score.map_or(Table::ONE, |score| u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE))

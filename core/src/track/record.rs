@@ -1,8 +1,8 @@
-//! A flight record: all that a tracker saw and answered, as bytes. A desktop can run it again.
+//! A flight record: everything that a tracker saw and answered, as bytes. A desktop can run it again.
 //!
-//! Firmware passes each step to a [`Recorder`], which writes bytes to a function of yours: to a file, flash, a serial line, a log.
-//! `host-sim replay FILE` runs the record through the same code and names the first difference. If the power fails, the record is
-//! valid up to its last complete entry.
+//! Firmware passes each step to a [`Recorder`], which writes bytes to a function of yours: to a file, flash, a serial
+//! line, a log. `host-sim replay FILE` runs the record through the same code and names the first difference. If the
+//! power fails, the record is valid up to its last complete entry.
 //!
 //! ```
 //! use smr_core::{Frame, Image, Paper, Rect, Tracker, paper, record::Recorder};
@@ -30,40 +30,52 @@
 //! | lock | 36 + pixels of [`Target::lock_window`] |
 //! | frame | 82 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
 //!
-//! The pixels are in the record because the answer depends on them. The window of [`Paper`] is box + 2 * radius in width and height: a
-//! frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`] is about 16 times the area of its target.
+//! The pixels are in the record because the answer depends on them. The window of [`Paper`] is box + 2 * radius in
+//! width and height: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`] is
+//! about 16 times the area of its target.
 //!
-//! The recorder keeps 64 bytes on the stack and needs no other memory. It takes the time of a CRC-32 over the bytes, and the time of
-//! the writer.
+//! The recorder keeps 64 bytes on the stack and needs no other memory. It takes the time of a CRC-32 over the bytes,
+//! and the time of the writer.
 //!
 //! # The bytes, version 1
 //!
 //! A record is a sequence of entries. Numbers are little-endian; signed ones are in two's complement.
 //!
-//! | bytes of an entry | what |
+//! | bytes of an entry | content |
 //! |---|---|
 //! | 0 to 3 | the tag: `SMRB`, `SMRL`, `SMRM`, `SMRW`, `SMRA` or `SMRS` |
 //! | 4 to 7 | the number of the entry: 0 for `SMRB`, then 1, 2, 3, ... |
 //! | 8 to 11 | length of the content |
-//! | then | the content, see below |
+//! | then | the content of the entry, see below |
 //! | last 4 | CRC-32 (the one of Ethernet and zip) of all bytes of the entry before it |
 //!
-//! | entry | content |
-//! |---|---|
-//! | `SMRB`, begin | version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for each number |
-//! | `SMRL`, lock | frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each); the pixels of the part, row by row |
-//! | `SMRM`, moved | right, down, in 1/256 pixel (4 bytes each, signed) |
-//! | `SMRW`, window | frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each; all 0 if there is no second part); the pixels of the first part, the pixels of the second part |
-//! | `SMRA`, answer | fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte, [`State::code`](super::State::code): 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte, a sum of: 1 found again, 2 has a runner-up, 4 has an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 if there is none); scale (4 bytes) |
-//! | `SMRS`, restored | the saved target ([`Target::save`]) that the tracker continued with |
+//! The content of each entry:
 //!
-//! | tracker | numbers of the configuration |
-//! |---|---|
-//! | `P` | the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`, `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window` x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone` left, top, right, bottom |
-//! | `R` | the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, near, verification, caution); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`, `early_rate`; with the refiner a 1 |
+//! - `SMRB`, begin: version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for
+//!   each number
+//! - `SMRL`, lock: frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each);
+//!   the pixels of the part, row by row
+//! - `SMRM`, moved: right, down, in 1/256 pixel (4 bytes each, signed)
+//! - `SMRW`, window: frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each;
+//!   all 0 if there is no second part); the pixels of the first part, the pixels of the second part
+//! - `SMRA`, answer: fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte,
+//!   [`State::code`](super::State::code): 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte, a sum of: 1 found
+//!   again, 2 has a runner-up, 4 has an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 if there
+//!   is none); scale (4 bytes)
+//! - `SMRS`, restored: the saved target ([`Target::save`]) that the tracker continued with
 //!
-//! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in the middle of an
-//! entry that was cut off: firmware that restarts appends to the record.
+//! The numbers of the configuration of each tracker:
+//!
+//! - `P`: the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`,
+//!   `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window`
+//!   x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone`
+//!   left, top, right, bottom
+//! - `R`: the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, distance
+//!   penalty, verification, gated learning); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`,
+//!   `early_rate`; with the refiner a 1
+//!
+//! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
+//! the middle of an entry that was cut off: firmware that restarts appends to the record.
 
 use super::checksum::Crc;
 use super::paper::Paper;
@@ -149,7 +161,8 @@ impl Recorded for Robust {
     }
 }
 
-/// The entries of the table, then the other numbers. That of the refiner only if it is on: records without it are those of builds that lack it.
+/// Calls `add` with the entries of the table, then with the other numbers. The refiner's number is left out if the
+/// refiner is off, so that the record is the same as that of a build without it.
 fn each_number(table: &Table, numbers: &[(Setting, u16)], add: impl FnMut(u16)) {
     let numbers = numbers.iter().filter(|&&number| number != (Setting::Refiner, 0)).map(|&(_, number)| number);
     table.entries().iter().copied().chain(numbers).for_each(add);
@@ -157,8 +170,8 @@ fn each_number(table: &Table, numbers: &[(Setting, u16)], add: impl FnMut(u16)) 
 
 /// Writes a record; see the [module](self).
 ///
-/// Each call writes one entry, in pieces of at most a row of pixels or 64 bytes. If the writer fails, the record ends there: later calls
-/// write nothing, so that nothing follows half an entry. Tracking does not depend on the recorder.
+/// Each call writes one entry, in pieces of at most a row of pixels or 64 bytes. If the writer fails, the record ends
+/// there: later calls write nothing, so that nothing follows half an entry. Tracking does not depend on the recorder.
 pub struct Recorder<W> {
     write: W,
     entries: u32,
@@ -188,7 +201,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         Ok(recorder)
     }
 
-    /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`], with the same arguments.
+    /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`], with the same
+    /// arguments.
     ///
     /// # Errors
     /// The writer's.
@@ -219,7 +233,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
 
     /// Records the pixels that the update will read. Call it before [`Target::update`] or [`Target::begin`].
     ///
-    /// It writes nothing if the update will fail.
+    /// It writes nothing if the update would fail.
     ///
     /// # Errors
     /// The writer's.
@@ -263,8 +277,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
 
     /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
     ///
-    /// Such a record does not depend on an earlier one. So a long flight can be split into many records, each of which begins with a saved
-    /// target.
+    /// Such a record does not depend on an earlier one. A long flight can therefore be split into many records, each of
+    /// which begins with a saved target.
     ///
     /// # Errors
     /// The writer's.
@@ -294,7 +308,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     }
 }
 
-/// Bytes that are collected before they are written.
+/// Bytes that an entry collects before it writes them.
 const HELD: usize = 64;
 
 /// The entry that is being written. After an error it writes nothing more.
@@ -312,7 +326,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.hold(bytes);
     }
 
-    /// Adds bytes that do not count for the checksum.
+    /// Adds bytes without adding them to the checksum.
     fn hold(&mut self, bytes: &[u8]) {
         if bytes.len() > HELD - self.used.min(HELD) {
             self.flush();
@@ -346,7 +360,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.put(&number.to_le_bytes());
     }
 
-    /// A rectangle inside the frame, so no number is negative.
+    /// Adds a rectangle inside the frame: no number is negative.
     fn rect(&mut self, rect: Rect) {
         for place in [rect.x, rect.y] {
             self.u16(u16::try_from(place).unwrap_or(0));
@@ -356,7 +370,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
     }
 
     fn image(&mut self, image: &Image<'_>) {
-        // Not by `rows`, where the compiler keeps a division by the stride, and its panic.
+        // Not by `rows`: there the compiler keeps a division by the stride and its panic.
         (0..image.height()).for_each(|y| self.put(image.row(y)));
     }
 }

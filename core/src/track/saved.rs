@@ -1,6 +1,6 @@
 //! A saved target: bytes with a version and a checksum, the same on every platform.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0 to 2 | `SMR` |
 //! | 3 | the tracker: `P` or `R` |
@@ -11,9 +11,9 @@
 //! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
-//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). The configuration is there to be compared: a target goes on
-//! only with the settings that it was saved with, and a refusal names the first one that differs. The table is a checksum, because it has
-//! 512 bytes.
+//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). A target continues only with the
+//! settings with which it was saved, so they are saved to be compared. An error names the first one that differs. The
+//! table has 512 bytes, so only its checksum is saved.
 
 use super::checksum::Crc;
 use crate::similarity::Table;
@@ -23,7 +23,7 @@ const MAGIC: [u8; 3] = *b"SMR";
 const VERSION: u16 = 3;
 const HEAD: usize = 14;
 
-/// Bytes other than the state of a tracker with so many `numbers` in its configuration.
+/// Bytes of a saved target without the state: the head, the `numbers` of the configuration, and the checksum.
 pub(super) const fn around(numbers: usize) -> usize {
     HEAD + 2 * numbers + 4
 }
@@ -36,7 +36,7 @@ pub(super) enum Kind {
     Robust = b'R',
 }
 
-/// The part of a configuration that answers depend on.
+/// The settings of a configuration that answers depend on.
 pub(super) struct Settings<'a> {
     pub(super) table: &'a Table,
     pub(super) numbers: &'a [(Setting, u16)],
@@ -63,7 +63,7 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// For a target of `size` bytes in all. Writes nothing if `bytes` is too small.
+    /// Begins a saved target of `size` bytes in all. Writes nothing if `bytes` is too small.
     pub(super) fn new(
         bytes: &'a mut [u8],
         size: usize,
@@ -81,7 +81,7 @@ impl<'a> Writer<'a> {
         Ok(writer)
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn put(&mut self, bytes: &[u8]) {
         let end = self.at + bytes.len();
         if let Some(place) = self.bytes.get_mut(self.at..end) {
@@ -114,7 +114,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The length of the saved target at the beginning of `bytes`, if it is whole: of whatever tracker and configuration.
+/// The length of the saved target at the beginning of `bytes`, of either tracker and any configuration; `None` if it is
+/// not whole.
 pub(super) fn whole_length(bytes: &[u8]) -> Option<usize> {
     let mut head = Reader { bytes };
     let (magic, _tracker, version) = (head.take::<3>()?, head.u8()?, head.u16()?);
@@ -125,7 +126,7 @@ pub(super) fn whole_length(bytes: &[u8]) -> Option<usize> {
     (magic == MAGIC && version == VERSION && length >= around(0) && sum == Crc::of(body)).then_some(length)
 }
 
-/// Reads a saved target, number by number; `None` at the end of the bytes.
+/// Reads a saved target, number by number. Each read gives `None` at the end of the bytes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
 }
@@ -183,12 +184,12 @@ impl<'a> Reader<'a> {
         self.take().map(u8::from_le_bytes)
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn u16(&mut self) -> Option<u16> {
         self.take().map(u16::from_le_bytes)
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn u32(&mut self) -> Option<u32> {
         self.take().map(u32::from_le_bytes)
     }
@@ -197,7 +198,7 @@ impl<'a> Reader<'a> {
         self.u32().map(u32::cast_signed)
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn i64(&mut self) -> Option<i64> {
         self.take().map(i64::from_le_bytes)
     }
@@ -290,7 +291,7 @@ macro_rules! settings {
                 }
             }
 
-            /// The name with a zero at its end, for C.
+            /// The name followed by a zero byte, for C.
             #[doc(hidden)]
             #[must_use]
             pub const fn name_with_zero(self) -> &'static str {
@@ -341,15 +342,15 @@ settings! {
     Size = "size",
     /// Whether it searches the whole frame.
     Sweep = "sweep",
-    /// A part that only the feature `unstable` leaves out.
+    /// A part of the robust tracker; only the feature `unstable` can leave it out.
     Parts = "parts",
     /// The radius of its window.
     Reach = "reach",
-    /// How slowly the confidence changes.
+    /// The inertia of the confidence.
     Patience = "patience",
-    /// Where lost begins.
+    /// The confidence below which the target is lost.
     LostBelow = "lost_below",
-    /// Where uncertain begins.
+    /// The confidence below which it is uncertain.
     UncertainBelow = "uncertain_below",
     /// How fast the filter learns.
     LearningRate = "learning_rate",

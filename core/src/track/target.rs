@@ -1,4 +1,4 @@
-//! The trait of both trackers, for generic code.
+//! The trait that both trackers implement, for generic code.
 
 use super::update::Steps;
 use super::{
@@ -8,9 +8,9 @@ use crate::image::{FineRect, Frame, Rect};
 
 /// A target as a tracker remembers it: configuration, templates and track. Plain data.
 ///
-/// An update also needs scratch memory, the *workspace*. One workspace serves any number of targets, one update at a time. For a
-/// single target, a [`Tracker`](crate::Tracker) holds both. The trait is sealed: only [`Paper`](crate::Paper) and
-/// [`Robust`](crate::Robust) implement it.
+/// An update also needs scratch memory, the *workspace*. One workspace serves any number of targets, one update at a
+/// time. For a single target, a [`Tracker`](crate::Tracker) holds both. The trait is sealed: only
+/// [`Paper`](crate::Paper) and [`Robust`](crate::Robust) implement it.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect, Target, Tracker, UpdateError};
@@ -60,34 +60,36 @@ pub trait Target: Steps {
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     fn new(config: Self::Config) -> Result<Self, ConfigError> {
         Self::check_config(&config)?;
         Ok(Self::of_checked(config))
     }
 
-    /// Whether the configuration is valid.
+    /// Checks the configuration.
     ///
     /// # Errors
-    /// As [`Target::new`].
+    /// Those of [`Target::new`].
     #[doc(hidden)]
     fn check_config(config: &Self::Config) -> Result<(), ConfigError>;
 
-    /// A tracker state without a target; the configuration was checked. Without a `Result` around it, it is built in place.
+    /// A tracker state without a target, from a checked configuration. It is not wrapped in a `Result`, so it is built
+    /// in place.
     #[doc(hidden)]
     fn of_checked(config: Self::Config) -> Self;
 
     /// The configuration.
     fn config(&self) -> &Self::Config;
 
-    /// The pixels that [`Target::lock`] reads for the box `target` in a frame of the size of `bounds`. Inside the frame; empty if
-    /// the box cannot be locked.
+    /// The pixels that [`Target::lock`] reads for the box `target` in a frame of the size of `bounds`. They lie inside
+    /// the frame; empty if the box cannot be locked.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
 
-    /// Starts to follow the target in the box `target`. Forgets any target before. Returns how distinct the new one is.
+    /// Starts to follow the target in the box `target` and forgets the previous target. Returns how distinct the new
+    /// one is.
     ///
-    /// Reads only the pixels in [`Target::lock_window`]. Cost: [`Paper`](crate::Paper) copies the box and makes two comparisons
-    /// per pixel; [`Robust`](crate::Robust) takes as long as 11 to 16 updates.
+    /// Reads only the pixels in [`Target::lock_window`]. Cost: [`Paper`](crate::Paper) copies the box and makes two
+    /// comparisons per pixel; [`Robust`](crate::Robust) takes as long as 11 to 16 updates.
     ///
     /// # Errors
     /// [`LockError`]. The target and an update under way are then unchanged.
@@ -98,7 +100,7 @@ pub trait Target: Steps {
     /// Begins a lock in steps of bounded work: see [`Lock`]. There is no target until the lock is finished.
     ///
     /// # Errors
-    /// As [`Target::lock`].
+    /// Those of [`Target::lock`].
     fn begin_lock<'a>(
         &'a mut self,
         workspace: &'a mut Self::Workspace,
@@ -108,8 +110,9 @@ pub trait Target: Steps {
         Lock::begin(self, workspace, frame, target)
     }
 
-    /// Continues a lock that was begun in this workspace and dropped before it was finished. Whose lock it is, and the cost: as
-    /// [`Target::resume`]. A lock that was given up and begun again is another one if the box or what was learned differs.
+    /// Continues a lock that was begun in this workspace and dropped before it was finished. The rule that says which
+    /// target may continue it, and the cost, are those of [`Target::resume`]. If the target has begun a lock again
+    /// since, the earlier lock continues only if box and learned weights are the same.
     ///
     /// # Errors
     /// [`LockError::NotBegun`] if there is none, [`LockError::FrameSizeChanged`], [`LockError::LockWindowNotInMemory`].
@@ -121,13 +124,14 @@ pub trait Target: Steps {
         Lock::resume(self, workspace, frame)
     }
 
-    /// The pixels of the frame that the next update may read; `None` before the first lock. Never empty, and inside the frame.
+    /// The pixels of the frame that the next update may read; `None` before the first lock. Never empty, and inside the
+    /// frame.
     ///
     /// Firmware may read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
 
-    /// A second window that the next update may read, to search for a lost target; `None` in most frames. Always `None` from
-    /// [`Paper`](crate::Paper).
+    /// A second window that the next update may read, to search for a lost target; `None` in most frames. Always `None`
+    /// from [`Paper`](crate::Paper).
     fn sweep_window(&self) -> Option<Rect>;
 
     /// The box of the last answer, in units of 1/256 pixel; `None` before the first lock.
@@ -139,10 +143,12 @@ pub trait Target: Steps {
     /// The quality that the last lock returned; `None` before the first lock.
     fn quality(&self) -> Option<Quality>;
 
-    /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y + `down`) in
-    /// the next. Units of 1/256 pixel. Cancels a lock under way, and an update unless the move rounds to nothing.
+    /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y +
+    /// `down`) in the next. Units of 1/256 pixel. Cancels a lock under way. Cancels an update under way unless the
+    /// target's place stays the same, because the move rounds to 0 or the place is at its limit.
     ///
-    /// The search window moves along. The box stays within reach of the frame. [`Paper`](crate::Paper) rounds to whole pixels.
+    /// The search window moves along. The box stays within reach of the frame. [`Paper`](crate::Paper) rounds to whole
+    /// pixels.
     fn moved(&mut self, right: i32, down: i32);
 
     /// The number of bytes that [`Target::save`] writes; at most [`Target::SAVED_SIZE`].
@@ -153,7 +159,8 @@ pub trait Target: Steps {
 
     /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`].
     ///
-    /// The bytes are the same on every platform. They hold the templates, the track, and the numbers of the configuration to compare with.
+    /// The bytes are the same on every platform. They hold the templates, the track, and the numbers of the
+    /// configuration to compare with.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.
@@ -162,22 +169,23 @@ pub trait Target: Steps {
     /// Continues with a target that [`Target::save`] wrote. The answers are identical to those of the saved target.
     ///
     /// # Errors
-    /// [`RestoreError`] if the bytes are damaged, of another kind, or saved with another configuration. The target is then
-    /// unchanged.
+    /// [`RestoreError`] if the bytes are damaged, of another kind, or saved with another configuration. The target is
+    /// then unchanged.
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError>;
 
-    /// Whether the bytes are whole and were saved with this configuration.
+    /// Checks that the bytes are whole and were saved with this configuration.
     ///
     /// # Errors
-    /// As [`Target::restore`].
+    /// Those of [`Target::restore`].
     #[doc(hidden)]
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError>;
 
     /// Finds the target in the next frame.
     ///
-    /// Reads only the pixels in [`Target::window`] and [`Target::sweep_window`]. Cost: [`Paper`](crate::Paper) takes up to
-    /// [`Target::most_work`] if nothing matches, and far less if the target is clearly visible. [`Robust`](crate::Robust) takes
-    /// about the same in every frame, at most 894 products for each of at most 2000 weights.
+    /// Reads only the pixels in [`Target::window`] and [`Target::sweep_window`]. Cost: [`Paper`](crate::Paper) takes up
+    /// to [`Target::most_work`] if nothing matches, and far less if the target is clearly visible.
+    /// [`Robust`](crate::Robust) takes about the same in every frame, at most 894 products for each of at most 2000
+    /// weights.
     ///
     /// # Errors
     /// [`UpdateError`]. The target is then unchanged.
@@ -185,8 +193,9 @@ pub trait Target: Steps {
         super::update::update(self, workspace, frame)
     }
 
-    /// Begins an update in steps of bounded work: see [`Update`]. The answer does not depend on the steps. In addition to the work of
-    /// [`Target::update`] it looks at the whole target once, for [`Target::resume`].
+    /// Begins an update in steps of bounded work: see [`Update`]. The answer does not depend on the steps. In addition
+    /// to the work of [`Target::update`] it reads the whole target once, to compute the fingerprint that
+    /// [`Target::resume`] compares.
     ///
     /// # Errors
     /// [`UpdateError`]. The target is then unchanged.
@@ -198,18 +207,21 @@ pub trait Target: Steps {
         Update::begin(self, workspace, frame)
     }
 
-    /// Continues an update that was begun in this workspace and dropped before it was finished. The caller must pass the pixels that it
-    /// was begun with.
+    /// Continues an update that was begun in this workspace and dropped before it was finished. The caller must pass
+    /// the pixels that it was begun with.
     ///
-    /// It belongs to the target that began it, wherever target and workspace were moved, and ends when the target changes: by a
-    /// lock, `restore`, [`Target::moved`] or a finished update. A target in the very same state, such as a restored copy, can take it over:
-    /// its answer is the same. States are compared by a fingerprint of 64 bits of configuration, templates and track.
+    /// The update belongs to the target that began it; both target and workspace may be moved in memory. It ends when
+    /// the target changes: by a lock, `restore`, [`Target::moved`] or a finished update. A target in the same state,
+    /// such as a restored copy, can take it over, because its answer is the same. States are compared by a fingerprint
+    /// of 64 bits of configuration, templates and track.
     ///
-    /// Cost, in instructions of a Cortex-M0+: [`Robust`](crate::Robust) at most 40,000, a hundredth of an update; [`Paper`](crate::Paper)
-    /// 3,000 and 8 for each pixel of the template. So keep the [`Update`] if you take small steps.
+    /// Cost, in instructions of a Cortex-M0+: [`Robust`](crate::Robust) at most 40,000, a hundredth of an update;
+    /// [`Paper`](crate::Paper) 3,000 and 8 for each pixel of the template. If you take small steps, keep the
+    /// [`Update`].
     ///
     /// # Errors
-    /// [`UpdateError::NotBegun`] if nothing of a target in this state is under way here; otherwise as [`Target::begin`].
+    /// [`UpdateError::NotBegun`] if no update of a target in this state is under way here; otherwise those of
+    /// [`Target::begin`].
     fn resume<'a>(
         &'a mut self,
         workspace: &'a mut Self::Workspace,
@@ -227,7 +239,8 @@ pub(super) fn lockable(bounds: Rect, target: Rect) -> Result<(), LockError> {
     if bounds.contains(target) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
 }
 
-/// Refuses a frame with which a lock under way cannot continue. The lock was begun in `bounds` and reads `window`.
+/// Refuses a frame with which a lock under way cannot continue. The lock was begun in a frame of the size of `bounds`
+/// and reads `window`.
 pub(super) fn lock_goes_on(frame: &Frame<'_>, bounds: Rect, window: Rect) -> Result<(), LockError> {
     if frame.bounds() != bounds {
         return Err(LockError::FrameSizeChanged);

@@ -1,5 +1,5 @@
-//! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the camera, saved
-//! targets, misuse.
+//! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the
+//! camera, saved targets, misuse.
 
 use belonging::whoever_moves_whatever_is_under_way_goes_on_with_its_own_target;
 
@@ -22,7 +22,7 @@ fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.window = paper::Radius { x: 12, y: 12 };
     config.growth = 8;
-    // Rather lost than wrong.
+    // The gate is strict, so that a wrong box becomes a lost target.
     config.gate.tracking = paper::Fraction::new(5, 4);
     config.gate.lead = u16::MAX;
     config
@@ -257,7 +257,7 @@ fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Co
     assert_eq!(one.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
 }
 
-/// Two cameras that have seen the same, so that the two targets are bit for bit equal: which of them goes on does not matter.
+/// Two cameras have seen the same, so the two targets are equal, bit for bit. Either of them may continue the update.
 fn what_is_under_way_is_of_every_equal_target<T: Target>(config: T::Config) {
     let (mut left, mut right) = (locked::<T>(config), locked::<T>(config));
     let (a, b) = (picture(62, 42), picture(58, 47));
@@ -272,7 +272,7 @@ fn what_is_under_way_is_of_every_equal_target<T: Target>(config: T::Config) {
     assert_eq!(left.resume(&a).err(), Some(UpdateError::NotBegun));
 }
 
-/// Whatever changes it or stands in its place.
+/// Every change of the target or workspace, and every replacement, ends the update.
 fn an_update_does_not_outlive_the_state_that_began_it<T: Target>(config: T::Config) {
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
@@ -299,7 +299,7 @@ fn an_update_does_not_outlive_the_state_that_began_it<T: Target>(config: T::Conf
     }
 }
 
-/// A target whose box is another one's, after the two changed places.
+/// Two targets change places. The workspace's update belongs to only one of them.
 fn a_neighbour_does_not_take_over_what_is_under_way<T: Target>(config: T::Config) {
     let pixels = picture(TARGET.x, TARGET.y);
     let frame = whole(&pixels);
@@ -519,7 +519,8 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
 /// A setting's name, and a change of it.
 type Change<T> = (&'static str, fn(&mut <T as Target>::Config));
 
-/// Saves a target with `config`, and restores it with each of the `changes`: all settings, each by its name.
+/// Saves a target with `config`, and restores it with each of the `changes`. Each error must name its setting, and
+/// the changes must cover all `settings`.
 fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[Change<T>]) {
     let bytes = saved(locked::<T>(config).target());
     for (name, change) in changes {
@@ -583,7 +584,7 @@ fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
 #[test]
 fn a_refusal_names_the_setting_of_the_robust_tracker_that_differs() {
     let numbers = robust::numbers(&robust::Config::robust()).map(|(setting, _)| setting);
-    // A part is left out, and the refiner switched on, with their features only.
+    // Only with their features can a part be left out and the refiner be on.
     let left_out = |setting: &Setting| match setting {
         Setting::Parts => !cfg!(feature = "unstable"),
         Setting::Refiner => !cfg!(feature = "refiner"),
@@ -636,7 +637,8 @@ fn the_preset_robust_is_the_same_in_every_build() {
     }
 }
 
-/// Everything that a user can see of the preset `robust`, as one checksum: a build with the refiner and one without have the same.
+/// One checksum of everything that a user can see of the preset `robust`. It is the same in builds with and without the
+/// refiner.
 #[test]
 fn the_preset_robust_answers_the_same_in_every_build() {
     let mut sum = Crc::new();

@@ -8,8 +8,8 @@ use core::fmt;
 
 /// Follows one target: a [`Target`] and its workspace. Holds all memory; there is no heap.
 ///
-/// `Tracker<Paper<PIXELS, SPAN>>` is the paper's tracker, `Tracker<Robust>` the robust one. All calls are the same. The [crate's
-/// example](crate) uses whole frames. This one reads out only the window that the tracker needs:
+/// `Tracker<Paper<PIXELS, SPAN>>` is the paper's tracker, `Tracker<Robust>` the robust one. All calls are the same. The
+/// [crate's example](crate) uses whole frames. This one reads out only the window that the tracker needs:
 ///
 /// ```
 /// use smr_core::paper::{Config, Radius};
@@ -49,7 +49,7 @@ impl<T: Target> Tracker<T> {
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     pub fn new(config: T::Config) -> Result<Self, ConfigError> {
         Ok(Self { target: T::new(config)?, workspace: T::Workspace::default() })
     }
@@ -67,7 +67,7 @@ impl<T: Target> Tracker<T> {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     #[must_use]
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub const fn from_parts(target: T, workspace: T::Workspace) -> Self {
         Self { target, workspace }
     }
@@ -94,12 +94,12 @@ impl<T: Target> Tracker<T> {
         self.target.config()
     }
 
-    /// As [`Target::lock_window`].
+    /// See [`Target::lock_window`].
     pub fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         self.target.lock_window(bounds, target)
     }
 
-    /// As [`Target::lock`].
+    /// See [`Target::lock`].
     ///
     /// # Errors
     /// [`LockError`]. The target is then unchanged.
@@ -107,7 +107,7 @@ impl<T: Target> Tracker<T> {
         self.target.lock(&mut self.workspace, frame, target)
     }
 
-    /// As [`Target::begin_lock`].
+    /// See [`Target::begin_lock`].
     ///
     /// # Errors
     /// [`LockError`]. The target is then unchanged.
@@ -115,45 +115,45 @@ impl<T: Target> Tracker<T> {
         self.target.begin_lock(&mut self.workspace, frame, target)
     }
 
-    /// As [`Target::resume_lock`].
+    /// See [`Target::resume_lock`].
     ///
     /// # Errors
-    /// As [`Target::resume_lock`].
+    /// Those of [`Target::resume_lock`].
     pub fn resume_lock<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Lock<'a, T>, LockError> {
         self.target.resume_lock(&mut self.workspace, frame)
     }
 
-    /// As [`Target::window`].
+    /// See [`Target::window`].
     pub fn window(&self) -> Option<Rect> {
         self.target.window()
     }
 
-    /// As [`Target::sweep_window`].
+    /// See [`Target::sweep_window`].
     pub fn sweep_window(&self) -> Option<Rect> {
         self.target.sweep_window()
     }
 
-    /// As [`Target::bbox`].
+    /// See [`Target::bbox`].
     pub fn bbox(&self) -> Option<FineRect> {
         self.target.bbox()
     }
 
-    /// As [`Target::state`].
+    /// See [`Target::state`].
     pub fn state(&self) -> Option<State> {
         self.target.state()
     }
 
-    /// As [`Target::quality`].
+    /// See [`Target::quality`].
     pub fn quality(&self) -> Option<Quality> {
         self.target.quality()
     }
 
-    /// As [`Target::moved`].
+    /// See [`Target::moved`].
     pub fn moved(&mut self, right: i32, down: i32) {
         self.target.moved(right, down);
     }
 
-    /// As [`Target::update`].
+    /// See [`Target::update`].
     ///
     /// # Errors
     /// [`UpdateError`]. The target is then unchanged.
@@ -166,7 +166,7 @@ impl<T: Target> Tracker<T> {
         T::work(&self.workspace)
     }
 
-    /// As [`Target::begin`].
+    /// See [`Target::begin`].
     ///
     /// # Errors
     /// [`UpdateError`]. The target is then unchanged.
@@ -174,15 +174,15 @@ impl<T: Target> Tracker<T> {
         self.target.begin(&mut self.workspace, frame)
     }
 
-    /// As [`Target::resume`].
+    /// See [`Target::resume`].
     ///
     /// # Errors
-    /// As [`Target::resume`].
+    /// Those of [`Target::resume`].
     pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
         self.target.resume(&mut self.workspace, frame)
     }
 
-    /// As [`Target::saved_size`].
+    /// See [`Target::saved_size`].
     ///
     /// # Errors
     /// [`SaveError::NotLocked`].
@@ -190,7 +190,7 @@ impl<T: Target> Tracker<T> {
         self.target.saved_size()
     }
 
-    /// As [`Target::save`].
+    /// See [`Target::save`].
     ///
     /// # Errors
     /// [`SaveError`].
@@ -198,7 +198,7 @@ impl<T: Target> Tracker<T> {
         self.target.save(bytes)
     }
 
-    /// As [`Target::restore`].
+    /// See [`Target::restore`].
     ///
     /// # Errors
     /// [`RestoreError`]. The target is then unchanged.

@@ -1,26 +1,27 @@
 //! Updates and locks in steps: one protocol for both trackers and for C.
 //!
-//! An update under way depends on the target's state and on the frame, on nothing else. So the workspace stores a fingerprint of the
-//! state in which the target was, and `resume` accepts a target in that state: wherever it lies, and be it the one that began or a copy.
-//! Whatever changes the state (a lock, the end of an update, `restore`, `moved`) thereby ends what was under way. A lock under way is part
-//! of the state: the box that it is for, and what was learned so far.
+//! The result of an update depends only on the target's state and on the frame. The workspace therefore stores a
+//! fingerprint of the state of the target that began the update, and `resume` accepts any target in that state: the one
+//! that began, wherever it lies, or a copy. A lock, the end of an update, `restore` and `moved` change the state, and
+//! so they end an update under way. A lock under way is part of the state: its box, and the weights learned so far.
 //!
-//! Each step is granted an amount of work, which is counted down. The total is counted only to be reported.
+//! Each step is granted an amount of work, which is counted down. The total is only reported.
 
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
 use core::{fmt, mem};
 
-/// Only this crate can make one, so only this crate can call the sealed methods of [`Steps`].
+/// The key to the sealed methods of [`Steps`]. Only this crate can make one, so only this crate can call them.
 #[derive(Debug)]
 pub struct Seal(());
 
 pub(super) const SEAL: &Seal = &Seal(());
 
-/// Whose update or lock is under way: a fingerprint of the target's state.
+/// Identifies the target of an update or lock under way by a fingerprint of its state.
 ///
-/// Two sums of 32 bits, word by word: 10 instructions of a Cortex-M0+ a word. The first takes in the word, the second the
-/// first, so they are equal for two states only by chance, once in 2^64. It protects from confusion, not from malice.
+/// The fingerprint is two sums of 32 bits. Each word of the state is added to the first sum, and the first sum to the
+/// second: 10 instructions of a Cortex-M0+ for each word. Two different states have the same fingerprint only by
+/// chance, once in 2^64. It protects from confusion, not from malice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Owner {
     word: u32,
@@ -31,21 +32,22 @@ impl Owner {
     const NOBODY: Self = Self { word: 0, sum: 0 };
 
     /// The fingerprint of a target.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn of<T: Steps>(target: &T) -> Self {
         let mut owner = Self::NOBODY;
         target.identify(&mut owner, SEAL);
         owner
     }
 
-    /// A tracker of C, which stays where it is: its address.
+    /// Identifies a tracker of C by its address: such a tracker does not move.
     #[must_use]
     pub const fn at(address: usize) -> Self {
         let [word, sum] = halves((address as u64).to_le_bytes());
         Self { word, sum }
     }
 
-    /// Takes in a number of the state. Odd factors and rotations lose nothing: states that differ in one word never look the same.
+    /// Adds a number of the state. Odd factors and rotations lose no bits, so states that differ in one word never have
+    /// the same fingerprint.
     #[inline(always)] // six instructions
     pub(super) const fn add(&mut self, number: u32) {
         self.word = (self.word ^ number).wrapping_mul(0x9E37_79B1).rotate_left(15);
@@ -64,8 +66,8 @@ impl Owner {
         self.add((rect.width as u32) << 16 | rect.height as u32);
     }
 
-    /// Takes in bytes, four at a time. Their number is for the caller to take in.
-    #[inline(never)] // one copy in flash
+    /// Adds bytes, four at a time. It does not add their number; the caller must.
+    #[inline(never)]
     pub(super) fn add_bytes(&mut self, bytes: &[u8]) {
         let (words, rest) = bytes.as_chunks();
         words.iter().for_each(|&word| self.add(u32::from_le_bytes(word)));
@@ -78,7 +80,8 @@ const fn halves([a, b, c, d, e, f, g, h]: [u8; 8]) -> [u32; 2] {
     [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
 }
 
-/// The lock that is under way on a target. The box is empty if there is none; it has no meaning while there is a track.
+/// The lock that is under way on a target: frame size and box. The box is empty if no lock is under way. While there is
+/// a track, it has no meaning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Locking {
     /// Width and height of the frame.
@@ -127,7 +130,7 @@ pub enum Kind {
 pub struct UnderWay {
     kind: Kind,
     owner: Owner,
-    /// A step of a lock has changed the target.
+    /// True if the last step of a lock has changed the target.
     changed: bool,
     /// The work that the present step may still do.
     granted: u32,
@@ -139,12 +142,12 @@ impl UnderWay {
     pub(super) const NOTHING: Self =
         Self { kind: Kind::Nothing, owner: Owner::NOBODY, changed: false, granted: 0, done: 0 };
 
-    /// Nothing is under way any more.
+    /// Ends the update or lock under way.
     pub(super) const fn end(&mut self) {
         self.kind = Kind::Nothing;
     }
 
-    /// The step of a lock has changed the target.
+    /// Notes that this step of a lock has changed the target.
     pub(super) const fn change(&mut self) {
         self.changed = true;
     }
@@ -161,25 +164,26 @@ impl UnderWay {
         self.granted == 0
     }
 
-    /// Counts work done. It may exceed the grant if a piece of work cannot be divided.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// Counts work done. It may exceed the grant, because a piece of work cannot be divided.
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) const fn spend(&mut self, work: u32) {
         self.granted = self.granted.saturating_sub(work);
         self.done = self.done.saturating_add(work);
     }
 
-    /// 0 counts as 1, so that every step makes progress.
+    /// Grants a step its work. 0 counts as 1, so that every step makes progress.
     const fn grant(&mut self, work: u32) {
         self.granted = if work == 0 { 1 } else { work };
     }
 }
 
-/// The stages of an update or a lock, and the workspace they use. A supertrait of [`Target`](crate::Target), sealed like it.
+/// The stages of an update or a lock, and the workspace they use. A supertrait of [`Target`](crate::Target), sealed
+/// like it.
 pub trait Steps: Sized {
     /// Scratch memory for an update or a lock.
     type Workspace: Default;
 
-    /// Takes in all of the target that the rest of an update or lock depends on.
+    /// Adds to `owner` all of the target's state that the rest of an update or lock depends on.
     #[doc(hidden)]
     fn identify(&self, owner: &mut Owner, _: &Seal);
 
@@ -187,27 +191,27 @@ pub trait Steps: Sized {
     #[doc(hidden)]
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
 
-    /// The work of the update or lock that is under way in this workspace, or was last: see [`Tracker::work`](crate::Tracker::work).
+    /// The work of the present or last update or lock in this workspace: see [`Tracker::work`](crate::Tracker::work).
     fn work(workspace: &Self::Workspace) -> u32;
 
-    /// Whether an update with `frame` is possible.
+    /// Checks that an update with `frame` is possible.
     ///
     /// # Errors
     /// All but [`NotBegun`](UpdateError::NotBegun).
     #[doc(hidden)]
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError>;
 
-    /// Whether the box `target` in `frame` can be locked.
+    /// Checks that the box `target` in `frame` can be locked.
     ///
     /// # Errors
     /// All but [`NotBegun`](LockError::NotBegun).
     #[doc(hidden)]
     fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError>;
 
-    /// Whether the lock under way can continue with `frame`.
+    /// Checks that the lock under way can continue with `frame`.
     ///
     /// # Errors
-    /// As [`Steps::check_lock`].
+    /// [`LockError::FrameSizeChanged`], [`LockError::LockWindowNotInMemory`].
     #[doc(hidden)]
     fn check_lock_under_way(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError>;
 
@@ -215,7 +219,7 @@ pub trait Steps: Sized {
     #[doc(hidden)]
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal);
 
-    /// Begins a lock and forgets the target before. The frame was checked.
+    /// Begins a lock and forgets the previous target. The frame was checked.
     #[doc(hidden)]
     fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal);
 
@@ -232,7 +236,7 @@ pub trait Steps: Sized {
     fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
 }
 
-/// Checks the frame and begins an update of nobody: only what [`own`] says can be resumed.
+/// Checks the frame and begins an update that has no owner yet. It can be resumed once [`own`] has set its owner.
 fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Result<(), UpdateError> {
     target.check(frame, SEAL)?;
     *T::under_way(workspace, SEAL) = UnderWay::NOTHING;
@@ -240,7 +244,7 @@ fn begin<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'
     Ok(())
 }
 
-/// As [`begin`], a lock.
+/// Checks frame and box and begins a lock that has no owner yet: see [`begin`].
 fn begin_lock<T: Steps>(
     target: &mut T,
     workspace: &mut T::Workspace,
@@ -253,7 +257,7 @@ fn begin_lock<T: Steps>(
     Ok(())
 }
 
-/// What has begun in this workspace belongs to `owner`.
+/// Sets the owner of the update or lock that has begun in this workspace.
 fn own<T: Steps>(workspace: &mut T::Workspace, kind: Kind, owner: Owner) {
     let under_way = T::under_way(workspace, SEAL);
     (under_way.kind, under_way.owner) = (kind, owner);
@@ -267,8 +271,9 @@ fn is_under_way<T: Steps>(workspace: &mut T::Workspace, kind: Kind, owner: impl 
 
 /// An update under way, from [`Target::begin`](crate::Target::begin) or [`Tracker::begin`](crate::Tracker::begin).
 ///
-/// If it is dropped before [`Update::finish`], only the workspace has changed. [`Target::resume`](crate::Target::resume) continues
-/// it, wherever target and workspace are then; `begin` and `update` start again.
+/// If it is dropped before [`Update::finish`], only the workspace has changed.
+/// [`Target::resume`](crate::Target::resume) continues it, wherever target and workspace are then; `begin` and `update`
+/// start again.
 ///
 /// ```
 /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
@@ -289,8 +294,8 @@ pub struct Update<'a, T: Steps>(Running<'a, T>);
 /// A lock under way, from [`Target::begin_lock`](crate::Target::begin_lock) or
 /// [`Tracker::begin_lock`](crate::Tracker::begin_lock).
 ///
-/// There is no target until [`Lock::finish`]. [`Target::resume_lock`](crate::Target::resume_lock) continues a lock that was
-/// dropped.
+/// There is no target until [`Lock::finish`]. [`Target::resume_lock`](crate::Target::resume_lock) continues a lock that
+/// was dropped.
 ///
 /// ```
 /// # use smr_core::{Frame, Image, Rect, Robust, Tracker, robust};
@@ -306,26 +311,27 @@ pub struct Update<'a, T: Steps>(Running<'a, T>);
 /// ```
 pub struct Lock<'a, T: Steps>(Running<'a, T>);
 
-/// What a step needs.
+/// The target, workspace and frame of an [`Update`] or [`Lock`].
 struct Running<'a, T: Steps> {
     target: &'a mut T,
     workspace: &'a mut T::Workspace,
     frame: Frame<'a>,
 }
 
-/// For the C interface, which keeps neither an [`Update`] nor a [`Lock`]: no call has a copy of the frame on its stack.
+/// The calls of the C interface. It keeps neither an [`Update`] nor a [`Lock`], so no call has a copy of the frame on
+/// its stack.
 ///
-/// Its trackers stay where they are, so each step compares an address ([`Owner::at`]) and not the whole target. For that C calls
-/// [`cancel`](calls::cancel) after it has changed a target otherwise.
+/// A tracker of C does not move, so each step compares its address ([`Owner::at`]), not the whole target. In return, C
+/// must call [`cancel`](calls::cancel) after any other call that changes a target.
 #[doc(hidden)]
 pub mod calls {
     use super::{Answer, Frame, LockError, Quality, Rect, SEAL, Steps, UpdateError, own};
     pub use super::{Kind, Owner};
 
-    /// As [`Target::begin_lock`](crate::Target::begin_lock).
+    /// See [`Target::begin_lock`](crate::Target::begin_lock).
     ///
     /// # Errors
-    /// As there.
+    /// Those of that call.
     pub fn begin_lock<T: Steps>(
         (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
         frame: &Frame<'_>,
@@ -336,10 +342,10 @@ pub mod calls {
         Ok(())
     }
 
-    /// As [`Target::begin`](crate::Target::begin).
+    /// See [`Target::begin`](crate::Target::begin).
     ///
     /// # Errors
-    /// As there.
+    /// Those of that call.
     pub fn begin<T: Steps>(
         (target, workspace, owner): (&mut T, &mut T::Workspace, Owner),
         frame: &Frame<'_>,
@@ -358,7 +364,7 @@ pub mod calls {
     /// A step of the lock that is [under way](under_way). True if only [`conclude_lock`] is left.
     ///
     /// # Errors
-    /// As [`Target::resume_lock`](crate::Target::resume_lock).
+    /// Those of [`Target::resume_lock`](crate::Target::resume_lock).
     pub fn step_lock<T: Steps>(
         target: &mut T,
         workspace: &mut T::Workspace,
@@ -372,7 +378,7 @@ pub mod calls {
     /// A step of the update that is [under way](under_way). True if only [`conclude`] is left.
     ///
     /// # Errors
-    /// As [`Target::resume`](crate::Target::resume).
+    /// Those of [`Target::resume`](crate::Target::resume).
     pub fn step<T: Steps>(
         target: &mut T,
         workspace: &mut T::Workspace,
@@ -395,7 +401,7 @@ pub mod calls {
         target.conclude_lock(workspace, frame, SEAL)
     }
 
-    /// The target has changed: nothing of `owner` is under way any more.
+    /// Ends the update or lock of `owner`, if one is under way, because the target has changed.
     pub fn cancel<T: Steps>(workspace: &mut T::Workspace, owner: Owner) {
         let under_way = T::under_way(workspace, SEAL);
         if under_way.owner == owner {
@@ -416,7 +422,7 @@ fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Fram
     T::under_way(workspace, SEAL).end();
 }
 
-/// A whole lock. Unlike [`Lock`] it keeps no second copy of the frame on the stack.
+/// Does a whole lock. Unlike [`Lock`] it keeps no second copy of the frame on the stack.
 pub(super) fn lock<T: Steps>(
     target: &mut T,
     workspace: &mut T::Workspace,
@@ -428,7 +434,7 @@ pub(super) fn lock<T: Steps>(
     Ok(target.conclude_lock(workspace, frame, SEAL))
 }
 
-/// A whole update, likewise.
+/// Does a whole update. Unlike [`Update`] it keeps no second copy of the frame on the stack.
 pub(super) fn update<T: Steps>(
     target: &mut T,
     workspace: &mut T::Workspace,
@@ -466,16 +472,19 @@ impl<'a, T: Steps> Update<'a, T> {
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
-    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4: a product is 1 unit, a pixel of the grid 64, a comparison of one 12 |
-    /// | most work beyond `work` ([`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step)) | max(pixels of the template, 2 * pixels of a row of the window) + 7 * `SPAN` | 128,000 |
+    /// | a unit | a comparison of two bytes | about one instruction of a Cortex-M4 |
+    /// | most work beyond `work` | max(pixels of the template, 2 * pixels in a window's row) + 7 * `SPAN` | 128,000 |
     /// | left to `finish` | one pass over the template | one pass over the weights and the template |
+    ///
+    /// For [`Robust`](crate::Robust) a product is 1 unit, a pixel of the grid 64 and the comparison of a pixel 12. The
+    /// most work beyond `work` for a configuration is [`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step).
     pub fn step(&mut self, work: u32) -> bool {
         let Running { target, workspace, frame } = &mut self.0;
         step(*target, workspace, frame, work)
     }
 
-    /// An upper bound of the work since the update was begun: comparisons that scoring skipped are counted too. Saturates at
-    /// `u32::MAX`, which [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
+    /// An upper bound of the work since the update was begun: it includes comparisons that scoring skipped. It
+    /// saturates at `u32::MAX`, which [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
     #[must_use]
     pub fn work(&self) -> u32 {
         T::work(self.0.workspace)
@@ -514,9 +523,11 @@ impl<'a, T: Steps> Lock<'a, T> {
         Ok(Self(Running { target, workspace, frame: *frame }))
     }
 
-    /// As [`Update::step`]; true if only [`Lock::finish`] is left. [`Paper`](crate::Paper) does all work in `finish`.
+    /// Continues for about `work` units of work: see [`Update::step`]. True if only [`Lock::finish`] is left.
+    /// [`Paper`](crate::Paper) does all work in `finish`.
     ///
-    /// A step that changes the weights (25 in a lock) looks at the target once more, as [`Target::resume`](crate::Target::resume) does.
+    /// A step that changes the weights (25 in a lock) reads the whole target once more, as
+    /// [`Target::resume`](crate::Target::resume) does.
     pub fn step(&mut self, work: u32) -> bool {
         let Running { target, workspace, frame } = &mut self.0;
         let done = step(*target, workspace, frame, work);

@@ -1,4 +1,4 @@
-//! The numbers of the method. [`Target::new`](crate::Target::new) checks them.
+//! The configuration of the paper's tracker. [`Target::new`](crate::Target::new) checks it.
 
 use crate::image::Rect;
 use crate::search::Radius;
@@ -42,7 +42,7 @@ impl Fraction {
     }
 }
 
-/// The distances, in pixels, that a box must keep from the edges of the frame.
+/// The distances that a box must keep from the edges of the frame. Unit: pixel.
 ///
 /// ```
 /// use smr_core::{Rect, paper::Margins};
@@ -79,10 +79,11 @@ impl Margins {
     }
 }
 
-/// When a match is accepted: how far the peak must exceed the runner-up.
+/// The gate: the lead over the runner-up with which a peak is accepted.
 ///
-/// A peak is accepted if peak / runner-up > r, or peak - runner-up > `lead` fully similar pixels. The state of the target and
-/// the place of the peak decide which of the first four numbers is r. An r below 1 accepts every peak above 0.
+/// A peak is accepted if peak / runner-up > r, or peak - runner-up > `lead` fully similar pixels. One of the first four
+/// numbers is r: the state of the target and the place of the peak decide which one. An r below 1 accepts every peak
+/// above 0.
 ///
 /// ```
 /// use smr_core::paper::{Config, Fraction};
@@ -102,18 +103,19 @@ pub struct Gate {
     pub returning: Fraction,
     /// The ratio needed to find a lost target again.
     pub lost: Fraction,
-    /// The lead that is sufficient in every state, in fully similar pixels: score / 65535.
+    /// The lead over the runner-up that is sufficient in every state. Unit: one fully similar pixel, a score of 65535.
     pub lead: u16,
-    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, turns the following
-    /// check off as well.
+    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. The paper's value, 0, also turns
+    /// off the following check.
     ///
-    /// The check is against a covered lens and applies to boxes inside the frame. The patch must have at least 1/4 of the
-    /// template's contrast (mean absolute deviation). Its number of pixels at 0 or 255 must be at most that of the template plus
-    /// half of all pixels.
+    /// The check detects a covered lens and applies to boxes inside the frame. The patch must have at least 1/4 of
+    /// the template's contrast (mean absolute deviation). Its number of pixels at 0 or 255 must be at most that of the
+    /// template plus half of all pixels.
     pub least_ratio: u16,
 }
 
-/// The numbers of the method. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change what you need.
+/// The settings of the paper's tracker. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change
+/// what you need.
 ///
 /// ```
 /// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
@@ -133,42 +135,43 @@ pub struct Config {
     pub k: Fraction,
     /// alpha of the first update, rounded up to whole gray levels; at least 1. A pixel counts if d < alpha.
     pub first_threshold: u8,
-    /// The least alpha after an update, in whole gray levels. 0 (the paper's) and 1 set no bound. After a still scene alpha is
-    /// then so small that no pixel counts once the light changes.
+    /// The least alpha after an update, in whole gray levels. 0 (the paper's value) and 1 set no bound: after a still
+    /// scene, alpha is then so small that no pixel counts once the light changes.
     pub least_threshold: u8,
-    /// The width of the border of zeros around the frame, in pixels: how far a box may leave the frame.
+    /// The width of the border of zeros around the frame, in pixels. A box may leave the frame by this much.
     pub padding: u16,
     /// The radius of the search window around the last position.
     pub window: Radius,
-    /// By how many pixels the window grows on each side, per frame while the target is lost.
+    /// The growth of the window in each frame while the target is lost: pixels on each side.
     pub growth: u16,
     /// The largest radius. At least `window`. The padded frame always bounds the window.
     pub window_limit: Radius,
     /// The runner-up is the best score more than this many pixels from the peak, in x or in y.
     pub neighbourhood: u16,
-    /// The template and alpha are updated only from a box that keeps these margins. Outside them an accepted peak only moves the
-    /// box.
+    /// The template and alpha are updated only from a box that keeps these margins. Outside them an accepted peak only
+    /// moves the box.
     pub update_zone: Margins,
-    /// When a match is accepted.
+    /// The gate, which accepts or refuses a match.
     pub gate: Gate,
-    /// How scores are computed; affects only the time. `None`: the fastest backend of the machine. A backend that the machine
-    /// lacks is replaced by the plain loop.
+    /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A backend
+    /// that the machine lacks is replaced by the plain loop.
     pub backend: Option<Backend>,
-    /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is scored to its
-    /// last pixel.
+    /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
+    /// scored to its last pixel.
     pub pruning: bool,
-    /// When the runner-up is searched.
+    /// The frames in which the runner-up is searched.
     pub runner_up: RunnerUp,
 }
 
-/// When the runner-up is searched.
+/// The frames in which the runner-up is searched.
 ///
-/// The runner-up is usually far below the peak, so few offsets can be excluded. To search it in every frame multiplies the time.
+/// The runner-up is usually far below the peak, so few offsets can be excluded. A search for it in every frame
+/// multiplies the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RunnerUp {
-    /// If the decision of the gate depends on it. With the paper's gate it does not if the target was tracked before and the peak
-    /// is inside the frame: then the peak only has to be larger, and the runner-up is given only if it equals the peak.
+    /// If the decision of the gate depends on it. With the paper's gate it does not while a target stays inside the
+    /// frame: its peak only has to exceed the runner-up, so the runner-up is given only if it equals the peak.
     WhenItDecides,
     /// In every frame.
     Always,
@@ -177,8 +180,8 @@ pub enum RunnerUp {
 impl Config {
     /// The values of the paper and of its authors' program, for frames of about 320x240.
     ///
-    /// While the target is lost, the window grows up to the padded frame. So `SPAN` must be at least frame + 40 - box + 1 on each
-    /// axis, or `lock` fails; 361 is enough for every box in 320x240. For firmware see [`Config::camera`].
+    /// While the target is lost, the window grows up to the padded frame. So `SPAN` must be at least frame + 40 - box +
+    /// 1 on each axis, or `lock` fails; 361 is enough for every box in 320x240. For firmware see [`Config::camera`].
     #[must_use]
     pub const fn paper() -> Self {
         Self {
@@ -206,14 +209,16 @@ impl Config {
         }
     }
 
-    /// For cameras: the paper's values with bounded time and memory.
+    /// The preset for cameras: the paper's values with bounded time and memory.
     ///
     /// Differences from [`Config::paper`]:
-    /// - While the target is lost, the window grows by at most 20 pixels on each side, so the cost of a frame at most doubles. It
-    ///   needs a `SPAN` of 161; for less see [`Config::camera_within`].
-    /// - The template is updated up to the edge of the frame, and a peak inside the frame need not exceed the runner-up.
-    /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20. Without these, a slight change of light after
-    ///   a still scene could move the box anywhere. A patch without contrast is not accepted: see [`Gate::least_ratio`].
+    /// - While the target is lost, the window grows by at most 20 pixels on each side, so the cost of a frame at most
+    ///   doubles. It needs a `SPAN` of 161; for less see [`Config::camera_within`].
+    /// - The template is updated up to the edge of the frame, and a peak inside the frame need not exceed the
+    ///   runner-up.
+    /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20. Without these, a slight change of
+    ///   light after a still scene could move the box anywhere. A patch without contrast is not accepted: see
+    ///   [`Gate::least_ratio`].
     #[must_use]
     pub const fn camera() -> Self {
         let paper = Self::paper();
@@ -222,8 +227,8 @@ impl Config {
         Self { least_threshold: 10, window_limit, update_zone: Margins::NONE, gate, ..paper }
     }
 
-    /// [`Config::camera`] with windows of at most `radius` pixels to each side, also while the target is lost. It fits a tracker with a
-    /// `SPAN` of `2 * radius + 1`.
+    /// [`Config::camera`] with windows of at most `radius` pixels to each side, also while the target is lost. It fits
+    /// a tracker with a `SPAN` of `2 * radius + 1`.
     ///
     /// ```
     /// use smr_core::{Paper, Tracker, paper::Config};

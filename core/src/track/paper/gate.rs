@@ -1,4 +1,5 @@
-//! The track of a target: its search window (step 1 of the method), and the gate, which accepts the peak of a search or not.
+//! The track of a target: its search window (step 1 of the method), and the gate, which accepts or refuses the peak of
+//! a search.
 
 use super::config::{Config, Fraction, RunnerUp};
 use crate::image::Rect;
@@ -8,17 +9,17 @@ use crate::track::update::Owner;
 use crate::track::{LockError, Quality, State};
 use core::cmp::Ordering;
 
-/// What a target remembers in addition to its template.
+/// The memory of a target in addition to its template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Track {
     pub(super) target: Rect,
     pub(super) bounds: Rect,
     pub(super) state: State,
-    /// A peak was partly outside the frame: `gate.returning` applies until a lost target is found again.
+    /// True if a peak was partly outside the frame. `gate.returning` then applies until a lost target is found again.
     pub(super) edge: bool,
     /// Frames since a peak was last accepted.
     pub(super) lost_for: u16,
-    /// Of the locked box.
+    /// The quality of the locked box.
     pub(super) quality: Quality,
 }
 
@@ -27,7 +28,7 @@ impl Track {
         Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, quality: Quality::NONE }
     }
 
-    /// All of it that answers depend on.
+    /// Adds all of the track to `owner`.
     pub(super) const fn identify(&self, owner: &mut Owner) {
         let Self { target, bounds, state, edge, lost_for, quality } = *self;
         owner.add_rect(target);
@@ -36,7 +37,7 @@ impl Track {
         owner.add(quality.value() as u32);
     }
 
-    /// Refuses a target for which `pixels` of template and `span` offsets on an axis are too few.
+    /// Refuses a target that needs more than `pixels` pixels of template or `span` offsets on an axis.
     #[inline(always)] // two copies with known numbers are smaller than one without
     pub(super) fn check_room(&self, pixels: usize, span: usize, config: &Config) -> Result<(), LockError> {
         if !usize::try_from(self.target.area()).is_ok_and(|area| area <= pixels) {
@@ -47,7 +48,7 @@ impl Track {
     }
 
     /// The window of the next search: radius + growth * `lost_for`, up to the limit.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn search_window(&self, config: &Config) -> Window {
         let grown =
             |radius: u16, limit: u16| radius.saturating_add(config.growth.saturating_mul(self.lost_for)).min(limit);
@@ -57,7 +58,7 @@ impl Track {
     }
 
     /// The pixels of the frame that the next search may read.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn pixels(&self, config: &Config) -> Rect {
         self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
     }
@@ -70,7 +71,7 @@ impl Track {
         self.target = self.nearest_on(padding);
     }
 
-    /// The box, moved into the padded frame.
+    /// The box moved into the padded frame.
     pub(super) fn nearest_on(&self, padding: u16) -> Rect {
         let into = |at: i32, frame: u16, size: u16| {
             let first = -i32::from(padding);
@@ -81,9 +82,9 @@ impl Track {
         Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
     }
 
-    /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only if
-    /// `least_ratio` is not 0.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only
+    /// if `least_ratio` is not 0.
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn after(&self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
         let (target, state) = self.at(&found.peak);
         let was_lost = self.state == State::Lost;
@@ -96,25 +97,25 @@ impl Track {
     }
 
     /// The box at `peak`, and the state of a target there.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
 
-    /// The gate: does the peak exceed the runner-up enough to enter `state`?
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
+    #[cfg_attr(smr_small, inline(never))]
     fn accepts(&self, found: &Found, state: State, config: &Config) -> bool {
         let (gate, peak) = (&config.gate, found.peak.score);
-        // `None`: it is below the peak, and the decision does not depend on it.
+        // `None`: the runner-up is below the peak, and the decision does not depend on it.
         let runner_up = found.runner_up.unwrap_or(0);
         let leads = peak.saturating_sub(runner_up) > u32::from(gate.lead) * u32::from(Table::ONE);
         let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
         stands_out && ratio(peak, self.target.area()) >= gate.least_ratio
     }
 
-    /// What the search must find to decide on `state`.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The result that a search must have to decide on `state`.
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
         match ratio.numerator.cmp(&ratio.denominator) {
@@ -125,7 +126,7 @@ impl Track {
         }
     }
 
-    /// Whether the decision on `peak` needs more than the search was started for.
+    /// True if the decision on `peak` needs a result for which the search was not started.
     pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
         match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
             (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
@@ -134,7 +135,7 @@ impl Track {
     }
 
     /// The ratio of peak and runner-up needed to enter `state`.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
             (State::Lost, _) => config.gate.lost,
@@ -145,7 +146,8 @@ impl Track {
     }
 }
 
-/// For each state: whether the search includes the runner-up from the start, and whether a second search may follow for it.
+/// Gives a pair for each state: whether the search includes the runner-up from the start, and whether a second search
+/// for it may follow.
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

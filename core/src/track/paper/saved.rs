@@ -7,12 +7,12 @@ use crate::image::Rect;
 use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
 use crate::track::{Quality, RestoreError, SaveError, State};
 
-/// Numbers of the configuration but the table.
+/// The numbers of the configuration without the table.
 const NUMBERS: usize = 26;
 /// Bytes of the track and of the threshold.
 const TRACK: usize = 24;
 
-/// The bytes of a target with a template of `pixels` pixels.
+/// The size in bytes of a saved target with a template of `pixels` pixels.
 pub(super) const fn size(pixels: usize) -> usize {
     around(NUMBERS) + TRACK + pixels
 }
@@ -68,7 +68,7 @@ pub(super) fn restore<const PIXELS: usize>(
     Ok(track)
 }
 
-/// The track and the threshold; `None` if a number is out of range.
+/// Reads the track and the threshold; `None` if a number is out of range.
 fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     let (x, y) = (from.i32()?, from.i32()?);
     let target = Rect::new(x, y, from.u16()?, from.u16()?);
@@ -87,8 +87,8 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))
 }
 
-/// The numbers that answers depend on: all but the table, backend and pruning.
-#[inline(never)] // one copy in flash
+/// The settings that answers depend on, without the table. Backend and pruning are none of them.
+#[inline(never)]
 pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
     let Config { k, gate, window, window_limit: limit, update_zone: zone, .. } = config;
     [

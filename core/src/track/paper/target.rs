@@ -1,4 +1,4 @@
-//! An update of the paper's tracker: window, search, gate, template, answer.
+//! The calls of a target of the paper's tracker. An update is: window, search, gate, template, answer.
 
 use super::config::Config;
 use super::gate::{Track, ratio, searches};
@@ -18,8 +18,8 @@ use core::fmt;
 
 /// A target of the paper's tracker.
 ///
-/// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS` bytes, its
-/// [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
+/// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS`
+/// bytes, its [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
 ///
 /// In addition to the calls of [`Target`] it gives the template, and the score of any offset:
 ///
@@ -51,7 +51,7 @@ pub struct Paper<const PIXELS: usize, const SPAN: usize> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
-    /// [`Target::new`] for a `const` or a `static`.
+    /// A tracker state without a target, for a `const` or a `static`. At run time see [`Target::new`].
     ///
     /// # Panics
     /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
@@ -70,8 +70,8 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         self.track.as_ref().map(|track| track.search_window(&self.config))
     }
 
-    /// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. For maps of scores and
-    /// for checks. `None` before the first lock, or if a pixel of the box is not in memory.
+    /// The score of the box at (`x`, `y`) with the present template and alpha. The plain loop computes it, for maps of
+    /// scores and for checks. `None` before the first lock, or if a pixel of the box is not in memory.
     ///
     /// Cost: one comparison per pixel of the template.
     #[must_use]
@@ -92,7 +92,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         self.template.threshold()
     }
 
-    /// Applies the gate to the result of the search: new state, box and template.
+    /// Applies the gate to the result of the search, and sets the new state, box and template.
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
         // A box partly outside the frame has no patch and is not checked.
@@ -137,7 +137,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
 
-    /// For the largest window that the configuration and `SPAN` allow.
+    /// The most work for the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
         let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);
         let window = (axis(config.window_limit.x), axis(config.window_limit.y));
@@ -154,9 +154,9 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         config.check()
     }
 
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     fn of_checked(config: Config) -> Self {
-        // A constant is set to zeroes by words there, but copied by way of the stack in a debug build.
+        // With `smr_small`, a constant is set to zeroes word by word. A debug build would copy it by way of the stack.
         #[cfg(smr_small)]
         let template = const { Template::new() };
         #[cfg(not(smr_small))]
@@ -168,7 +168,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         &self.config
     }
 
-    /// The box itself.
+    /// The lock window: the box itself.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) { target } else { Rect::default() }
     }
@@ -238,7 +238,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         workspace.under_way.done()
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
         let track = self.track.as_ref().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
@@ -270,10 +270,10 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         (self.track, self.locking) = (None, Locking::new(bounds, target));
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Self { template, config, .. } = self;
-        // Without a track a lock is under way. `conclude_lock` does all of it.
+        // Without a track, a lock is under way. `conclude_lock` does all of its work.
         let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
         let Workspace { search, table, under_way, window, .. } = workspace;
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
@@ -312,5 +312,5 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 }
 
-/// Stands for the result of an empty window, which does not exist.
+/// Stands for the result of an empty window. No search has one.
 const NOTHING: Found = Found { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };

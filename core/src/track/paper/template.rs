@@ -18,7 +18,7 @@ pub(crate) struct Template<const PIXELS: usize> {
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         const { assert!(PIXELS <= Table::MAX_PIXELS, "the score of a larger template could overflow") };
         Self { pixels: Vec::new(), width: 0, height: 0, threshold: 0, contrast: Contrast::NONE }
@@ -43,7 +43,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     /// Appends pixels; there is room for them.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn append(&mut self, pixels: &[u8]) {
         if cfg!(target_os = "none") {
             // Nothing else there needs the `memcpy` of `extend_from_slice`.
@@ -55,7 +55,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// Replaces the template G by `patch` G', of the same size, and sets alpha = k * max |G' - G|. `contrast` is that of `patch`, if it is known.
+    /// Replaces the template G by `patch` G' of the same size, and sets alpha = k * max |G' - G|. `contrast` is that of
+    /// `patch`, or [`Contrast::NONE`] if it is not known.
     ///
     /// If no pixel changed, alpha stays: with an alpha of 0 no pixel would ever count again.
     pub(crate) fn update(&mut self, patch: Image<'_>, contrast: Contrast, config: &Config) {
@@ -71,7 +72,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// Whether a patch of the same size with the contrast `is` can show the target: enough contrast, and not too many pixels at 0 or 255.
+    /// True if a patch of the same size with the contrast `is` can show the target: it has enough contrast, and not too
+    /// many pixels at 0 or 255.
     pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
         if is.is_enough_for_any() {
             return true;
@@ -82,8 +84,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
         is.has_contrast_of(self.contrast) && !is.is_cut_off_beside(self.contrast)
     }
 
-    /// `None` before the first `start`.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The template; `None` before the first `start`.
+    #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn image(&self) -> Option<Image<'_>> {
         Image::new(&self.pixels, self.width, self.height).ok()
     }

@@ -158,7 +158,8 @@ fn the_most_work_is_nearly_done() {
     let of =
         |level: fn(usize) -> u8| Picture { pixels: (0..160 * 120).map(level).collect(), ..Picture::noise(160, 120, 1) };
     let stripes = [of(|_| 150), of(|at| if (at % 160 + at / 160) % 2 == 0 { 100 } else { 200 })];
-    // One pixel of eight matches, wherever the box is. So the bound of each group falls, to the score of all offsets and no further.
+    // One pixel of eight matches, wherever the box is. So the bound of each group falls, to the score of all offsets
+    // and no further.
     let dots = [of(|at| if (at % 160 + at / 160) % 8 == 0 { 150 } else { 250 }), of(|_| 150)];
     let mut closest = 0.0_f64;
     for (radius, pruning, runner_up) in (1..=20).flat_map(|radius| {
@@ -186,7 +187,7 @@ fn the_most_work_is_nearly_done() {
     assert!(closest > 0.995, "{closest}");
 }
 
-/// The factor 1.25 of the documentation, and twice that if the window is searched twice.
+/// The work is within the factor 1.25 of the documentation, or twice that if the window is searched twice.
 #[test]
 fn the_most_work_is_what_the_documentation_says() {
     for (side, radius) in (8..=64).flat_map(|side| (4..=80).map(move |radius| (side, radius))) {

@@ -12,8 +12,8 @@ use core::fmt;
 /// static WORKSPACE: smr_core::paper::Workspace<4096, 33> = smr_core::paper::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 4096 + 20 * 33 + 900);
 /// ```
-// Fields with padding come before the vectors in `search`. In the other order the compiler builds the value on the stack and
-// copies it instead of zeroing it in place.
+// Fields with padding come before the vectors in `search`. In the other order the compiler builds the value on the
+// stack and copies it instead of zeroing it in place.
 #[repr(C)]
 pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) under_way: UnderWay,
@@ -25,7 +25,7 @@ pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
 impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
     /// An empty workspace. All its bytes are 0, so a `static` takes no flash.
     #[must_use]
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             search: Search::new(),
@@ -35,8 +35,8 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
         }
     }
 
-    /// The peak and the runner-up of the last search, accepted or not. `None` while a search is under way. For checks; the result
-    /// of an update is its [`Answer`](crate::Answer).
+    /// The peak and the runner-up of the last search, for checks, even if the gate refused the peak. `None` while a
+    /// search is under way. The result of an update is its [`Answer`](crate::Answer).
     #[must_use]
     pub fn found(&self) -> Option<Found> {
         self.search.found(&self.window)
@@ -50,7 +50,7 @@ impl<const PIXELS: usize, const SPAN: usize> fmt::Debug for Workspace<PIXELS, SP
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     fn default() -> Self {
         Self::new()
     }

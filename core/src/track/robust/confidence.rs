@@ -1,4 +1,5 @@
-//! Confidence: is it still the target? A running mean of the evidence of each frame. It gives the state.
+//! The confidence that the tracker still follows the target: a running mean of each frame's evidence. It decides the
+//! state.
 //!
 //! ```text
 //! evidence   = agreement + min(response, 1/2)
@@ -6,9 +7,10 @@
 //! confidence = 2/3 mean
 //! ```
 //!
-//! A filter that learns from its own answers responds well to anything it follows, so its response is weak evidence. The early template
-//! hardly learns, so its agreement counts twice as much. A response above 1/2 counts as 1/2.
-//! Evidence and mean are in units of 1/65536, at most 1.5.
+//! `response` is the penalised one ([`response`](super::response)), at least 0. A filter that learns from its own
+//! answers responds well to anything it follows, so its response is weak evidence and counts for at most 1/2. The early
+//! template hardly learns, so its agreement counts for up to 1. Evidence and mean are in units of 1/65536, at most 1.5.
+//! A patch that cannot show the target has an evidence of 0.
 
 use super::config::Config;
 use super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
@@ -20,8 +22,8 @@ use crate::track::State;
 pub(super) struct Evidence(i32);
 
 impl Evidence {
-    /// 0 where no target can be seen.
-    #[inline(never)] // one copy in flash
+    /// The evidence of a candidate; 0 if its patch cannot show the target.
+    #[inline(never)]
     pub(super) fn of(candidate: &Candidate) -> Self {
         if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
     }
@@ -35,7 +37,7 @@ impl Evidence {
         self.0 >= LEARNED_FROM
     }
 
-    /// True if this is the lost target. `there` is the evidence at its last place.
+    /// True if this is enough evidence to find the lost target again. `there` is the evidence at its last place.
     pub(super) fn finds(self, there: Self) -> bool {
         self.0 >= FOUND_FROM && self.0 >= there.0 + FOUND_LEAD
     }
@@ -46,30 +48,31 @@ impl Evidence {
 pub(super) struct Confidence(i32);
 
 impl Confidence {
-    /// After a lock.
+    /// The confidence after a lock.
     pub(super) const FULL: Self = Self(MOST_EVIDENCE);
 
-    /// After the target was found again.
+    /// The confidence after the target was found again.
     pub(super) const fn found(evidence: Evidence) -> Self {
         Self(evidence.0)
     }
 
-    /// The number in a saved target.
+    /// The mean, as it is saved.
     pub(super) const fn mean(self) -> i32 {
         self.0
     }
 
-    /// From a saved number; `None` if it is out of range.
+    /// The confidence with a saved mean; `None` if the mean is out of range.
     pub(super) const fn restore(mean: i32) -> Option<Self> {
         if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
     }
 
+    /// The confidence after a frame with this evidence.
     pub(super) fn after(self, evidence: Evidence, patience: u8) -> Self {
         let mean = self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8);
         Self(mean.min(evidence.0 + CONFIDENCE_LEAD))
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn state(self, config: &Config) -> State {
         let confidence = self.value();
         if confidence < config.lost_below {
@@ -86,8 +89,8 @@ impl Confidence {
         self.after(Evidence(0), config.patience).state(config) == State::Lost
     }
 
-    /// In units of 1/65535.
-    #[inline(never)] // one copy in flash
+    /// 2/3 of the mean, in units of 1/65535.
+    #[inline(never)]
     pub(super) fn value(self) -> u16 {
         u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
     }

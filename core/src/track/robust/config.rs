@@ -1,11 +1,11 @@
-//! The configuration of the robust tracker: what firmware may tune, with ranges and defaults.
+//! The configuration of the robust tracker: the settings that firmware may tune, with ranges and defaults.
 
 use super::constants::REACH;
 use crate::similarity::{Backend, Table};
 use crate::track::ConfigError;
 
-/// The numbers of the method. Start from [`Config::robust`], the values that were best on many recordings, or the same with the refiner
-/// (`Config::refined`), and change what you need.
+/// The settings of the robust tracker. Start from [`Config::robust`], the values that were best on many recordings, or
+/// from `Config::refined`, the same values with the refiner, and change what you need.
 ///
 /// ```
 /// use smr_core::{Robust, Target, robust::Config};
@@ -22,35 +22,35 @@ use crate::track::ConfigError;
 pub struct Config {
     /// The similarity p(d) of two pixels that differ by d.
     pub table: &'static Table,
-    /// How sums are computed; affects only the time. `None`: the fastest backend of the machine.
+    /// The backend that computes sums; affects only the time. `None`: the fastest backend of the machine.
     pub backend: Option<Backend>,
-    /// Radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's area. The
-    /// work of an update grows with the square of 2 `reach` + 1.
+    /// The radius of the search window in cells, 4 to 8. The side of a cell is a tenth of the root of the target's
+    /// area. The work of an update grows with the square of 2 `reach` + 1.
     pub reach: u8,
     /// Whether the box follows the target's size.
     pub size: bool,
-    /// Whether a lost target is searched in the whole frame (redetection), or only where it was lost.
+    /// Whether a lost target is searched in the whole frame (redetection), or only in the window around its last place.
     pub sweep: bool,
-    /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer, turns or changes its
-    /// shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a build without the feature `refiner`,
-    /// [`Config::check`] refuses it.
+    /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer,
+    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a
+    /// build without the feature `refiner`, [`Config::check`] refuses it.
     pub refiner: bool,
-    /// How slowly the confidence follows the evidence: it keeps `patience` / 256 of its value in each frame. A higher value holds on to the
-    /// target for longer: through short occlusions, but also through errors.
+    /// The inertia of the confidence: it keeps `patience` / 256 of its value in each frame, and follows the evidence by
+    /// the rest. A higher value holds on to the target for longer: through short occlusions, but also through errors.
     pub patience: u8,
     /// The target is lost while the confidence is below this, in units of 1/65535.
     pub lost_below: u16,
     /// It is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// The filter's learning rate: the fraction of the exact step, in units of 1/256, 0 to 256. With 0 the filter keeps what it learned in
-    /// the first frame.
+    /// The filter's learning rate: the fraction of the exact step, in units of 1/256, 0 to 256. With 0 the filter keeps
+    /// what it learned in the first frame.
     pub learning_rate: u16,
     /// The early template's learning rate, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,
     pub(super) parts: Parts,
 }
 
-/// Parts that can be left out, to measure the effect of each.
+/// The parts of the tracker that can be left out, to measure the effect of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Parts {
@@ -64,7 +64,7 @@ pub(super) struct Parts {
 #[cfg(feature = "unstable")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// A moving target is expected to go on.
+    /// A moving target is expected to keep moving.
     Velocity,
     /// Responses far from the expected place count less.
     DistancePenalty,
@@ -101,7 +101,7 @@ impl Config {
         Self { refiner: true, ..Self::robust() }
     }
 
-    /// The same without a part.
+    /// This configuration without a part.
     #[cfg(feature = "unstable")]
     #[must_use]
     pub(crate) const fn without(mut self, part: Part) -> Self {
@@ -114,7 +114,7 @@ impl Config {
         self
     }
 
-    /// Whether it has a part.
+    /// Whether this configuration has a part.
     #[cfg(feature = "unstable")]
     #[must_use]
     pub(crate) const fn has(&self, part: Part) -> bool {
@@ -150,7 +150,7 @@ impl Config {
         }
     }
 
-    /// Offsets on an axis of the search.
+    /// The number of offsets of the search on each axis.
     pub(super) const fn span(&self) -> usize {
         2 * self.reach as usize + 1
     }

@@ -1,16 +1,19 @@
-//! All constants of the method that are not in [`Config`](super::Config), with their units.
+//! The constants of the method that are not in [`Config`](super::Config), with their units. A few others stand beside
+//! their formula: in `motion.rs`, `confidence.rs`, `refiner/crop.rs`, `refiner/correction.rs` and
+//! `similarity/contrast.rs`.
 //!
-//! *R with ...* is the change of R, the mean part of frames in which the box is right, with another value: 90 recordings, from the first
-//! frame's annotated box, paired, with the standard error. R is 0.802 with the values here (`host-sim eval --robustness --single-start
-//! --method robust`). Constants without such a line were not measured one by one; `host-sim/RESULTS.md` of the project says what each
-//! part of the tracker is worth.
+//! *R with ...* gives the change of R with another value. R is the fraction of frames in which the box is right, as a
+//! mean over 90 recordings that start from the first frame's annotated box; the differences are paired and have a
+//! standard error. R is 0.802 with the values here (`host-sim eval --robustness --single-start --method robust`).
+//! Constants without such a line were not measured one by one; `host-sim/RESULTS.md` of the project shows the effect of
+//! each part of the tracker.
 
 // Units.
 
-/// One pixel of the frame, in units of positions.
+/// One pixel of the frame, in units of positions: 1/4096 pixel.
 pub(super) const PIXEL: i64 = 1 << PIXEL_BITS;
 pub(super) const PIXEL_BITS: u32 = 12;
-/// A scale of 1.
+/// A scale of 1: the size at the lock.
 pub(super) const SCALE: u32 = 1 << 16;
 /// A response or label of 1.
 pub(super) const ONE: i32 = 1 << 14;
@@ -32,15 +35,16 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells on a side of the filter.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// The filter is 1.4 times as wide and as high as the target: 1.4 / `CELL` cells for each pixel of the grid, as a fraction.
+/// The filter is 1.4 times as wide and as high as the target: 1.4 / `CELL` cells for each pixel of the grid, as a
+/// fraction.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the grid, in positions: half a pixel. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 // Gradients.
 
-/// Added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for each pixel of a cell. Without it, noise
-/// in flat cells would get full contrast.
+/// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
+/// each pixel of a cell. Without it, noise in flat cells would get full contrast.
 /// R with nearly no floor -0.067 +- 0.021; with twice as much -0.038 +- 0.018.
 pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
 /// feature = gain * gradient (in 1/4 gray level) / norm (in 1/8). 0.4 of the norm becomes 127, so gain = 2 * 127 / 0.4.
@@ -48,17 +52,18 @@ pub(super) const NORM_GAIN: u32 = 635;
 
 // Response.
 
-/// The penalty of a response at the edge of the search window, in units of 1/256. It grows with the squared distance from the middle.
+/// The penalty of a response at the edge of the search window, in units of 1/256. It grows with the squared distance
+/// from the middle.
 /// R without -0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
 // Displacement and refinement by the early template.
 
-/// How far the template is displaced to each side, in pixels of the grid.
+/// The largest displacement of the template to each side, in pixels of the grid.
 pub(super) const MARGIN: u16 = 3;
-/// The same in whole cells.
+/// `MARGIN` in whole cells, rounded up.
 pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
-/// Pixels between the first nine displacements; between the others it is 1.
+/// Pixels of the grid between the first nine displacements. Between the others it is 1.
 pub(super) const COARSE_STEP: i16 = 2;
 /// Displacements that are scored.
 pub(super) const DISPLACEMENTS: u16 = 17;
@@ -69,18 +74,19 @@ pub(super) const REFINED_FROM: u16 = 55_000;
 pub(super) const MOST_MOVE: i64 = 64;
 /// The largest growth by a step, in units of 1/65536: 2 %.
 pub(super) const MOST_GROWTH: i32 = 1310;
-/// Damping (Levenberg): each diagonal element of the normal equations grows by 2^-6 of itself. Without it, a target with a single edge
-/// could slide along that edge.
+/// Damping (Levenberg): each diagonal element of the normal equations grows by 2^-6 of itself. Without it, a target
+/// with a single edge could slide along that edge.
 pub(super) const DAMPING: u32 = 6;
 
 // Verification.
 
 /// Parts on a side of the template: 4 x 4.
 pub(super) const PARTS: u16 = 4;
-/// Which of the sorted ratios of the parts is the agreement; 1 is the least. Three parts may be hidden.
-/// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are *tracking* instead of 23 %.
+/// The rank, from the lowest, of the part's ratio that is the agreement. With 4, three parts may be hidden.
+/// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are
+/// *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
-/// The bounds of alpha, in gray levels.
+/// The least and the most alpha, in gray levels.
 pub(super) const LEAST_ALPHA: u32 = 8;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// The least and the most gain of the template's contrast, in units of 1/256: 1/2 and 2.
@@ -98,25 +104,25 @@ pub(super) const SCALE_STEP: i64 = 66_847;
 /// The factor of a response at another scale than the last, in units of 1/256: 0.984.
 /// R without -0.038 +- 0.016.
 pub(super) const SCALE_PENALTY: i64 = 252;
-/// Reach of the search at each scale, in cells.
+/// The reach of the search at each scale, in cells.
 pub(super) const SCALE_REACH: u16 = 1;
 /// The least and the most scale.
 pub(super) const LEAST_SCALE: u32 = SCALE / 5;
 pub(super) const MOST_SCALE: u32 = 5 * SCALE;
 
-// Confidence, in units of 1/65536: 1 for full agreement, and 1/2 for a response of 1/2 or more.
+// Confidence and evidence. Unit: 1/65536. Full agreement is 1; a response of 1/2 or more adds 1/2.
 
 /// The largest evidence: 1.5.
 pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
 /// The least evidence for which the filter learns from a frame.
 pub(super) const LEARNED_FROM: i32 = 37_500;
-/// A lost target is found again if the evidence is at least this much,
+/// The least evidence with which a lost target is found again.
 pub(super) const FOUND_FROM: i32 = 52_000;
-/// and exceeds the evidence at its last place by at least this much.
+/// The least lead over the evidence at its last place, which is needed as well.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The running mean exceeds the evidence of the present frame by at most this much. So one frame without evidence makes a target
-/// uncertain. With the default thresholds, two such frames make it lost.
-/// R without +0.002 +- 0.002: it is there for the state, not for the place.
+/// The running mean exceeds the evidence of the present frame by at most this much. So one frame without evidence makes
+/// a target uncertain. With the default thresholds, two such frames make it lost.
+/// R without +0.002 +- 0.002: it serves the state, not the place.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 // Learning.
@@ -129,7 +135,8 @@ pub(super) const MOST_ERROR: i32 = 65_535;
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// (label's standard deviation / root of the target's area)^2: 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half of its side.
+/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half
+/// of its side.
 pub(super) const LEARNED_WIDTH: u64 = 32;
 /// Steps of steepest descent in the first frame.
 pub(super) const FIRST_STEPS: u32 = 25;

@@ -1,7 +1,7 @@
 //! The cost of each stage in units of work, and the most work of an update, a lock and a step.
 //!
-//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel read from the
-//! frame.
+//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel
+//! read from the frame.
 #![allow(clippy::cast_possible_truncation)] // numbers of a few thousand, in `const` functions
 
 use super::config::Config;
@@ -11,32 +11,32 @@ use super::constants::{
 use super::grid::Grid;
 use crate::track::MostWork;
 
-/// For each sample of a search window, including its share of the features.
+/// Units for each sample of a search window, including its share of the features.
 pub(super) const SAMPLED: u32 = 64;
-/// For each sample of the view.
+/// Units for each sample of the view.
 pub(super) const VIEWED: u32 = 32;
-/// For each pixel of the template that is compared.
+/// Units for each pixel of the template that is compared.
 pub(super) const COMPARED: u32 = 12;
-/// For each pixel of the template that is relit.
+/// Units for each pixel of the template that is relit.
 pub(super) const RELIT: u32 = 20;
-/// For each pixel of the template in the refinement.
+/// Units for each pixel of the template in the refinement.
 pub(super) const REFINED: u32 = 40;
-/// For each weight when the direction is computed.
+/// Units for each weight when the direction is computed.
 pub(super) const SLOPED: u32 = 64;
-/// For each weight that is coded or changed, and for each copied pixel of the template.
+/// Units for each weight that is coded or changed, and for each pixel of the template that is copied.
 pub(super) const CODED: u32 = 16;
 
-/// For each sample of the refiner's crop that is normalised.
+/// Units for each sample of the refiner's crop that is normalised.
 pub(super) const NORMALISED: u32 = 16;
 /// Samples on a side of the refiner's crop.
 pub(super) const CROP: u32 = 32;
-/// The refiner's network: its products, and its inputs each time they are gathered.
+/// Units of the refiner's network: its products, and its inputs each time they are gathered.
 #[cfg(feature = "refiner")]
 const NETWORK: u32 = super::refiner::WORK;
 #[cfg(not(feature = "refiner"))]
 const NETWORK: u32 = 0;
 
-/// The work of this many products.
+/// The units of this many products.
 pub(super) fn units(products: usize) -> u32 {
     u32::try_from(products).unwrap_or(u32::MAX)
 }
@@ -46,7 +46,7 @@ pub(super) fn weights(grid: &Grid) -> u32 {
     units(grid.weights())
 }
 
-/// Lines of samples for a row of cells.
+/// Lines of samples that a row of cells needs.
 const LINES: u32 = CELL as u32 + 2;
 
 /// The shape of a filter, in cells.
@@ -58,7 +58,8 @@ struct Shape {
     reach: u32,
 }
 
-/// The most pixels of the frame that a lattice reads: its steps are less than two blocks, and it reads four pixels of each block.
+/// The most pixels of the frame that a lattice reads. Its steps are less than two blocks, and it reads four pixels of
+/// each block.
 const fn read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -78,7 +79,7 @@ impl Shape {
         (2 * self.reach + 1) * (2 * self.reach + 1)
     }
 
-    /// Features of a window with this margin around the filter.
+    /// The work for the features of a window with a margin of `reach` cells around the filter.
     const fn features(self, reach: u32) -> u32 {
         let columns = (self.across + 2 * reach) * CELL as u32 + 2;
         let rows = (self.down + 2 * reach) * CELL as u32 + 2;
@@ -92,7 +93,8 @@ impl Shape {
         columns * rows * VIEWED + read(columns, rows)
     }
 
-    /// A search and its verification: features, responses, the view of the peak, displacements and agreement.
+    /// The work for a search with its verification: features, responses, the view of the peak, displacements and
+    /// agreement.
     const fn search(self) -> u32 {
         let agreement = DISPLACEMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
         self.features(self.reach) + self.offsets() * self.weights() + self.view() + agreement * self.pixels()
@@ -103,17 +105,17 @@ impl Shape {
         3 * (self.features(SCALE_REACH as u32) + offsets * self.weights())
     }
 
-    /// A step of learning.
+    /// The work for a step of learning.
     const fn learn(self) -> u32 {
         self.offsets() + (2 * self.offsets() + 2 * CODED + SLOPED) * self.weights()
     }
 
-    /// A crop for the refiner: steps of columns and rows are less than four blocks together.
+    /// The work for a crop of the refiner. Its steps across and down are less than four blocks together.
     const fn crop(config: &Config) -> u32 {
         if config.refiner { CROP * CROP * (VIEWED + NORMALISED) + 4 * (2 * CROP + 2) * (2 * CROP + 2) } else { 0 }
     }
 
-    /// The refiner: its crop, and its network.
+    /// The work for the refiner: its crop and its network.
     const fn refiner(config: &Config) -> u32 {
         if config.refiner { Self::crop(config) + NETWORK } else { 0 }
     }
@@ -122,7 +124,7 @@ impl Shape {
         let begin = CODED * (self.weights() + self.pixels());
         let search = self.search() + REFINED * self.pixels();
         let scales = if config.size { self.scales() } else { 0 };
-        // A frame is either learned or searched elsewhere.
+        // A frame is learned or redetected, never both.
         let (learn, elsewhere) =
             (self.learn() + Self::refiner(config), if config.sweeps() { self.search() } else { 0 });
         begin + search + scales + if learn > elsewhere { learn } else { elsewhere }
@@ -133,7 +135,8 @@ impl Shape {
         Self::crop(config) + self.view() + self.features(self.reach) + FIRST_STEPS * lesson
     }
 
-    /// The largest indivisible piece of work: a row of cells, of the view or of responses, or one pass over the weights or the template.
+    /// The largest piece of work that cannot be divided: a row of cells, of the view or of responses, or one pass over
+    /// the weights or the template.
     const fn unit(self) -> u32 {
         let columns = (self.across + 2 * self.reach) * CELL as u32 + 2;
         let span = 2 * self.reach + 1;
@@ -145,7 +148,8 @@ impl Shape {
             // The errors.
             self.offsets() + CODED * self.weights(),
             SLOPED * self.weights(),
-            // The first displacement, for which the template is relit.
+            // The pass over the weights of the scale search, or the first displacement, for which the template is
+            // relit.
             if scale > (RELIT + COMPARED) * self.pixels() { scale } else { (RELIT + COMPARED) * self.pixels() },
             REFINED * self.pixels(),
         ];

@@ -1,8 +1,8 @@
-//! Displacement: where the early template fits best around the filter's peak.
+//! Displacement: the shift at which the early template fits best around the filter's peak.
 //!
-//! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers drifts. The early
-//! template hardly learns. It is compared, by SMR, at 17 displacements: nine that are two pixels apart, then the eight neighbours of the
-//! best. Cost: 17 scores of at most 1600 pixels.
+//! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers
+//! drifts. The early template hardly learns. It is compared, by SMR, at 17 displacements: nine that are two pixels
+//! apart, then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
 
 use super::constants::{COARSE_STEP, MARGIN};
 
@@ -15,7 +15,7 @@ pub(super) struct Search {
     /// The best one so far.
     pub(super) best: Displacement,
     score: u32,
-    /// The centre of the present round.
+    /// The centre of the present round of displacements.
     middle: Displacement,
 }
 
@@ -24,8 +24,8 @@ impl Search {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The displacement of a number; 0 is the middle.
-    #[inline(never)] // one copy in flash
+    /// The displacement with this number, in the order of the search. 0 is the middle.
+    #[inline(never)]
     pub(super) fn displacement(&self, number: u16) -> Displacement {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
         // The middle is the fifth of nine, row by row.

@@ -1,10 +1,10 @@
 //! Division of wide numbers.
 //!
-//! Where registers have 32 bits, the compiler's functions for it take 1 KB of flash. An update divides few wide numbers, so here a loop does
-//! it, bit by bit.
+//! On processors with registers of 32 bits, the compiler's function for it takes 1 KB of flash. An update divides few
+//! wide numbers, so here a loop divides bit by bit.
 
 /// `number` / `divisor`, rounded toward zero; 0 if `divisor` is 0.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(super) fn quotient(number: i64, divisor: i64) -> i64 {
     let size = divided(number.unsigned_abs(), divisor.unsigned_abs()).cast_signed();
     if (number < 0) == (divisor < 0) { size } else { size.wrapping_neg() }

@@ -1,10 +1,11 @@
-//! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's cells.
+//! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's
+//! cells.
 //!
 //! ```text
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from a table of 32 entries per sigma; 0 from 5 sigma on
 //! ```
 //!
-//! In two dimensions it is the product of those of both axes. Distances are in units of 1/256 cell.
+//! In two dimensions it is the product of the Gaussians of both axes. Distances are in units of 1/256 cell.
 
 use super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
 use super::gradients::root;
@@ -20,7 +21,7 @@ const TABLE: [u16; ENTRIES] = table();
 /// A Gaussian on one axis.
 #[derive(Clone, Copy)]
 pub(super) struct Gaussian {
-    /// Entries of the table for each 1/256 cell, in units of 2^-20.
+    /// Entries of the table for each 1/256 cell. Unit: 2^-20.
     entries: i64,
 }
 
@@ -32,7 +33,7 @@ impl Gaussian {
         Self::new(root(grid.pixels() * 4096 * part / of).max(1).into())
     }
 
-    /// The learning window's, for each axis: sigma is half of the target's side.
+    /// The learning window's Gaussians across and down: sigma is half of the target's side.
     pub(super) fn window(grid: &Grid) -> [Self; 2] {
         [grid.columns, grid.rows].map(|side| Self::new(LEARNED_WIDTH * u64::from(side).max(1)))
     }
@@ -42,13 +43,14 @@ impl Gaussian {
     }
 
     /// The value at a distance from the middle.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.entries) >> 20;
         usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&part| part.into())
     }
 
-    /// The value at an offset of a search, if the target is `target` from the middle of the search.
+    /// The value at an offset on one axis of a search. `target` is the target's distance from the middle, in units of
+    /// 1/256 cell.
     pub(super) fn at_offset(self, offset: usize, target: i32, reach: u16) -> i32 {
         self.at(256 * (i32::try_from(offset).unwrap_or(0) - i32::from(reach)) - target)
     }

@@ -5,8 +5,9 @@
 //! x[c, 9] = mean gray of the cell - 128
 //! ```
 //!
-//! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and contrast. A gradient g is
-//! split between the two orientations u and v next to it: g = a u + b v. That is linear, so it takes no root, angle or division.
+//! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and
+//! contrast. A gradient g is split between the two orientations u and v next to it: g = a u + b v. That is linear, so
+//! it takes no root, angle or division.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -33,11 +34,11 @@ pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
-/// Computes features row by row. Holds only the lines and rows of cells that it needs at a time.
+/// Computes features row by row. It holds only the lines of samples and the rows of cells that the present row needs.
 pub(super) struct Extractor {
     sampling: Scratch,
     lines: [[u8; COLUMNS]; SIDE],
-    /// Sums of the last two rows of cells. Between two windows the filter uses this memory for its products.
+    /// Sums of the last two rows of cells. Between two windows, the filter's products use this memory.
     sums: Packed,
     /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
@@ -46,7 +47,7 @@ pub(super) struct Extractor {
 }
 
 impl Extractor {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             sampling: Scratch::new(),
@@ -57,7 +58,7 @@ impl Extractor {
         }
     }
 
-    /// Scratch memory for the filter's products.
+    /// The memory of the sums, which the filter's products use between two windows.
     pub(super) fn packed(&mut self) -> &mut Packed {
         &mut self.sums
     }
@@ -66,8 +67,9 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of `lattice`: whole cells, and one sample more on each side. False if there is no room; there are then no cells.
-    #[inline(never)] // one copy in flash
+    /// Begins the features of `lattice`, which covers whole cells and one sample more on each side. False if there is
+    /// no room; `out` is then empty.
+    #[inline(never)]
     pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
@@ -79,7 +81,7 @@ impl Extractor {
         fits
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn begin_rows(&mut self, bounds: Rect, lattice: &Lattice) {
         self.next = 0;
         self.energies = [[0; ROW]; 3];
@@ -99,7 +101,7 @@ impl Extractor {
         done
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn row(&mut self, frame: &Frame<'_>, lattice: &Lattice, out: &mut [i8]) -> bool {
         let Self { sampling, lines, sums, energies, next } = self;
         let Some(mut sampler) = sampling.sampler(frame) else { return true };
@@ -129,7 +131,7 @@ impl Extractor {
         }
         // A row is normalised once the row below it is computed.
         let of_row = across * CHANNELS;
-        // Not by `chunks`: the compiler would link its panic.
+        // Not by `chunks`: the compiler would link the panic of `chunks`.
         let finished = row.checked_sub(1).map(|row| usize::from(row) * of_row);
         if let Some(out) = finished.and_then(|from| out.get_mut(from..from + of_row)) {
             normalise(before, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
@@ -138,7 +140,7 @@ impl Extractor {
     }
 
     #[cfg(any(test, feature = "unstable"))]
-    /// All features at once. False if a needed pixel is not in memory, or if there is no room.
+    /// Computes all features at once. False if a needed pixel is not in memory, or if there is no room.
     pub(super) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,
@@ -154,9 +156,9 @@ impl Extractor {
     }
 }
 
-/// Normalises a row of cells by the energies of three rows, `rows` of which lie in the lattice; the others are 0. The first row of
-/// energies is used as scratch memory.
-#[inline(never)] // one copy in flash
+/// Normalises a row of cells by the energies of three rows, `rows` of which lie in the lattice; the others are 0. The
+/// first row of energies is used as scratch memory.
+#[inline(never)]
 fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
     let Some(inverses) = above.get_mut(..out.len()) else { return };
@@ -165,7 +167,8 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     scale(sums, above, out);
 }
 
-/// Replaces energies of columns of three cells, `rows` of which lie in the lattice, by the factors for the sums of cells.
+/// Replaces the energies of columns of three cells by the factors for the sums of cells. `rows` of the three lie in the
+/// lattice.
 fn invert(columns: &mut [u32], rows: u32) {
     let columns = Cell::from_mut(columns).as_slice_of_cells();
     let (mut left, mut here) = (0, 0);
@@ -180,7 +183,7 @@ fn invert(columns: &mut [u32], rows: u32) {
 }
 
 /// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `energy` is the sum over `cells` cells.
-#[cfg_attr(smr_dsp, inline(never))] // one copy
+#[cfg_attr(smr_dsp, inline(never))]
 fn inverse(energy: u32, cells: u32) -> u32 {
     // Nine energies are below 2^29; 64 times their mean is below 2^32.
     (NORM_GAIN << 16) / (root(64 * (energy / cells.max(1))) + NORM_FLOOR)
@@ -202,14 +205,15 @@ pub(super) fn root(number: u32) -> u32 {
     root
 }
 
-/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction they are faster than
-/// `isqrt`.
+/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction
+/// they are faster than `isqrt`.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
-#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))] // one copy
+#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
 pub(super) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
-    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result is never too small.
+    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
+    // is never too small.
     let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;

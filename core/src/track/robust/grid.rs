@@ -1,4 +1,4 @@
-//! The target's grid: how finely the frame is resampled, and the shapes of template and filter on it.
+//! The target's grid: the step at which the frame is resampled, and the shapes of template and filter on it.
 //!
 //! ```text
 //! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
@@ -10,7 +10,7 @@ use super::constants::{CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS
 use crate::image::Rect;
 use crate::kernels::rolled;
 
-/// Shapes of the template and of the filter, and the grid's step at scale 1.
+/// The shapes of the template and of the filter, and the grid's step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -30,7 +30,8 @@ pub struct Grid {
 impl Grid {
     /// The grid for a box of this size.
     ///
-    /// Sides are rounded. The longer one is cut until template and filter have room: of a very long box only the middle is used.
+    /// Sides are rounded. The longer one is cut until template and filter have room, so only the middle of a very long
+    /// box is used.
     ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
@@ -58,13 +59,14 @@ impl Grid {
     }
 
     /// The step at `scale`, in units of 1/4096 pixel.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
     }
 }
 
-/// The step for a box of this area: the square root, rounded down, of area / `MOST_PIXELS`, bit by bit. It is below 2^23.
+/// The step for a box of this area: the square root, rounded down, of area / `MOST_PIXELS`, bit by bit. It is below
+/// 2^23.
 fn step(area: u32) -> u32 {
     let square = u64::from(area) << (2 * PIXEL_BITS);
     let mut root = 0;
@@ -77,8 +79,9 @@ fn step(area: u32) -> u32 {
     root.max(LEAST_STEP)
 }
 
-/// Cells of the filter on a side of the target. Nothing overflows: 7 * 65535 * 2^12 is below 2^31, and so are 20 steps.
-#[inline(never)] // one copy in flash
+/// Cells of the filter on a side of the target with `size` pixels. Nothing overflows: 7 * 65535 * 2^12 is below 2^31,
+/// and so are 20 steps.
+#[inline(never)]
 fn cells(size: u16, step: u32) -> u16 {
     let [part, of] = COVER;
     let size = u32::from(size) << PIXEL_BITS;
@@ -86,15 +89,16 @@ fn cells(size: u16, step: u32) -> u16 {
     u16::try_from(cells).unwrap_or(MOST_SIDE).clamp(LEAST_SIDE, MOST_SIDE)
 }
 
-/// Pairs of pixels on a side of the template: an even number of pixels, so that the template and the window have the same middle.
-#[inline(never)] // one copy in flash
+/// Pairs of pixels on a side of the template. With an even number of pixels the template and the window have the same
+/// middle.
+#[inline(never)]
 fn pairs(size: u16, cells: u16, step: u32) -> u16 {
     let pairs = ((u32::from(size) << PIXEL_BITS) + step) / (2 * step).max(1);
     u16::try_from(pairs).unwrap_or(u16::MAX).min(cells * CELL / 2).max(2)
 }
 
-/// Two sides; the longer one is cut until their product is at most `most`.
-#[inline(never)] // one copy in flash
+/// Cuts the longer side until the product of both is at most `most`.
+#[inline(never)]
 fn fitting([mut across, mut down]: [u16; 2], most: usize) -> (u16, u16) {
     for () in rolled(core::iter::repeat(())) {
         if usize::from(across) * usize::from(down) <= most {

@@ -7,10 +7,10 @@
 //! step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
 //! ```
 //!
-//! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in ATOM; Danelljan et
-//! al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
-//! filter's cells: cells far from the target's middle show the target less often, so they learn less. A whole step would follow each
-//! frame too closely; `rate` shortens it. There is one division.
+//! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in
+//! ATOM; Danelljan et al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al.,
+//! 2017). `m` is a Gaussian on the filter's cells: cells far from the target's middle show the target less often, so
+//! they learn less. A whole step would follow each frame too closely; `rate` shortens it. There is one division.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -32,7 +32,7 @@ use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
 use crate::track::update::UnderWay;
 
-/// The inputs: the filter, and a window in which the target was found.
+/// The inputs of a step: the filter, and a window in which the target was found.
 pub(super) struct Training<'a> {
     pub(super) filter: &'a Filter<WEIGHTS>,
     pub(super) grid: &'a Grid,
@@ -42,23 +42,25 @@ pub(super) struct Training<'a> {
     pub(super) products: Products,
 }
 
-/// Scratch memory of learning. The scale search also uses `responses`.
+/// Scratch memory of learning. The scale search uses `gradient` and `responses` too, and the filter's responses use
+/// `gradient`.
 pub(super) struct Scratch {
-    /// Scratch memory between two gradients.
+    /// The gradient. Between two gradients it is scratch memory of responses.
     pub(super) gradient: [i32; WEIGHTS],
-    /// Errors before they are coded; then scratch memory; then responses to the direction.
+    /// The errors before they are coded; scratch memory while the gradient is summed; then the responses to the
+    /// direction.
     pub(super) responses: [[i32; SPAN]; SPAN],
     errors: [[i16; SPAN]; SPAN],
 }
 
 impl Scratch {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { gradient: [0; WEIGHTS], responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
     }
 
     /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
         let Self { gradient, responses: errors, errors: coded } = self;
         let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
@@ -67,20 +69,23 @@ impl Scratch {
         shift
     }
 
-    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction. `error_shift` is the shift of the errors.
+    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction. `error_shift` is the
+    /// shift of the errors.
     ///
-    /// A slope is `REGULARISATION` * weight + 2^16 * gradient; the gradient is below 2^30 in units of 2^`error_shift`, which is at most
-    /// 2^3. The unit is the first that applies. Each slope then fits in 32 bits, and the largest keeps 13 bits if it has them:
+    /// A slope is `REGULARISATION` * weight + 2^16 * gradient; the gradient is below 2^30 in units of 2^`error_shift`,
+    /// which is at most 2^3. The unit is the first that applies. Each slope then fits in 32 bits, and the largest keeps
+    /// 13 bits if it has them:
     ///
     /// | unit | used if | slopes are then below |
     /// |---|---|---|
     /// | 2^(16 + `error_shift`) | a slope is at least 8191 units | 2^31 |
     /// | 2^14 | else, and a slope is at least 8191 units | 2^18 |
     /// | 1 | else | 2^27 |
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
         let weights = training.filter.weights();
-        // The gradient has used this memory. All of it counts for the length of the step, also what no response is written to.
+        // The gradient has used this memory. The length of the step depends on all of it, so the rows and columns
+        // without a response must be 0.
         self.responses.as_flattened_mut().fill(0);
         for unit in [16 + error_shift, 14, 0] {
             let slopes = ScaledSums {
@@ -98,7 +103,7 @@ impl Scratch {
         0
     }
 
-    /// The length of the step, `rate` / 256 of the exact one, with 44 fractional bits: below 2^47.
+    /// The length of the step: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47.
     #[inline(never)] // gives its loops registers of their own
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16) -> i64 {
         // At most 2000 * 8191^2 < 2^37.
@@ -110,7 +115,8 @@ impl Scratch {
     }
 }
 
-/// e = r - y at all offsets, clamped. Returns the largest. `target` is the target's place from the middle, in units of 1/256 cell.
+/// e = r - y at all offsets, clamped. Returns the largest. `target` is the target's place from the middle, in units of
+/// 1/256 cell.
 #[inline(never)] // keeps its stack out of that of a step
 fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
     let (label, span) = (Gaussian::label(training.grid), training.responses.span);
@@ -133,10 +139,10 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
 }
 
 /// p = m * grad E, in place. Returns grad E . p.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
     let [across, down] = Gaussian::window(grid);
-    // From the target's middle to a cell's, in units of 1/256 cell.
+    // The distance from the target's middle to a cell's, in units of 1/256 cell.
     let from_middle = |at: usize, cells: u16| 128 * (2 * i32::try_from(at).unwrap_or(0) + 1 - i32::from(cells));
     let mut descent = 0;
     for (y, row) in slopes.chunks_mut(usize::from(grid.across.max(1)) * CHANNELS).enumerate() {
@@ -152,7 +158,7 @@ fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
 /// A step of learning.
 #[derive(Clone, Copy)]
 pub(super) struct Learning {
-    /// The target's place in the window, from the middle, in units of 1/256 cell.
+    /// The target's place from the middle of the window, in units of 1/256 cell.
     target: (i32, i32),
     rate: u16,
     phase: Phase,
@@ -175,7 +181,7 @@ impl Learning {
         Self { target, rate, phase: Phase::Errors }
     }
 
-    /// One unit of work. Returns the length of the step after the last one; only then is `direction` valid.
+    /// Does one unit of work. Returns the length of the step after the last unit; only then is `direction` valid.
     pub(super) fn advance(
         &mut self,
         training: &Training<'_>,

@@ -18,7 +18,7 @@ pub(super) fn alpha(patch: Contrast) -> u16 {
     u16::try_from((patch.deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
 }
 
-/// Relights `template`, whose own contrast is `from`, to the light of `patch`. Gives the contrast of `patch`.
+/// Adapts `template`, whose own contrast is `from`, to the light of `patch`. Returns the contrast of `patch`.
 pub(super) fn relight(template: &mut [u8], from: Contrast, patch: Image<'_>) -> Contrast {
     let to = Contrast::of(patch);
     let gain = (256 * to.deviation / from.deviation.max(1)).cast_signed().clamp(LEAST_GAIN, MOST_GAIN);

@@ -1,8 +1,8 @@
 //! Beyond the paper: a tracker for targets that change in light, size and view. It reports when it is uncertain.
 //!
-//! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough evidence. SMR verifies
-//! the target: an early template, which learns very slowly, is compared part by part. All numbers are integers. Every frame costs about
-//! the same.
+//! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough
+//! evidence. SMR verifies the target: an early template, which learns very slowly, is compared part by part. All
+//! numbers are integers. Every frame costs about the same.
 //!
 //! ```text
 //!                                                                                             M instructions, M4
@@ -32,12 +32,13 @@
 //!   answer                                                                                    4.55 in all
 //! ```
 //!
-//! The numbers are those of the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The rest of 4.55 is coding of weights.
-//! The sum is without the refiner.
-//! A frame is learned or redetected, never both.
+//! The numbers are measured with the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The sum is a
+//! frame that is learned, without the refiner; the rest of it is the coding of weights. A frame is learned or
+//! redetected, never both.
 //!
-//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs` counts the work,
-//! `division.rs` divides wide numbers, `constants.rs` holds the constants of the method that are not in [`Config`].
+//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs`
+//! counts the work, `division.rs` divides wide numbers, `constants.rs` holds most constants of the method that are not
+//! in [`Config`].
 
 mod buffers;
 mod confidence;

@@ -1,12 +1,12 @@
-//! Where the target is expected, from its place and velocity.
+//! The target's motion: its expected place, from its last place and its velocity.
 //!
 //! ```text
 //! expected  = place + velocity / 2
 //! velocity' = (velocity + place' - place) / 2
 //! ```
 //!
-//! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of 1/65536. Positions lie
-//! within the frame, so both coordinates are below 2^28.
+//! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of
+//! 1/65536. Positions lie within the frame, so both coordinates are below 2^28.
 
 use super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
@@ -24,20 +24,20 @@ impl Place {
     pub(super) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
 
     /// The middle of a box.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn of(target: Rect) -> Self {
         let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
     }
 
-    /// Moved by units of 1/64 pixel of the grid.
+    /// This place moved to the right and down, in units of 1/64 pixel of the grid.
     pub(super) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
         let moved = |from: i64, by: i32| from + ((i64::from(by) * grid.step_at(self.scale)) >> 6);
         Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
     }
 
-    /// Moved into a frame.
-    #[inline(never)] // one copy in flash
+    /// This place moved into the frame.
+    #[inline(never)]
     pub(super) fn inside(self, bounds: Rect) -> Self {
         let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;
         Self { x: self.x.clamp(0, end(bounds.width)), y: self.y.clamp(0, end(bounds.height)), ..self }
@@ -58,7 +58,7 @@ impl Motion {
     }
 
     /// The expected place in the next frame; without `velocity`, the present place.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn expected(&self, velocity: bool, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
         let further = |from: i64, by: i64| if velocity { from + (by >> 1) } else { from };
@@ -66,19 +66,19 @@ impl Motion {
         Place { x: further(x, right), y: further(y, down), scale }.inside(bounds)
     }
 
-    /// The target was followed to `place`.
+    /// Follows the target to `place` and updates the velocity.
     pub(super) fn follow(&mut self, place: Place) {
         let [right, down] = self.velocity;
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
     }
 
-    /// The target was not seen: it keeps its place, and its velocity is halved.
+    /// Keeps the place of a target that was not seen, and halves its velocity.
     pub(super) fn hold(&mut self) {
         self.follow(self.place);
     }
 
-    /// The picture has moved, by units of 1/256 pixel; the target's own velocity stays.
+    /// Moves the place with the picture, by units of 1/256 pixel. The target's own velocity stays.
     pub(super) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

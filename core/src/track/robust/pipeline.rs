@@ -1,14 +1,16 @@
-//! Runs a frame through the stages, in units of work, so that an update or a lock can be done in steps.
+//! The pipeline: runs a frame through the stages, in units of work, so that an update or a lock can be done in steps.
 //!
 //! ```text
-//! update: search -> verification -> refinement -> scale -> decision -> learning
-//!                                                                   -> search -> verification in a second window, if the target is lost
-//!                                                                   -> refiner (feature `refiner`)
-//! lock:   view, which becomes the template -> features -> learning -> 24 times: response -> learning
+//! update: search -> verification -> refinement -> scale -> decision
+//!           if there is enough evidence:   -> learning -> refiner (feature `refiner`)
+//!           if the target is lost:         -> search -> verification, in a second window
+//! lock:   crop (feature `refiner`) -> view, which becomes the template -> features -> learning
+//!           24 times:                      -> response -> learning
 //! ```
 //!
-//! A search computes features and responses. Each stage holds its inputs and passes on its result. Until an update or a lock is finished, only
-//! the workspace changes.
+//! A search computes features and responses. Each stage holds its inputs and passes on its result. An update changes
+//! only the workspace until it is finished. A lock changes the target earlier: its start drops the track and sets all
+//! weights to 0, and each of its 25 steps of learning changes the weights. Its end sets template and track.
 
 use super::buffers::Buffers;
 use super::confidence::{Confidence, Evidence};
@@ -41,11 +43,11 @@ use crate::track::update::UnderWay;
 /// The purpose of a search.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
-    /// To learn the target at a lock.
+    /// Learns the target at a lock.
     Lock,
-    /// To follow the target where it is expected.
+    /// Follows the target in the window around its expected place.
     Follow,
-    /// To find the lost target elsewhere.
+    /// Finds the lost target elsewhere.
     Redetect,
 }
 
@@ -59,7 +61,7 @@ enum Stage {
     Response(Purpose, usize),
     Verification(Purpose, Verification),
     Refinement(Verified),
-    /// With the exact growth, if refinement found it.
+    /// The search, and the growth that refinement found, if any. Unit: 1/65536.
     Scale(ScaleSearch, Option<i32>),
     Learning(Learning),
     #[cfg(feature = "refiner")]
@@ -68,12 +70,12 @@ enum Stage {
     Refiner(Refinement),
 }
 
-/// What the stages have decided so far.
+/// The decisions of the stages so far.
 #[derive(Clone, Copy)]
 pub(super) struct Outcome {
-    /// The new track; `None` before the first update or lock.
+    /// The new track. `None` before the first update or lock in this workspace.
     pub(super) track: Option<Track>,
-    /// The candidate that is followed or was found again.
+    /// The candidate of the first window; after redetection, that of the second window if it is the lost target.
     pub(super) candidate: Candidate,
     /// The best displacement of the early template.
     displacement: Displacement,
@@ -92,7 +94,7 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { stage: Stage::Done, outcome: Outcome::new(None) }
     }
@@ -115,12 +117,12 @@ impl Outcome {
     }
 
     /// The patch that the early template starts as or learns from.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
         buffers.verification.patch(grid, self.displacement)
     }
 
-    /// Takes the filter's step, if there is one.
+    /// Makes the filter's step, if one was computed.
     pub(super) fn make_step(&mut self, memory: &mut Memory, buffers: &Buffers) {
         if let Some(length) = self.step.take() {
             memory.filter.descend(length, &buffers.coded);
@@ -139,7 +141,8 @@ impl Outcome {
     }
 }
 
-/// The inputs of an update or a lock. They do not change until it is finished.
+/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
+/// `memory` at each step of learning.
 pub(super) struct Model<'a> {
     pub(super) config: &'a Config,
     pub(super) memory: &'a Memory,
@@ -183,8 +186,8 @@ impl Model<'_> {
         pipeline.stage = Stage::Response(Purpose::Lock, 0);
     }
 
-    /// Continues until the grant is spent; true at the end.
-    #[inline(never)] // one copy in flash
+    /// Continues until the grant is spent. True if no stage is left.
+    #[inline(never)]
     pub(super) fn advance(
         &self,
         pipeline: &mut Pipeline,
@@ -198,8 +201,8 @@ impl Model<'_> {
         matches!(pipeline.stage, Stage::Done)
     }
 
-    /// One unit of work. After the last unit of a stage, a function of its own begins the next stage, so that only this function takes its
-    /// stack.
+    /// Does one unit of work. After the last unit of a stage, a separate function that is not inlined begins the next
+    /// stage. So a unit of work does not reserve the stack for the beginnings of all stages.
     fn advance_stage(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
         match &mut pipeline.stage {
             Stage::Done => {}
@@ -296,8 +299,8 @@ impl Model<'_> {
         }
     }
 
-    /// After the learning of an update: begins the refinement of the box, unless the early template gave the exact place and size. The
-    /// window's features are not needed any more, so the refiner may use their memory.
+    /// Begins the refiner after the learning of an update, unless the early template gave the exact place and size. The
+    /// window's features are not needed any more, so the refiner uses their memory.
     #[cfg(feature = "refiner")]
     #[inline(never)] // see `advance_stage`
     fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
@@ -322,7 +325,7 @@ impl Model<'_> {
         pipeline.stage = Stage::Features(purpose, lattice);
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn centre(&self, purpose: Purpose) -> Place {
         match purpose {
             Purpose::Lock => self.track.motion.place,
@@ -343,13 +346,14 @@ impl Model<'_> {
     }
 
     /// Begins the view of a place.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn view(&self, buffers: &mut Buffers, place: Place) -> View {
         let Buffers { extractor, verification, .. } = buffers;
         View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), verification)
     }
 
-    /// Refines a verified candidate and begins the scale search. Returns the scale if it is not searched.
+    /// Refines a verified candidate and begins the scale search. Returns the scale if the configuration has no scale
+    /// search.
     #[inline(never)] // see `advance_stage`
     fn refine(
         &self,
@@ -378,7 +382,7 @@ impl Model<'_> {
         }
     }
 
-    /// Place and scale are known: decides on the state, and on learning or redetection.
+    /// Decides on the state, and on learning or redetection, when place and scale are known.
     #[inline(never)] // see `advance_stage`
     fn decide(&self, pipeline: &mut Pipeline, scale: u32, buffers: &mut Buffers) {
         pipeline.stage = Stage::Done;
@@ -424,12 +428,12 @@ impl Model<'_> {
         )
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn products(&self) -> Products {
         Products::new(self.config.backend())
     }
 
-    /// The features of the search window, as the next update will see them. False if it is not in memory.
+    /// Computes the features of the search window, as the next update will. False if a needed pixel is not in memory.
     #[cfg(feature = "unstable")]
     pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
         let place = self.centre(Purpose::Follow);
@@ -437,7 +441,7 @@ impl Model<'_> {
         buffers.extractor.features(frame, &lattice, &mut buffers.cells)
     }
 
-    /// The filter's responses to these features.
+    /// Computes the filter's responses to these features, without penalty.
     #[cfg(feature = "unstable")]
     pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
@@ -457,8 +461,8 @@ impl Model<'_> {
     }
 }
 
-/// Follows a candidate of redetection if it is the lost target.
-#[inline(never)] // one copy in flash
+/// Ends redetection: follows its candidate if that is the lost target.
+#[inline(never)]
 fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
     *stage = Stage::Done;
     let Some(track) = &mut outcome.track else { return };
@@ -471,7 +475,7 @@ fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, ..
     }
 }
 
-/// The target's place in a window, from the middle, in units of 1/256 cell.
+/// The target's place from the middle of a window, in units of 1/256 cell.
 fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
     let part = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);

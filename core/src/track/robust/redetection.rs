@@ -1,13 +1,14 @@
-//! Redetection: while the target is lost, a second window is searched in each frame. In turn these windows sweep the whole frame.
+//! Redetection: while the target is lost, a second window is searched in each frame. One after the other, these windows
+//! sweep the whole frame.
 //!
-//! The windows cover the frame side by side, row by row. Each is searched and verified like the first window, so redetection adds the same
-//! cost to every frame.
+//! The windows cover the frame side by side, row by row. Each is searched and verified like the first window. So a lost
+//! frame costs a second search and verification, of about the same work each time, but no learning.
 
 use super::constants::{PIXEL, PIXEL_BITS};
 use super::division::quotient;
 use crate::image::Rect;
 
-/// The next window.
+/// The sweep of the frame: the number of the next window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sweep {
     pub(super) next: u32,
@@ -30,13 +31,14 @@ impl Sweep {
     }
 }
 
-/// Windows on an axis. A step of the grid is at least 409, so a side is at least 13,088, and two of these numbers multiply to less than 2^32.
+/// The number of windows on an axis. A step of the grid is at least 409, so a side is at least 13,088, and the product
+/// of two such counts is below 2^32.
 fn count(size: u16, side: u32) -> u32 {
     (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
 }
 
 /// The middle of a window on an axis.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn centre(number: u32, count: u32, size: u16) -> i64 {
     let middle = quotient((2 * i64::from(number) + 1) * i64::from(size) * PIXEL, 2 * i64::from(count));
     (middle - PIXEL / 2).max(0)

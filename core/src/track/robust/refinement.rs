@@ -1,6 +1,7 @@
 //! Refinement: place and size to a fraction of a pixel, by the early template.
 //!
-//! One Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best displacement:
+//! One Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best
+//! displacement:
 //!
 //! ```text
 //! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
@@ -9,12 +10,13 @@
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
-//! | `s` | 4 times the mean slope of both pictures to the right and down, 1/8 of it outward | gray level | 510, 510, 1130 |
+//! | `s` | right, down: 4 m, with m the mean slope of both pictures; outward: m . place / 8 | gray level | 510, 1130 |
 //! | `S` | their products, summed over at most 1600 pixels | | 2^31 |
 //! | `x`, `y` | displacement | 1/64 pixel of the grid | +-64 |
 //! | `g` | growth | 1/65536 | +-1310 |
 //!
-//! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40 instructions for each pixel.
+//! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40
+//! instructions for each pixel.
 
 use super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
 use super::displacement::Displacement;
@@ -23,7 +25,7 @@ use super::sampling::row_of;
 use crate::image::Image;
 use crate::kernels::rolled;
 
-/// Binary places of the largest sum when the equations are solved.
+/// The most binary places of a sum when the equations are solved.
 const PLACES_OF_SUMS: u32 = 12;
 
 /// The target's place from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
@@ -34,7 +36,8 @@ pub(super) struct Refined {
     pub(super) growth: i32,
 }
 
-/// Refines a displacement from the patch `seen` there and the relit template. `None` if they do not agree well. `alpha` is at most 100.
+/// Refines a displacement by the patch `seen` there and the relit template. `None` if their agreement is too low.
+/// `alpha` is at most 100.
 pub(super) fn refine(
     agreement: u16,
     (right, down): Displacement,
@@ -51,13 +54,14 @@ pub(super) fn refine(
 
 /// Sums over all pixels but those at the edge.
 ///
-/// A slope to the right or down is four times the mean slope of both pictures: at most 510. The slope outward is (right * u + down * v) /
-/// 64 with (u, v) twice the distance from the middle: at most 510 * (columns + rows) / 64 < 1130.
+/// A slope to the right or down is four times the mean slope of both pictures: at most 510. With (u, v), twice the
+/// distance from the middle, the slope outward is `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 <
+/// 1130.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     /// Squares of the slopes to the right, down and outward: the diagonal of S.
     squares: [i32; 3],
-    /// Right * down, right * outward, down * outward: the rest of S.
+    /// Slopes right times down, right times outward, down times outward: the rest of S.
     products: [i32; 3],
     /// Slopes times differences.
     errors: [i32; 3],
@@ -100,8 +104,9 @@ impl Sums {
 
     /// The step (x, y, growth), by Cramer's rule.
     ///
-    /// All sums are shifted until the largest square is below 2^12. Then minors are at most 2^25. The sum of squared differences is below
-    /// 2^24, so by the inequality of Cauchy and Schwarz 256 times a sum of errors is at most 2^26. Sums of their products stay below 2^53.
+    /// All sums are shifted until the largest square is below 2^12. The minors of S are then at most 2^25. The sum of
+    /// squared differences is below 2^24, so by the inequality of Cauchy and Schwarz 256 times a sum of errors is at
+    /// most 2^26. Sums of their products stay below 2^53.
     #[inline(never)] // keeps its registers out of those of a step
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
@@ -124,19 +129,19 @@ impl Sums {
     }
 }
 
-/// A number divided by 2^`power`, toward zero; multiplied where `power` is negative.
+/// A number divided by 2^`power`, rounded toward zero. A negative `power` multiplies.
 fn toward_zero(number: i32, power: i32) -> i32 {
     if power < 0 { number << -power } else { number / (1 << power) }
 }
 
-/// The sum of three products.
-#[inline(never)] // one copy in flash
+/// The sum of the three products.
+#[inline(never)]
 fn products(some: [i32; 3], others: [i32; 3]) -> i64 {
     some.iter().zip(others).map(|(&some, other)| i64::from(some) * i64::from(other)).sum()
 }
 
 /// `sum` / `determinant`, within +-`MOST_MOVE`; 0 if the determinant is not positive.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn part(sum: i64, determinant: i64) -> i32 {
     let times = if determinant > 0 { quotient(sum, determinant) } else { 0 };
     i32::try_from(times.clamp(-MOST_MOVE, MOST_MOVE)).unwrap_or(0)
@@ -189,7 +194,8 @@ mod tests {
         }
     }
 
-    /// Black and white next to each other, turned over: the largest slopes and differences. Overflow would fail the test.
+    /// Black and white next to each other, turned over: the largest slopes and differences. Overflow would fail the
+    /// test.
     #[test]
     fn the_largest_sums() {
         for (columns, rows) in [(40, 40), (128, 12), (12, 128), (4, 4), (126, 4)] {

@@ -1,4 +1,4 @@
-//! The filter's responses at all offsets of a search window, and their peak.
+//! The filter's responses at all offsets of a search window, and the peak of the penalised responses.
 //!
 //! ```text
 //! r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
@@ -11,8 +11,11 @@
 //! | `r` | response | 1/16384 of the label | +-2^24 |
 //! | peak | place of the largest counted response | 1/256 cell | |
 //!
-//! A parabola through its neighbours on each axis refines the peak. Of equal responses the middle one wins, or else the first: in a black
-//! frame the place stays. Cost: one product for each weight and offset, by default 289 for each weight.
+//! The counted response is the penalised one; the scale search counts responses without penalty. The place and the
+//! response of the peak, and all that follows from them, are those of the counted responses. A parabola through the
+//! peak and its neighbours on each axis refines the place. Of equal responses the middle one wins, otherwise the first
+//! in scan order. So in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for
+//! each weight.
 
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::cost::units;
@@ -29,36 +32,37 @@ pub(super) struct Responses {
     pub(super) span: usize,
 }
 
-/// The largest response.
+/// The peak: the largest counted response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Peak {
     /// From the middle, in units of 1/256 cell.
     pub(super) x: i32,
     pub(super) y: i32,
+    /// The counted response there, in units of 1/16384.
     pub(super) response: i32,
-    /// The response at the top of the parabolas.
+    /// The counted response at the top of the parabolas, in units of 1/16384.
     pub(super) height: i32,
 }
 
-/// The layout of the filter on cells with a margin of `span / 2` on each side.
+/// The layout of the filter on a window of cells with a margin of `span / 2` cells on each side.
 pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
     let row = usize::from(grid.across) * CHANNELS;
     Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
 }
 
 impl Responses {
-    #[inline(always)] // made in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
-    /// The responses of weights that are all 0.
+    /// Sets the responses of weights that are all 0.
     pub(super) fn clear(&mut self, span: usize) {
         *self = Self { span, ..const { Self::new() } };
     }
 
-    /// One part of the responses of coded weights; true after the last part.
-    #[inline(never)] // one copy in flash
+    /// Computes one part of the responses of coded weights, without penalty. True after the last part.
+    #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(super) fn advance(
         &mut self,
@@ -85,14 +89,14 @@ impl Responses {
 }
 
 /// The peak of the responses at `span` offsets on each axis. With `penalty`, responses far from the middle count less.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let responses = Counted { rows, span, penalty };
     let (mut x, mut y) = (span / 2, span / 2);
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // A response never counts for more than its value.
+            // The penalty never raises a response.
             let counted = if candidate > response { responses.count(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -103,7 +107,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
         (Some(before), Some(after)) => top(before, response, after),
         _ => (0, 0),
     };
-    // What wraps is outside.
+    // An index that wraps below 0 is outside, where `at` gives `None`.
     let (right, across) = part(responses.at(x.wrapping_sub(1), y), responses.at(x + 1, y));
     let (below, down) = part(responses.at(x, y.wrapping_sub(1)), responses.at(x, y + 1));
     let cells = |at: usize| i32::try_from(2 * at + 1).unwrap_or(0) - i32::try_from(span).unwrap_or(0);
@@ -111,7 +115,7 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-/// The responses at `span` offsets on each axis. With `penalty`, those far from the middle count less.
+/// The counted responses at `span` offsets on each axis. With `penalty`, those far from the middle count less.
 struct Counted<'a> {
     rows: &'a [[i32; SPAN]],
     span: usize,
@@ -119,8 +123,8 @@ struct Counted<'a> {
 }
 
 impl Counted<'_> {
-    /// What the response at an offset counts; `None` outside.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The counted response at an offset; `None` outside.
+    #[cfg_attr(smr_small, inline(never))]
     fn at(&self, x: usize, y: usize) -> Option<i32> {
         let response = self.rows.get(..self.span)?.get(y)?.get(..self.span)?.get(x)?;
         Some(self.count(x, y, *response))
@@ -131,8 +135,8 @@ impl Counted<'_> {
     }
 }
 
-/// The counted response at an offset.
-#[inline(never)] // one copy in flash
+/// The penalised response at an offset. Negative responses are not penalised.
+#[inline(never)]
 fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);
     let away = |at: usize| u32::try_from(at).map_or(0, |at| at.abs_diff(reach).pow(2));
@@ -142,9 +146,9 @@ fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 
-/// The top of a parabola through three responses: its place from the middle one, in units of 1/256 of their distance (-128 to 128), and
-/// its height above the middle one. Both are 0 if the middle one is no maximum.
-#[inline(never)] // one copy in flash
+/// The top of a parabola through three responses: its place from the middle one, in units of 1/256 of their distance
+/// (-128 to 128), and its height above the middle one. Both are 0 if the middle one is no maximum.
+#[inline(never)]
 fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
     // Responses are at most 2^24.
     let curvature = before - 2 * at + after;

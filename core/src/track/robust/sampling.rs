@@ -1,11 +1,11 @@
 //! Sampling: the target and its surroundings, resampled on a lattice over the frame.
 //!
-//! If a step of the lattice is two pixels or more, the frame is first reduced to blocks of 2x2 pixels (4x4, 8x8, ...), until a step is
-//! less than two blocks. Each sample is then interpolated from four neighbours (bilinear, fractions of 1/256). Beyond the frame its edge
-//! pixels are repeated. Each row of blocks is computed once.
+//! If a step of the lattice is two pixels or more, the frame is first reduced to blocks of 2x2 pixels (4x4, 8x8, ...),
+//! until a step is less than two blocks. Each sample is then interpolated from four neighbours (bilinear, fractions of
+//! 1/256). Beyond the frame its edge pixels are repeated. Each row of blocks is computed once.
 //!
-//! The mean of a block of any size is that of four of its pixels: two in each of two rows, a quarter of its side from its edges. These
-//! pixels are evenly spaced over the whole frame, and a sample reads at most 16 of them.
+//! The mean of a block of any size is that of four of its pixels: two in each of two rows, a quarter of its side from
+//! its edges. These pixels are evenly spaced over the whole frame, and a sample reads at most 16 of them.
 //!
 //! | number | unit | bound |
 //! |---|---|---|
@@ -25,7 +25,8 @@ pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The places of samples: columns `step` apart, rows `step_down` apart, around a centre.
+/// The places of samples: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096
+/// pixel of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Lattice {
     pub(super) x: i64,
@@ -36,8 +37,8 @@ pub(super) struct Lattice {
     pub(super) rows: u16,
 }
 
-/// One axis of a lattice on the reduced frame. Positions are below 2^29: a frame has 65,535 pixels, and a lattice reaches less than
-/// 2 * COLUMNS blocks out of it.
+/// One axis of a lattice on the reduced frame. Positions are below 2^29: a frame has at most 65,535 pixels on a side,
+/// and a lattice reaches less than twice `COLUMNS` blocks beyond it.
 #[derive(Clone, Copy)]
 struct Axis {
     first: i32,
@@ -47,17 +48,17 @@ struct Axis {
 }
 
 impl Axis {
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
-        // The middle between the two pixels that the first block reads.
+        // The middle between the two pixels that are read of the first block.
         let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
         let blocks = i32::from((size >> halvings).max(1));
         let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
         Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
     }
 
-    /// A block, and the part of the next one in units of 1/256.
+    /// The block of a sample, and the weight of the next block in units of 1/256.
     #[inline(always)] // a few instructions, run for each column
     fn place(&self, number: u16) -> (u16, u8) {
         // Nothing overflows (see above). Not `clamp`: the compiler would link its panic.
@@ -67,8 +68,8 @@ impl Axis {
         (low(position >> PIXEL_BITS), part)
     }
 
-    /// The same, with the number of the next block.
-    #[inline(never)] // one copy in flash
+    /// The block of a sample, the next block, and its weight in units of 1/256.
+    #[inline(never)]
     fn at(&self, number: u16) -> (u16, u16, u8) {
         let (block, part) = self.place(number);
         (block, block.saturating_add(1).min(low(self.end.unsigned_abs() >> PIXEL_BITS)), part)
@@ -76,8 +77,9 @@ impl Axis {
 }
 
 impl Lattice {
-    /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that gradients need.
-    #[inline(never)] // one copy in flash
+    /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that
+    /// gradients need.
+    #[inline(never)]
     pub(super) fn search_window(place: Place, grid: &Grid, reach: u16) -> Self {
         let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
         Self::around(place, grid, side(grid.across), side(grid.down))
@@ -88,14 +90,14 @@ impl Lattice {
         Self::around(place, grid, grid.columns + 2 * MARGIN, grid.rows + 2 * MARGIN)
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn around(Place { x, y, scale }: Place, grid: &Grid, columns: u16, rows: u16) -> Self {
         let step = grid.step_at(scale);
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// How often the frame is halved: until the mean step is less than two blocks.
-    #[inline(never)] // one copy in flash
+    /// The number of times that the frame must be halved until the mean step is less than two blocks.
+    #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least h for which the sum of both steps is below 2^(h + BITS).
         const BITS: u32 = PIXEL_BITS + 2;
@@ -103,7 +105,7 @@ impl Lattice {
         sum.checked_ilog2().map_or(0, |log| (log + 1).saturating_sub(BITS))
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn axes(&self, bounds: Rect) -> (Axis, Axis) {
         let halvings = self.halvings();
         let x = Axis::new(self.x, self.step, self.columns, halvings, bounds.width);
@@ -111,7 +113,7 @@ impl Lattice {
     }
 
     /// The pixels of a frame that the lattice reads.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn pixels(&self, bounds: Rect) -> Rect {
         let (x, y) = self.axes(bounds);
         let side = 1 << self.halvings();
@@ -125,7 +127,7 @@ impl Lattice {
     }
 
     /// Begins to sample: computes the places of columns and rows.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
         let (across, down) = self.axes(bounds);
         scratch.pixels = self.pixels(bounds);
@@ -148,7 +150,7 @@ impl Lattice {
     }
 
     /// Samples the next row, from the top. False if a needed pixel is not in memory.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn sample_row(&self, frame: &Frame<'_>, scratch: &mut Scratch, row: u16, out: &mut [u8]) -> bool {
         let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
         let out = out.get_mut(from..from + columns);
@@ -175,7 +177,7 @@ const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 pub(super) struct Scratch {
     columns: Interpolation<COLUMNS>,
     down: Axis,
-    /// How often the frame is halved.
+    /// The number of times that the frame is halved.
     halvings: u32,
     /// The pixels of the frame that the lattice reads.
     pixels: Rect,
@@ -186,12 +188,12 @@ pub(super) struct Scratch {
     /// Pixels read from the frame, and samples computed.
     read: u32,
     sampled: u32,
-    /// Sums of blocks while a row of means is computed; then a row interpolated from two.
+    /// Sums of blocks while a row of means is computed; then the row that is mixed from two rows.
     mixed: MixedRow,
 }
 
 impl Scratch {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             columns: Interpolation::new(),
@@ -207,7 +209,7 @@ impl Scratch {
     }
 
     /// Samples `frame` row by row, after [`Lattice::prepare`]. `None` if a needed pixel is not in memory.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
         Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
     }
@@ -225,11 +227,11 @@ pub(super) struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Row `number` of the lattice. The caller asks for each row once, from the top.
-    #[inline(never)] // one copy in flash
+    /// Samples row `number` of the lattice. The caller asks for each row once, from the top.
+    #[inline(never)]
     pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, part) = self.scratch.down.at(number);
-        // Block numbers from the first pixel that is read, not from the frame's edge.
+        // Blocks are counted from the first pixel that is read, not from the frame's edge.
         let (top, _) = self.scratch.down.place(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
@@ -242,7 +244,7 @@ impl Sampler<'_> {
     }
 
     /// Computes a row of blocks, unless it is already there.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn make(&mut self, block: u16) {
         let Self { pixels, scratch: Scratch { means: [even, odd], made, read, mixed, halvings, .. } } = self;
         let [even_made, odd_made] = made;
@@ -283,7 +285,7 @@ fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// The same, as a loop that the compiler vectorizes by eight.
+/// Mixes two rows as the plain version does, in a loop that the compiler vectorizes by eight.
 #[cfg(smr_helium)]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
@@ -299,14 +301,16 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The two columns (and rows) that a block reads: both of a 2x2 block, otherwise those a quarter of its side from its edges.
+/// The two columns (and rows) that are read of a block: both of a 2x2 block, otherwise those a quarter of its side from
+/// its edges.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Means of the row of blocks that begins at row `first`. Returns the number of pixels read. `sums` is scratch memory.
-#[inline(never)] // one copy in flash
+/// Computes the means of the row of blocks that begins at row `first`. Returns the number of pixels read. `sums` is
+/// scratch memory.
+#[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);
     // Cannot fail: at most COLUMNS columns lie less than two blocks apart.
@@ -324,7 +328,7 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
 }
 
 /// A row of blocks, or of pixels if the frame is not halved.
-#[cfg_attr(smr_dsp, inline(never))] // one copy
+#[cfg_attr(smr_dsp, inline(never))]
 fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, block: u16) -> &'a [u8] {
     if halvings == 0 {
         return row_of(pixels, block, 0);
@@ -332,13 +336,14 @@ fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32,
     if block.is_multiple_of(2) { even } else { odd }
 }
 
-/// Row `first` + `row` of `pixels`. Below the last row it is repeated: the frame's edge may cut a block.
-#[cfg_attr(smr_dsp, inline(never))] // one copy
+/// Row `first` + `row` of `pixels`. The last row is repeated below, because the frame's edge may cut a block.
+#[cfg_attr(smr_dsp, inline(never))]
 pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
 
-/// Adds the two pixels of each block in a row to its sum. Where the frame's edge cuts a block, the last pixel is repeated.
+/// Adds the two pixels of each block in a row to its sum. Where the frame's edge cuts a block, the last pixel is
+/// repeated.
 fn add_row(sums: &mut [u16], row: &[u8], halvings: u32) {
     let (pairs, _) = row.as_chunks::<2>();
     let whole = if halvings == 1 { pairs } else { &[] };

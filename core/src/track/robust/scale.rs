@@ -1,12 +1,13 @@
-//! The scale search: is the target a little smaller or larger? The filter's response at the last scale, and at 1/1.02 and 1.02 times it
-//! (as in DSST; Danelljan et al., 2014).
+//! The scale search: compares the filter's response at the last scale and at 1/1.02 and 1.02 times it (as in DSST;
+//! Danelljan et al., 2014).
 //!
 //! ```text
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
 //! ```
 //!
-//! All three are sampled around the same place, so that none has an advantage by its place. Offsets of up to one cell are searched.
-//! The search runs even if refinement has found the exact growth, which then wins. So every frame costs the same.
+//! `peak(s)` is the top of the parabolas through the responses, without penalty. All three scales are sampled around
+//! the same place, so that none has an advantage by its place. Offsets of up to one cell are searched. If refinement
+//! has found the growth, that growth is taken, but the search runs all the same, so that every frame costs the same.
 //! Cost: three small windows of features, and 27 products for each weight.
 
 use super::constants::{CHANNELS, WEIGHTS};
@@ -28,20 +29,20 @@ use heapless::Vec;
 /// Bytes of the largest window. The longest filter has the longest margin.
 const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
-/// Offsets on an axis.
+/// Offsets on each axis.
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
-/// Features at another scale.
+/// The features at one scale.
 pub(super) type Cells = Vec<i8, CELLS>;
 
 /// A scale search.
 #[derive(Clone, Copy)]
 pub(super) struct ScaleSearch {
     place: Place,
-    /// The best peak so far, and its scale.
+    /// The height of the best peak so far, and its scale.
     highest: i64,
     best: u32,
-    /// The present scale: the last, the smaller, the larger one.
+    /// The number of the present scale. 0: the last, 1: the smaller, 2: the larger one.
     number: usize,
     lattice: Lattice,
     /// Whether its features are known.
@@ -71,7 +72,7 @@ impl ScaleSearch {
         Self { place, highest: i64::MIN, best: place.scale, number: 0, lattice, sampled: false }
     }
 
-    /// One unit of work. Returns the scale after the last one.
+    /// Does one unit of work. Returns the best scale after the last unit.
     pub(super) fn advance(
         &mut self,
         tools: &Tools<'_>,
@@ -114,14 +115,14 @@ fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
 }
 
 /// The next smaller and the next larger scale.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(super) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = i64::from(scale);
     [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]
         .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 
-/// Grown by `growth` / 65536.
+/// A scale grown by `growth` / 65536, within the least and the most scale.
 pub(super) fn grown(scale: u32, growth: i32) -> u32 {
     let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
     u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)

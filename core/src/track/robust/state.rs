@@ -1,4 +1,4 @@
-//! What the tracker remembers of a target from frame to frame, and its saved form.
+//! The memory of a target from frame to frame, and its saved form.
 
 use super::confidence::Confidence;
 use super::config::{Config, Parts};
@@ -33,7 +33,7 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             track: None,
@@ -78,7 +78,7 @@ impl Track {
         }
     }
 
-    /// All numbers but the grid, which follows from the size.
+    /// Adds all numbers but the grid, which follows from the size.
     fn identify(&self, owner: &mut Owner) {
         let Self { bounds, grid: _, size: [width, height], motion, tracked_scale, .. } = *self;
         owner.add_rect(bounds);
@@ -95,13 +95,13 @@ impl Track {
         }
     }
 
-    /// Where the target is expected in the next frame.
+    /// The expected place of the target in the next frame.
     pub(super) fn expected(&self, config: &Config) -> Place {
         self.motion.expected(config.parts.velocity, self.bounds)
     }
 
-    /// The middle of the next window of redetection, at the scale last tracked.
-    #[inline(never)] // one copy in flash
+    /// The middle of the next window of redetection, at the scale when the state was last tracking.
+    #[inline(never)]
     pub(super) fn swept(&self, reach: u16) -> Place {
         let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
         let (x, y) = self.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), self.bounds);
@@ -113,8 +113,8 @@ impl Track {
         Lattice::search_window(place, &self.grid, reach).pixels(self.bounds)
     }
 
-    /// The target's box, as it is answered.
-    #[inline(never)] // one copy in flash
+    /// The box of the answer: the followed box, corrected by the refiner.
+    #[inline(never)]
     pub(super) fn bbox(&self) -> FineRect {
         #[cfg(feature = "refiner")]
         return self.correction.correct(self.followed());
@@ -122,8 +122,9 @@ impl Track {
         self.followed()
     }
 
-    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`: a view may be displaced,
-    /// place and peak lie between two, and the scale may change by a step.
+    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`.
+    /// Beyond the reach, the peak may lie between two cells, the view may be displaced by `MARGIN`, refinement moves by
+    /// up to a pixel, and the scale may grow by a step.
     #[cfg(feature = "refiner")]
     pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {
         let [_, larger] = scale::other_scales(centre.scale);
@@ -133,7 +134,7 @@ impl Track {
         reachable(target.bbox(), by, self.bounds)
     }
 
-    /// The box of the followed place and scale.
+    /// The box of the followed place and scale, without the refiner's correction.
     pub(super) fn followed(&self) -> FineRect {
         let Place { x, y, scale } = self.motion.place;
         let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
@@ -147,7 +148,8 @@ impl Track {
 }
 
 impl Memory {
-    /// All that the rest of an update, or of a lock under way, depends on: what [`Memory::save`] writes.
+    /// Adds all numbers that the rest of an update or of a lock under way depends on: those that [`Memory::save`]
+    /// writes.
     pub(super) fn identify(&self, owner: &mut Owner) {
         if let Some(track) = &self.track {
             track.identify(owner);
@@ -168,11 +170,11 @@ impl Memory {
     }
 }
 
-/// Numbers of the configuration but the table.
+/// The numbers of the configuration without the table.
 const NUMBERS: usize = 13;
 /// Bytes of a saved track.
 const TRACK: usize = 58;
-/// Bytes of what the refiner remembers: the correction and the first frame's target.
+/// Bytes of the refiner's memory: the correction and the first frame's target.
 #[cfg(feature = "refiner")]
 const REFINER: usize = 16 + FIRST;
 #[cfg(not(feature = "refiner"))]
@@ -255,7 +257,7 @@ impl Memory {
     }
 }
 
-/// A saved track; `None` if a number is out of range.
+/// Reads a saved track; `None` if a number is out of range.
 fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
     let target = Rect::new(0, 0, from.u16()?, from.u16()?);
@@ -294,8 +296,9 @@ pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>,
     Reader::new(bytes, Kind::Robust, &Settings { table: config.table, numbers: &numbers(config) })
 }
 
-/// The numbers that answers depend on: all but the table and the backend. The refiner comes last: a flight record names it only if it is on.
-#[inline(never)] // one copy in flash
+/// The settings that answers depend on, without the table; the backend is none of them. The refiner comes last, because
+/// a flight record holds it only if it is on.
+#[inline(never)]
 pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
     let Parts { velocity, distance_penalty, verification, gated_learning } = config.parts;
     [

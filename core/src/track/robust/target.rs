@@ -1,4 +1,4 @@
-//! The robust tracker's target: its calls.
+//! The calls of a target of the robust tracker.
 
 use super::config::Config;
 #[cfg(feature = "unstable")]
@@ -53,7 +53,7 @@ pub struct Robust {
 }
 
 impl Robust {
-    /// No target yet, for a `const` or a `static`. At run time see [`Target::new`].
+    /// A tracker state without a target, for a `const` or a `static`. At run time see [`Target::new`].
     ///
     /// # Panics
     /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
@@ -66,8 +66,8 @@ impl Robust {
         }
     }
 
-    /// The early template, by which the target is verified, row by row; `None` before the first lock. Its shape is that of
-    /// [`Robust::grid`].
+    /// The early template, which verifies the target: its pixels, row by row. `None` before the first lock. Its shape
+    /// is that of [`Robust::grid`].
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
         self.memory.track.as_ref().map(|_| self.memory.template.pixels())
@@ -119,8 +119,8 @@ impl Robust {
         Model { config: &self.config, memory: &self.memory, track }
     }
 
-    /// The pixels that an update may read around the expected place: the search window, the view of any place in it, and the windows of other
-    /// scales.
+    /// The pixels that an update may read around the expected place: the search window, the view of any place in it,
+    /// the windows of other scales, and the refiner's crop.
     fn expected_pixels(&self, track: &Track) -> Rect {
         let centre = track.expected(&self.config);
         let reach = self.config.reach();
@@ -137,8 +137,8 @@ impl Robust {
         pixels
     }
 
-    /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is given whenever it
-    /// may be.
+    /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is
+    /// `Some` whenever it may be.
     fn swept_pixels(&self, track: &Track) -> Option<Rect> {
         let reach = self.config.reach();
         let may_be_lost = self.config.sweeps() && track.confidence.may_be_lost_next(&self.config);
@@ -160,7 +160,7 @@ impl Target for Robust {
 
     const SAVED_SIZE: usize = state::SAVED_SIZE;
 
-    /// The same for every box: see [`Config::most_work`].
+    /// The most work, which is the same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work()
     }
@@ -169,7 +169,7 @@ impl Target for Robust {
         config.check()
     }
 
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     fn of_checked(config: Config) -> Self {
         Self { config, memory: Memory::new(), locking: Locking::NOTHING }
     }
@@ -178,7 +178,7 @@ impl Target for Robust {
         &self.config
     }
 
-    /// The box and its surroundings, up to the reach of a search window.
+    /// The box and its surroundings, up to the reach of a search window, and the refiner's crop of the box.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
         if bounds.contains(target) {
             let window = Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach());
@@ -355,7 +355,7 @@ impl Steps for Robust {
 }
 
 impl Robust {
-    /// Continues until the grant is spent. True if an update, or a step of a lock's learning, is done.
+    /// Continues until the grant is spent. True if an update or a learning step of a lock is done.
     fn advance_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
         let Workspace { pipeline, buffers, under_way } = workspace;
         // During a lock the track is in the workspace. `or` would put both on the stack.
@@ -364,7 +364,7 @@ impl Robust {
         self.model(track).advance(pipeline, buffers, under_way, frame)
     }
 
-    /// A step of a lock's learning is done: changes the weights. True if another step has begun.
+    /// Changes the weights after a learning step of a lock. True if another step has begun.
     #[inline(never)] // a step of an update need not reserve its stack
     fn begin_another_step(&mut self, workspace: &mut Workspace) -> bool {
         let Workspace { pipeline, buffers, under_way } = workspace;
@@ -383,7 +383,7 @@ impl Robust {
 }
 
 /// The smallest rectangle that holds both.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));
     let side = |from: i32, to: i32| u16::try_from(to.saturating_sub(from)).unwrap_or(u16::MAX);

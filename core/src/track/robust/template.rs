@@ -1,4 +1,5 @@
-//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong target first.
+//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong
+//! target before the template resembles it.
 //!
 //! ```text
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
@@ -15,7 +16,7 @@ pub(super) struct Template {
 }
 
 impl Template {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { mean: Vec::new() }
     }
@@ -27,7 +28,7 @@ impl Template {
         self.learn(patch, 1024);
     }
 
-    /// Restores what [`Template::mean`] returned.
+    /// Restores the pixels that [`Template::mean`] returned.
     pub(super) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
         self.mean.clear();
         for pixel in mean.take(MOST_PIXELS) {
@@ -40,8 +41,9 @@ impl Template {
         &self.mean
     }
 
-    /// Moves `rate` / 1024 of the way to `patch`. With a rate of 1 a pixel that differs by less than 2 gray levels stays as it is.
-    #[inline(never)] // one copy in flash
+    /// Moves `rate` / 1024 of the way to `patch`. With a rate of 1 a pixel that differs by less than 2 gray levels
+    /// stays as it is.
+    #[inline(never)]
     pub(super) fn learn(&mut self, patch: Image<'_>, rate: u16) {
         let columns = usize::from(patch.width());
         for y in 0..patch.height() {
@@ -49,7 +51,7 @@ impl Template {
             for (mean, &new) in rolled(mean.zip(patch.row(y))) {
                 let difference = (i32::from(new) << 8) - i32::from(*mean);
                 let moved = i32::from(*mean) + ((difference * i32::from(rate) + (1 << 9)) >> 10);
-                // It lies between the two, so it fits 16 bits.
+                // The result lies between the old and the new pixel, so it fits in 16 bits.
                 *mean = u16::try_from(moved).unwrap_or(*mean);
             }
         }
@@ -60,8 +62,8 @@ impl Template {
         self.mean.iter().map(|&mean| u8::try_from((u32::from(mean) + 128) >> 8).unwrap_or(u8::MAX))
     }
 
-    /// Copies them into `out`.
-    #[inline(never)] // one copy in flash
+    /// Copies all pixels, rounded to gray levels, into `out`.
+    #[inline(never)]
     pub(super) fn copy_to(&self, out: &mut Vec<u8, MOST_PIXELS>) {
         // Cannot fail: both have the same capacity.
         let _ = out.resize_default(self.mean.len());

@@ -1,5 +1,5 @@
-//! The whole tracker: extreme sizes and contents, partial frames, and targets that change. Overflow checks are on in tests, so an
-//! overflow fails them.
+//! Tests of the whole tracker: extreme sizes and contents, partial frames, and targets that change. Overflow checks are
+//! on in tests, so an overflow fails them.
 
 use super::constants::PIXEL;
 use super::sampling::{Lattice, Scratch};
@@ -8,7 +8,7 @@ use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;
 use std::{boxed::Box, vec, vec::Vec};
 
-/// All that is built in.
+/// The configuration with everything that is built in.
 fn most_parts() -> Config {
     Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }
 }
@@ -41,7 +41,7 @@ impl Both {
         Self { whole, part, width, height }
     }
 
-    /// The answer of both.
+    /// Updates both trackers and returns their answer, which must be the same.
     fn update(&mut self, pixels: &[u8]) -> Answer {
         let frame = whole(pixels, self.width, self.height);
         let window = self.part.window().unwrap();
@@ -63,7 +63,7 @@ fn cut<'a>(frame: &Frame<'a>, window: Rect) -> Frame<'a> {
     Frame::part(frame.patch(window).unwrap(), window.x as u16, window.y as u16, width, height).unwrap()
 }
 
-/// Locks on `target` and searches it in frames of all kinds.
+/// Locks on `target` and searches for it in frames of all kinds.
 fn follow(width: u16, height: u16, target: Rect) {
     let pixels = usize::from(width) * usize::from(height);
     let bounds = Rect::new(0, 0, width, height);
@@ -140,8 +140,8 @@ fn a_step_does_no_more_than_it_promises() {
     }
 }
 
-/// A few pixels of each block are read, so the size of the target hardly affects the work. The largest target has a frame of 4 GiB, nearly
-/// all of which is never touched.
+/// A few pixels of each block are read, so the size of the target hardly affects the work. The largest target has a
+/// frame of 4 GiB, nearly all of which is never touched.
 #[cfg(target_pointer_width = "64")]
 #[test]
 fn a_target_of_any_size_costs_about_the_same() {
@@ -166,7 +166,7 @@ fn a_target_of_any_size_costs_about_the_same() {
         config.refiner = false;
         work_of(config, pixels, size, target)
     };
-    // In the middle of a frame, with a margin of half its sides, if the frame has room for that.
+    // The target is in the middle of a frame, with a margin of half its sides if the frame has room for that.
     let around = |across: u16, down: u16, pixels: fn(usize) -> Vec<u8>| {
         let [width, height] = [across, down].map(|side| side.saturating_mul(2));
         let pixels = pixels(usize::from(width) * usize::from(height));
@@ -186,7 +186,7 @@ fn a_target_of_any_size_costs_about_the_same() {
     for (across, down) in [(40, 40), (600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)] {
         holds(across, down, black);
     }
-    // As wide as possible; and 6 times as long as wide, with an almost doubled step.
+    // One target is as wide as possible, one 6 times as long as wide, with an almost doubled step.
     for (across, down) in [(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)] {
         holds(across, down, black);
     }
@@ -260,7 +260,7 @@ fn the_largest_blocks_of_means() {
     }
 }
 
-/// Pixels that differ as much as possible, in each step of learning: the largest weights, slopes and responses.
+/// Pixels differ as much as possible in each step of learning, for the largest weights, slopes and responses.
 #[test]
 fn black_and_white_in_turns() {
     let board = |side: usize, turn: usize| -> Vec<u8> {
@@ -336,8 +336,8 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels in tiles on a background of weaker tiles; brightness and contrast in percent. Without a place there is only
-/// background.
+/// A target of 40x40 pixels in tiles on a background of weaker tiles; brightness and contrast in percent. Without a
+/// place there is only background.
 fn scene(at: Option<(usize, usize)>, light: u32) -> Vec<u8> {
     let hash =
         |x: usize, y: usize, seed: usize| ((x * 31 + y * 57 + seed).wrapping_mul(2_654_435_761) >> 16) as u32 % 200;
@@ -363,7 +363,7 @@ fn iou(fine: FineRect, (left, top): (usize, usize)) -> f64 {
 fn a_target_that_moves_by_whole_pixels_keeps_its_size_and_its_box() {
     let mut both = Both::lock(320, 240, &scene(Some((20, 30)), 100), Rect::new(20, 30, 40, 40));
     let (mut scales, mut worst) = ((u32::MAX, 0), 1.0_f64);
-    // Along an ellipse, at most three pixels per frame.
+    // The target moves along an ellipse, by at most three pixels per frame.
     let at = |frame: f64| {
         let turn = frame * std::f64::consts::TAU / 150.0;
         ((20.0 + 60.0 * (1.0 - turn.cos())) as usize, (30.0 + 60.0 * turn.sin().abs()) as usize)
@@ -395,7 +395,8 @@ fn light_may_change() {
     }
 }
 
-/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, noisy. They move slowly.
+/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, noisy.
+/// They move slowly.
 fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
     let hash = |x: usize, y: usize| (x * 31 + y * 57 + kind).wrapping_mul(2_654_435_761) >> 16;
     let (left, top) = (40 + frame / 2, 30 + frame / 4);

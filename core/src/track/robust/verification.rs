@@ -1,15 +1,16 @@
-//! Verification: is the target still at the peak?
+//! Verification: compares the early template with the patch at the peak, to tell whether the target is there.
 //!
-//! The view around the peak is sampled, the early template is displaced to where it fits best ([`displacement`](super::displacement)), and
-//! both are compared part by part:
+//! The view around the peak is sampled. The early template is displaced to its best fit
+//! ([`displacement`](super::displacement)), and both are compared part by part:
 //!
 //! ```text
 //! agreement = the fourth lowest of the SMR ratios of 4x4 parts, in units of 1/65535
 //! ```
 //!
-//! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. By the fourth lowest part, three parts
-//! may be hidden or turned away, but not four. The template is first adapted to the light of the patch
-//! ([`lighting`](super::lighting)). A patch without contrast, or clipped to black or white, shows no target (`similarity/contrast.rs`).
+//! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. With the fourth
+//! lowest part, three parts may be hidden or turned away, but not four. The template is first adapted to the light of
+//! the patch ([`lighting`](super::lighting)). A patch with too little contrast, or clipped to black or white, shows no
+//! target (`similarity/contrast.rs`).
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
@@ -29,11 +30,12 @@ use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::UnderWay;
 use heapless::Vec;
 
-/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of margin.
+/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of
+/// margin.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
-/// The early template, and how it is compared.
+/// The early template, with the configuration and the grid for comparing it.
 pub(super) struct Reference<'a> {
     pub(super) config: &'a Config,
     pub(super) template: &'a Template,
@@ -44,11 +46,11 @@ pub(super) struct Reference<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) place: Place,
-    /// The filter's response.
+    /// The filter's penalised response at the peak. Unit: 1/16384.
     pub(super) response: i32,
     /// The early template's agreement; 0 until it is computed.
     pub(super) agreement: u16,
-    /// Whether the patch there can show the target at all.
+    /// False: too little contrast, or clipped. False until the agreement is computed.
     pub(super) visible: bool,
 }
 
@@ -66,7 +68,8 @@ impl Candidate {
     }
 }
 
-/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best displacement.
+/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
+/// displacement.
 #[repr(C)] // see `Workspace`
 pub(super) struct Scratch {
     table: CutTable,
@@ -77,12 +80,12 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { view: Vec::new(), relit: Vec::new(), table: const { CutTable::EMPTY }, contrast: Contrast::NONE }
     }
 
-    /// Before an update: measures the template's contrast.
+    /// Measures the template's contrast, before an update.
     pub(super) fn begin(&mut self, reference: &Reference<'_>) {
         reference.template.copy_to(&mut self.relit);
         let Grid { columns, rows, .. } = *reference.grid;
@@ -107,13 +110,14 @@ impl Scratch {
     }
 
     /// The template in the light of the patch.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
         Image::new(&self.relit, grid.columns, grid.rows).ok()
     }
 
-    /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a target.
-    #[inline(never)] // one copy in flash
+    /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a
+    /// target.
+    #[inline(never)]
     fn relight(&mut self, reference: &Reference<'_>, displacement: Displacement) -> bool {
         let Self { table, contrast, view, relit } = self;
         let Some(patch) = patch(view, reference.grid, displacement) else { return false };
@@ -123,7 +127,7 @@ impl Scratch {
         seen.has_contrast_of(*contrast) && !seen.is_cut_off_beside(Contrast::NONE)
     }
 
-    /// The score of the displaced template, as it was last relit.
+    /// The score of the displaced template in the light of its last relighting.
     fn score(&self, reference: &Reference<'_>, displacement: Displacement) -> u32 {
         let scorer = Scorer::new(reference.config.backend(), &self.table);
         match (self.patch(reference.grid, displacement), self.relit(reference.grid)) {
@@ -142,7 +146,7 @@ impl Scratch {
     }
 }
 
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn patch<'a>(view: &'a [u8], grid: &Grid, displacement: Displacement) -> Option<Image<'a>> {
     let Grid { columns, rows, .. } = *grid;
     let [left, top] = in_view(displacement).map(i32::from);
@@ -150,7 +154,7 @@ fn patch<'a>(view: &'a [u8], grid: &Grid, displacement: Displacement) -> Option<
     view.crop(Rect::new(left, top, columns, rows))
 }
 
-/// The view of a place, sampled row by row.
+/// A view of a place that is sampled row by row.
 #[derive(Clone, Copy)]
 pub(super) struct View {
     lattice: Lattice,
@@ -171,7 +175,7 @@ impl View {
     }
 
     /// Samples a row; true after the last one.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(super) fn advance(
         &mut self,
         frame: &Frame<'_>,
@@ -216,7 +220,7 @@ impl Verification {
         Self { candidate, search: Search::new(), phase: Phase::View(view) }
     }
 
-    /// One unit of work; the result after the last one.
+    /// Does one unit of work. Returns the result after the last unit.
     pub(super) fn advance(
         &mut self,
         reference: &Reference<'_>,
@@ -260,7 +264,7 @@ impl Verification {
     }
 }
 
-/// The fourth lowest of the ratios of all parts.
+/// The fourth lowest ratio of the parts.
 fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
     let mut least = [u16::MAX; RANK];
     for (row, column) in (0..PARTS).flat_map(|row| (0..PARTS).map(move |column| (row, column))) {

@@ -21,12 +21,13 @@ pub struct Workspace {
 impl Workspace {
     /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
     #[must_use]
-    #[inline(always)] // built in place: as a call it would be built on the stack and copied
+    #[inline(always)]
     pub const fn new() -> Self {
         Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's response where the last finished update found the target, in units of 1/16384.
+    /// The filter's penalised response at the last update's peak, or at the peak of redetection if that found the
+    /// target. Unit: 1/16384. 0 after a lock, and during an update until its candidate is refined.
     pub(crate) const fn response(&self) -> i32 {
         self.pipeline.response()
     }
@@ -39,7 +40,7 @@ impl core::fmt::Debug for Workspace {
 }
 
 impl Default for Workspace {
-    #[inline(always)] // built in place
+    #[inline(always)]
     fn default() -> Self {
         Self::new()
     }

@@ -1,8 +1,9 @@
 //! An update or a lock under way belongs to its target, wherever target and workspace are.
 //!
-//! Targets and workspaces change places, are replaced, restored into each other and left in the middle of updates and locks. A model knows
-//! what is under way by the targets' saved bytes: `resume` succeeds if and only if the model says so, for every target in every workspace
-//! after every call; and every end is that of a twin that did all at once.
+//! Targets and workspaces change places, are replaced, restored into each other and left in the middle of updates and
+//! locks. A model knows from the targets' saved bytes which update or lock is under way. After every call, and for
+//! every target in every workspace, `resume` must succeed if and only if the model says so. Each result must equal that
+//! of a twin that ran without steps.
 
 use super::{SIZE, TARGET, picture, saved, whole};
 use crate::{Paper, Rect, Robust, Target};
@@ -12,11 +13,11 @@ use std::{vec, vec::Vec};
 
 const PLACES: [Rect; 3] = [TARGET, Rect::new(131, 90, 27, 2), Rect::new(20, 3, 12, 57)];
 
-/// A target whose learning during a lock can be looked at.
+/// A target whose learning during a lock can be read.
 pub(super) trait Learning: Target {
-    /// What a lock under way has learned so far.
+    /// The weights that a lock under way has learned so far.
     fn learned(&self) -> Vec<i32>;
-    /// Another configuration, of which nothing is valid for the first one.
+    /// Another configuration: a target saved with it cannot be restored with the first one.
     fn other(config: Self::Config) -> Self::Config;
 }
 
@@ -51,7 +52,7 @@ enum Call {
     NewWorkspace(Index),
     Begin(Index, Index, Index, u32),
     BeginLock(Index, Index, Index, Index, u32),
-    /// Steps, and finishes, whatever is under way in the workspace on a target that can go on with it.
+    /// `Step` continues the update or lock under way in the workspace, on a target that can; `Finish` finishes it.
     Step(Index, Index, u32),
     Finish(Index, Index),
     Update(Index, Index, Index),
@@ -110,7 +111,7 @@ impl<T: Learning> Slot<T> {
     }
 }
 
-/// What is under way in a workspace: of which targets, with which frame.
+/// The update or lock under way in a workspace: its targets and its frame.
 #[derive(Clone)]
 struct Job {
     other: bool,
@@ -139,7 +140,8 @@ impl<T: Learning> Scene<T> {
         Self { config, frames, targets, workspaces }
     }
 
-    /// A target and a workspace whose job it can go on with, from these numbers on; those of the numbers if there are none.
+    /// The first target, from these numbers on, that can continue the job of a workspace, and that workspace; those
+    /// with these numbers if there is none.
     fn pair(&self, target: Index, workspace: Index) -> (usize, usize) {
         let (targets, workspaces) = (self.targets.len(), self.workspaces.len());
         let (first, second) = (target.index(targets), workspace.index(workspaces));
@@ -153,7 +155,7 @@ impl<T: Learning> Scene<T> {
         self.workspaces[workspace].1.as_ref().is_some_and(|job| job.other == slot.other && job.state == slot.state())
     }
 
-    /// The model against what `resume` says, for every target in every workspace.
+    /// Compares the model with `resume`, for every target in every workspace.
     fn check(&mut self) {
         for target in 0..self.targets.len() {
             for workspace in 0..self.workspaces.len() {
@@ -169,7 +171,7 @@ impl<T: Learning> Scene<T> {
         }
     }
 
-    /// Goes on with what is under way, if it belongs to the target.
+    /// Continues the update or lock under way, if it belongs to the target.
     fn go_on(&mut self, target: usize, workspace: usize, work: Option<u32>) {
         if !self.belongs(target, workspace) {
             return;

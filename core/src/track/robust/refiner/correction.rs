@@ -1,12 +1,13 @@
-//! The correction of a box: the network's estimates, carried from frame to frame.
+//! The correction of a box: the leaky sum of the network's estimates, carried from frame to frame.
 //!
 //! ```text
 //! centre' = 15/16 (centre + estimate / 4)                     in units of the box's side
 //! factor' = 1 + 15/16 (factor (1 + estimate / 4) - 1)         of width and height
 //! ```
 //!
-//! The next crop is that of the corrected box, so errors of the network are corrected by the network. Without the leak of 1/16 they would
-//! add up. If the early template gives the exact place and size, the network does not run, and the correction fades by a quarter.
+//! The next crop is that of the corrected box, so the network corrects its own errors. Without the leak of 1/16 errors
+//! would add up. If the early template gives the exact place and size, the network does not run, and the correction
+//! fades by a quarter.
 
 use crate::image::FineRect;
 
@@ -15,7 +16,7 @@ const ONE: i32 = 1 << 16;
 /// The least and the most factor: 1/2 and 2.
 const LEAST: i32 = ONE / 2;
 const MOST: i32 = 2 * ONE;
-/// The farthest centre: half a box, in units of 1/4096 of its side.
+/// The largest shift of the centre: half a side of the box, in units of 1/4096.
 const FARTHEST: i32 = 1 << 11;
 /// The largest estimate that counts: 1.
 const MOST_ESTIMATE: i32 = 1 << 12;
@@ -23,14 +24,14 @@ const MOST_ESTIMATE: i32 = 1 << 12;
 /// The correction of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) struct Correction {
-    /// The centre to the right and down, in units of 1/4096 of the corrected side.
+    /// The shift of the centre to the right and down, in units of 1/4096 of the corrected side.
     pub(in super::super) centre: [i32; 2],
     /// The factors of width and height, in units of 1/65536.
     pub(in super::super) sides: [i32; 2],
 }
 
 impl Correction {
-    /// After a lock.
+    /// The correction after a lock.
     pub(in super::super) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
     /// Adds an estimate: right, down, logarithms of width and height, in units of 1/4096.
@@ -53,7 +54,7 @@ impl Correction {
     }
 
     /// The corrected box.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(in super::super) fn correct(&self, target: FineRect) -> FineRect {
         let [right, down] = self.centre;
         let [wider, higher] = self.sides;
@@ -62,7 +63,7 @@ impl Correction {
         FineRect { x, y, width, height }
     }
 
-    /// From saved numbers; `None` if one is out of range.
+    /// The correction with saved numbers; `None` if one is out of range.
     pub(in super::super) fn restore(centre: [i32; 2], sides: [i32; 2]) -> Option<Self> {
         let possible = centre.iter().all(|by| (-FARTHEST..=FARTHEST).contains(by))
             && sides.iter().all(|side| (LEAST..=MOST).contains(side));
@@ -70,8 +71,8 @@ impl Correction {
     }
 }
 
-/// One axis of a corrected box.
-#[inline(never)] // one copy in flash
+/// The first edge and the side of a corrected box on one axis.
+#[inline(never)]
 fn corrected(from: i32, side: u32, moved: i32, factor: i32) -> (i32, u32) {
     let new = (i64::from(side) * i64::from(factor) + (1 << 15)) >> 16;
     let middle = i64::from(from) + i64::from(side / 2) + ((i64::from(moved) * new) >> 12);

@@ -5,7 +5,8 @@
 //! x     = 64 + (pixel - mean) * 2^21 / (sqrt(sum of (pixel - mean)^2) + 128) / 2^12,  clamped to 0 to 127
 //! ```
 //!
-//! So x is 64 at the mean and changes by 16 for each standard deviation; the 128 keep the noise of a plain crop small.
+//! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
+//! plain crop small.
 
 use super::super::cost::{CROP, NORMALISED, VIEWED, units};
 use super::super::gradients::root;
@@ -16,7 +17,7 @@ use crate::track::update::UnderWay;
 
 /// Samples on a side.
 pub(super) const SIDE: usize = CROP as usize;
-/// The same, as a lattice counts.
+/// `SIDE` in the type of a lattice's columns and rows.
 const ROWS: u16 = 32;
 const _: () = assert!(ROWS as usize == SIDE);
 /// Samples of a crop.
@@ -31,27 +32,30 @@ pub(in super::super) struct Crop {
     row: u16,
 }
 
-/// The crop's steps for a box of these sides in units of 1/256 pixel: 1.75 / 32 of it, in units of 1/4096 pixel.
+/// The crop's steps, in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which are in units of 1/256 pixel.
 fn steps([width, height]: [u32; 2]) -> [i64; 2] {
     [width, height].map(|side| ((7 * i64::from(side)) >> 3).max(1))
 }
 
-/// The middle of a box, in units of 1/4096 pixel, as the middle of a pixel counts.
+/// The middle of a box, in units of 1/4096 pixel. The position of a pixel is that of its middle, so half a pixel is
+/// subtracted.
 fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
     [(x, width), (y, height)].map(|(from, side)| ((i64::from(from) + i64::from(side / 2)) << 4) - (1 << 11))
 }
 
 /// The crop of a box.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
     Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
 }
 
-/// All pixels that the crop of a box may read if the box moves by up to `by`, in units of 1/4096 pixel, in a frame with these `bounds`.
+/// All pixels of a frame with these `bounds` that the crop of a box may read, if the box moves by up to `by` units of
+/// 1/4096 pixel.
 ///
-/// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the mean of the steps.
-#[inline(never)] // one copy in flash
+/// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the
+/// mean of the steps.
+#[inline(never)]
 pub(in super::super) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
     let blocks = right + down + (2 << 12);
@@ -60,27 +64,27 @@ pub(in super::super) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Re
     Rect::new(left, top, width, height)
 }
 
-/// The first pixel, and the number of pixels, on an axis of a frame with `size` pixels.
-#[inline(never)] // one copy in flash
+/// The first pixel and the number of pixels of a range on an axis of a frame with `size` pixels.
+#[inline(never)]
 fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
     let last = i64::from(size.max(1)) - 1;
     let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
-    // Of a box beyond the edge the blocks at the edge are read.
+    // For a box beyond the edge, the blocks at the edge are read.
     let middle = middle.clamp(0, last << 12);
     let (from, to) = (at(middle - reach), at(middle + reach));
     (from, u16::try_from(to - from + 1).unwrap_or(u16::MAX))
 }
 
 impl Crop {
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut sampling::Scratch) -> Self {
         let lattice = crop_of(target);
         lattice.prepare(bounds, sampling);
         Self { lattice, row: 0 }
     }
 
-    /// Samples a row into `crop`; true after the last one, when the crop is normalised.
-    #[inline(never)] // one copy in flash
+    /// Samples a row into `crop`, and normalises the crop after the last row. True after the last row.
+    #[inline(never)]
     pub(in super::super) fn advance(
         &mut self,
         frame: &Frame<'_>,
@@ -107,8 +111,9 @@ impl Crop {
     }
 }
 
-/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26, a product at most 255 * 2^14.
-#[inline(never)] // one copy in flash
+/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26. A product is at most
+/// `255 * 2^14`.
+#[inline(never)]
 fn normalise(crop: &mut [i8; FIRST]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
     let mean = (rolled(crop.iter()).map(sample).sum::<i32>() + (1 << 9)) >> 10;

@@ -1,17 +1,18 @@
-//! The refiner: corrects the answered box by a small learned network. It needs the feature `refiner`.
+//! The refiner: a small learned network that corrects the box of the answer. It needs the feature `refiner`.
 //!
-//! The filter finds the target, but its box has one scale for width and height, and lags behind a target that comes nearer or turns. The
-//! network sees the target in the first frame and now, and estimates how the box is wrong ([`network`]). The estimates are carried from frame to
-//! frame ([`correction`]). It corrects only the answer: place and scale of the tracker, and what it learns, stay as they are.
-//! (Moving the place or changing the scale by the estimates gained nothing on the recordings.)
+//! The filter finds the target, but its box has one scale for width and height, and lags behind a target that comes
+//! nearer or turns. The network compares the target in the first frame and in the present one, and estimates the error
+//! of the box ([`network`]). The estimates are carried from frame to frame ([`correction`]). It corrects only the
+//! answer: place and scale of the tracker, and what it learns, stay as they are. (Moving the place or changing the
+//! scale by the estimates gained nothing on the recordings.)
 //!
 //! ```text
 //! after learning:  crop -> layers 1 to 4 -> two full layers -> correction
 //! at a lock:       crop, which is kept
 //! ```
 //!
-//! It runs in the frames that the tracker learns from, so an uncertain view changes no box, and only where the early template does not give
-//! the exact place and size. Cost: 1024 samples and 428,176 products.
+//! It runs only in frames that the tracker learns from, so that an uncertain view changes no box. It does not run if
+//! the early template gives the exact place and size. Cost: 1024 samples and 428,176 products.
 
 mod correction;
 mod crop;
@@ -29,7 +30,7 @@ use crate::kernels::Dense;
 use crate::track::update::UnderWay;
 use network::{Layers, Outputs};
 
-/// The refinement of a box.
+/// The stages of the refiner in one frame.
 #[derive(Clone, Copy)]
 pub(super) enum Refinement {
     /// Samples the present target.
@@ -39,7 +40,8 @@ pub(super) enum Refinement {
 }
 
 impl Refinement {
-    /// One unit of work; the network's estimate after the last one. `first` is the crop of the first frame, `cells` scratch memory.
+    /// Does one unit of work. Returns the network's estimate after the last unit. `first` is the crop of the first
+    /// frame, `cells` scratch memory.
     pub(super) fn advance(
         &mut self,
         dense: Dense,

@@ -9,20 +9,22 @@
 //! | full | 384 | 24 | | 8 | 9,216 |
 //! | full | 24 | 6 | | none | 144 |
 //!
-//! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. Inputs and outputs are 16 times
-//! what they stand for, weights 2^shift times (the last ones 2^8). The first layer has 64 beyond the edge, the others 0.
-//! The six outputs, in units of 1/4096: the centre to the right and down, in sides of the box; the logarithms of the factors of width and
-//! height; and two of their spread, which training uses.
+//! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. The unit of
+//! inputs and outputs is 1/16, that of weights 2^-shift (2^-8 in the last layer). Beyond the edge, the inputs of the
+//! first layer are 64, those of the others 0. The six outputs, in units of 1/4096: the shift of the centre to the right
+//! and down, in sides of the box; the logarithms of the factors of width and height; and two for the spread of the
+//! estimates, which only training uses.
 //!
-//! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its inputs row by row, with
-//! zeroes up to a multiple of 4. `weights.json` says how it was made.
+//! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
+//! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
 
 use super::super::cost::units;
 use super::crop::{FIRST, MEAN, SIDE};
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::UnderWay;
 
-/// The network's estimate of a box: centre to the right and down, logarithms of width and height, in units of 1/4096.
+/// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height.
+/// Unit: 1/4096.
 pub(super) type Outputs = [i32; 4];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -30,7 +32,7 @@ const BYTES: usize = 4 * ALL_BIASES + ALL_WEIGHTS;
 const ALL_BIASES: usize = 8 + 16 + 24 + 24 + 24 + 6;
 const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6 * 24;
 
-/// The bytes of the weights, for a reference.
+/// The bytes of the weights file, for a reference implementation.
 #[cfg(feature = "unstable")]
 pub(crate) const REFINER_WEIGHTS: &[u8] = FILE;
 
@@ -38,7 +40,7 @@ pub(crate) const REFINER_WEIGHTS: &[u8] = FILE;
 static BIASES: [[u8; 4]; ALL_BIASES] = parts().0;
 static WEIGHTS: [i8; ALL_WEIGHTS] = parts().1;
 
-/// The file in its parts, at compile time.
+/// Splits the file into biases and weights, at compile time.
 #[allow(clippy::indexing_slicing)] // at compile time
 const fn parts() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     let (mut biases, mut weights) = ([[0; 4]; ALL_BIASES], [0; ALL_WEIGHTS]);
@@ -59,7 +61,7 @@ const fn parts() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     (biases, weights)
 }
 
-/// Inputs of an output, and outputs, of all layers.
+/// Each layer, as (inputs of each output, outputs). Inputs are padded to a multiple of 4.
 const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
 
 /// A convolution. Its inputs have a border of one pixel.
@@ -100,7 +102,7 @@ fn layer(number: usize, shift: u32) -> Layer<'static> {
     Layer { inputs, weights: weights.unwrap_or_default(), biases: biases.unwrap_or_default(), shift }
 }
 
-/// The work of the network: its products, and its inputs each time they are copied.
+/// The work of the network in units: its products, and its inputs each time they are copied.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // at compile time
 pub(in super::super) const WORK: u32 = {
     let (mut sum, mut number) = (2 * FIRST, 0);
@@ -116,8 +118,8 @@ pub(in super::super) const WORK: u32 = {
     sum as u32
 };
 
-/// Scratch memory: the patches of a row, two layers of inputs, which take turns, and what the kernels need. The present crop lies where
-/// patches are made later.
+/// Bytes of scratch memory: the patches of a row, the inputs of two layers, which take turns, and spare bytes for the
+/// kernels. The present crop lies where the patches are gathered later.
 const PATCHES: usize = 1152;
 const INPUTS: usize = 2592;
 pub(in super::super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
@@ -147,8 +149,8 @@ pub(in super::super) struct Layers {
 }
 
 impl Layers {
-    /// Makes the inputs of the first layer: both crops, sample by sample, with their mean beyond the edge.
-    #[inline(never)] // one copy in flash
+    /// Makes the inputs of the first layer: both crops, sample by sample. Beyond the edge it writes their mean.
+    #[inline(never)]
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], work: &mut UnderWay) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
         if let Some([present, inputs, ..]) = regions(scratch) {
@@ -166,8 +168,8 @@ impl Layers {
         Self { number: 0, row: 0 }
     }
 
-    /// A row of a convolution, or both full layers; their outputs after the last unit.
-    #[inline(never)] // one copy in flash
+    /// Computes a row of a convolution, or both full layers. Returns the outputs after the last unit.
+    #[inline(never)]
     pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
@@ -190,14 +192,15 @@ impl Layers {
         None
     }
 
-    /// Where the outputs of this row begin, and how many there are. For another convolution they get a border.
+    /// The place of the first output of this row, and the number of outputs. If another convolution follows, the
+    /// outputs have a border.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)
     }
 }
 
-/// The patches, the two layers of inputs, and the rest.
+/// Splits the scratch memory into the patches, the two layers of inputs, and the spare bytes.
 fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     let (patches, inputs) = scratch.split_at_mut_checked(PATCHES)?;
     let (even, inputs) = inputs.split_at_mut_checked(INPUTS)?;
@@ -205,8 +208,8 @@ fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     Some([patches, even, odd, spare])
 }
 
-/// The inputs of each output of a row, one after the other. Returns their number.
-#[inline(never)] // one copy in flash
+/// Gathers the inputs of each output of a row, one after the other. Returns the number of inputs.
+#[inline(never)]
 fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &mut [i8]) -> usize {
     let patches = patches.chunks_mut(length.max(1)).take(of.side);
     for (x, patch) in patches.enumerate() {
@@ -225,8 +228,8 @@ fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
     rolled(pieces).for_each(|(from, to)| *to = *from);
 }
 
-/// The two full layers.
-#[inline(never)] // one copy in flash
+/// Computes the two full layers.
+#[inline(never)]
 fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
     let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
     let number = CONVOLUTIONS.len();
