@@ -53,8 +53,8 @@
 //!
 //! # Data flow
 //!
-//! A [`Frame`] is borrowed, or filled line by line by a [`Readout`](readout::Readout); [`search`] chooses the offsets; [`similarity`] scores them; the tracker decides on the [`Answer`]
-//! and updates the template.
+//! A [`Frame`] borrows its pixels; a [`Readout`](readout::Readout) fills one line by line. [`search`] chooses the offsets,
+//! [`similarity`] scores them, and the tracker decides on the [`Answer`] and updates the template.
 //!
 //! # Memory and time
 //!
@@ -78,6 +78,17 @@
 #![deny(missing_docs, missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss))]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+// The crate's rule on inlining. Flash and stack are the scarce memory of firmware, so the code decides, not the compiler:
+//
+// - `#[inline(never)]`: several callers share one copy of the function in flash. With `cfg_attr(smr_small, ...)` only where
+//   every byte of code counts: on bare metal and in WebAssembly (see build.rs). Elsewhere the compiler may inline it.
+// - `#[inline(always)]`: the function has one caller, or only forwards its arguments, or returns a large value that is then
+//   built in its place and not moved through the stack. In `kernels`: code with vector instructions must become part of a
+//   function with `#[target_feature]`.
+// - `#[inline]`: other crates may inline it, too.
+//
+// A comment beside the attribute gives any other reason.
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;

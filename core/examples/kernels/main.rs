@@ -1,5 +1,5 @@
-//! Compares every kernel of the chip's best backend with the plain loops, on pictures at the edge of the memory. Then counts the
-//! instructions of the kernels.
+//! Compares every kernel of the chip's best backend with the plain loops, on pictures at the edge of the memory. Then
+//! counts the instructions of the kernels.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels

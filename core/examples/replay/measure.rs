@@ -20,13 +20,14 @@ impl Timer {
         Self(timer)
     }
 
-    /// The result of `work`, and its ticks. The timer wraps after 2^24 ticks (600 million instructions); no work here takes that long.
+    /// Runs `work`; returns its result and its ticks. The timer wraps after 2^24 ticks (600 million instructions); no
+    /// work here takes that long.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = SYST::get_current();
         compiler_fence(Ordering::SeqCst);
         let result = work();
         compiler_fence(Ordering::SeqCst);
-        // It counts down.
+        // The timer counts down.
         (result, start.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF)
     }
 }

@@ -107,7 +107,7 @@ pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)
 }
 
-/// What is measured: a tracker of this configuration, under this name.
+/// The tracker to measure: its configuration, and the name of its figures.
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     let target = &*tracker.target()?;
     let (configs, mut options): (Configs, _) = match target {
@@ -118,7 +118,7 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// The table `measured` of `host-sim eval --robustness` for one recording, as columns.
+/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,
@@ -155,7 +155,7 @@ pub fn measure<'py>(
     Ok(columns)
 }
 
-/// What is wrong, without the option of host-sim that helps: Python does not have it.
+/// The text of an error without the hint at an option of host-sim, which Python does not have.
 fn said(error: &anyhow::Error) -> String {
     let said = words::of(error);
     said.split_once(" (--lenient").map_or(said.clone(), |(said, _)| said.to_owned())

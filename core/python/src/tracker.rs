@@ -18,7 +18,7 @@ use std::sync::{Mutex, MutexGuard};
 #[pyclass(frozen, subclass, module = "smr")]
 pub struct Tracker {
     target: Mutex<Target>,
-    /// That the options are changes of.
+    /// The name of the preset that the options change.
     pub preset: &'static str,
 }
 
@@ -38,7 +38,7 @@ pub struct Paper;
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
-/// A box as the core takes it: four numbers, which are rounded to whole pixels.
+/// Converts a box to that of the core. Its four numbers are rounded to whole pixels.
 fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
     bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
 }
@@ -59,7 +59,7 @@ impl Tracker {
         Self { target: Mutex::new(target), preset }
     }
 
-    /// Errors: another thread uses the tracker.
+    /// Errors: another thread is using the tracker.
     pub fn target(&self) -> PyResult<MutexGuard<'_, Target>> {
         let busy = "this tracker is in use by another thread: give each thread a tracker of its own";
         self.target.try_lock().map_err(|_| PyRuntimeError::new_err(busy))
@@ -151,7 +151,7 @@ impl Tracker {
         Ok(options)
     }
 
-    // Pickling and copying: the class is called with the options, and gets the saved target.
+    // Pickling and copying: Python calls the class with the options, then restores the saved target.
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
         Ok((PyTuple::empty(py), self.options(py)?))
     }

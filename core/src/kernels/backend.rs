@@ -1,4 +1,4 @@
-//! The instruction sets that kernels are written for, and which of them this machine has.
+//! The instruction sets that kernels are written for, and those that this machine has.
 
 #[cfg(target_arch = "x86_64")]
 use super::x86::{avx2::scores as avx2, sse2};
@@ -7,8 +7,8 @@ use super::x86::{avx2::scores as avx2, sse2};
 ///
 /// # Where pixels may be
 ///
-/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers can do that in Normal memory only.
-/// These accesses fault:
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers allow that in Normal
+/// memory only. These accesses fault:
 ///
 /// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory in the default memory map, until
 ///   firmware sets up the MPU to make it Normal;
@@ -50,21 +50,22 @@ impl Backend {
     const ALL: [Self; 8] =
         [Self::Avx2, Self::Sse2, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
 
-    /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
+    /// The backends that this machine can run, the fastest first. [`Backend::Scalar`] is always the last.
     ///
-    /// With the feature `std` the machine is asked at run time. Without it, only what the program is compiled for counts.
+    /// With the feature `std` the machine is asked at run time. Without it, only the instruction sets that the program
+    /// is compiled for are available.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|backend| backend.is_available())
     }
 
-    /// The fastest of them.
+    /// The fastest backend that this machine can run.
     #[must_use]
     #[cfg_attr(smr_small, inline)] // a constant
     pub fn best() -> Self {
         Self::available().next().unwrap_or(Self::Scalar)
     }
 
-    /// True if this machine can run it.
+    /// True if this machine can run the backend.
     #[must_use]
     pub fn is_available(self) -> bool {
         match self {

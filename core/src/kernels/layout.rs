@@ -8,7 +8,7 @@ pub(crate) const PACKED: usize = 960;
 pub(crate) struct Packed(pub(crate) [u16; PACKED]);
 
 impl Packed {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self([0; PACKED])
     }

@@ -9,7 +9,7 @@ use super::plain::levels as fast;
 #[cfg(feature = "verify")]
 use super::plain::levels as plain;
 /// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. It fits for at most 65537 pixels.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let sums = fast::deviation(pixels, level);
     #[cfg(feature = "verify")]

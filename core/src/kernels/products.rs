@@ -35,7 +35,7 @@ impl Products {
     }
 
     /// Products in part `part` of the responses.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() {
             (2 * part..2 * part + 2).map(|row| layout.work_on(row, weights)).sum()
@@ -121,7 +121,7 @@ impl Products {
 
     /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` and `spare` are scratch memory; from one part to the next
     /// they stay as they are. `spare` is best as long as the cells of the filter and seven more.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(

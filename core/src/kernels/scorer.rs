@@ -118,7 +118,7 @@ impl<'a> Scorer<'a> {
     /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is compared.
     /// `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline(always))] // with only the plain loop, just its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
@@ -130,7 +130,7 @@ impl<'a> Scorer<'a> {
 
     /// The same score if it is at least `floor`. `None` as soon as it is certain that it is less.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline(always))]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;

@@ -64,7 +64,7 @@ impl Pairs {
     }
 
     /// The parts `parts` of the responses. A part is two rows of cells. `both` is memory that stays as it is between parts.
-    #[inline(always)] // into its one caller
+    #[inline(always)]
     pub(crate) fn responses<const N: usize>(
         self,
         parts: Range<usize>,

@@ -25,7 +25,7 @@ impl<'a> ScaledSums<'a> {
     }
 
     /// The largest absolute value.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn largest(self) -> u32 {
         let Self { weights, factor, sums, left } = self;
         #[cfg(smr_helium)]
@@ -47,7 +47,7 @@ impl<'a> ScaledSums<'a> {
     }
 
     /// All numbers divided by `2^shift` and rounded. The caller chooses `shift` so that they fit in 16 bits.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
         #[cfg(any(not(smr_dsp), feature = "verify"))]
@@ -79,7 +79,7 @@ pub(crate) struct GradientStep {
 
 impl GradientStep {
     /// Takes the step. A weight that would overflow an `i32` stays.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;
         let stepped = |weight, slope| plain::stepped(weight, slope, length, back);
@@ -102,7 +102,7 @@ impl GradientStep {
 
 /// Multiplies up to 16 numbers (each at most 8191) by `part / 16384`, rounded. `part` is at most 16384. Returns the sum of the products
 /// of old and new numbers, which is below 2^31.
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     #[cfg(not(smr_helium))]
     return plain::scale_by(numbers, part);

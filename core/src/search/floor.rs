@@ -62,12 +62,12 @@ impl Equals {
 }
 
 impl<const SPAN: usize> Leaders<SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { best: None, beside: Beside::Nothing, needed: 0, maxima: Maxima::new() }
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         (self.best, self.needed) = (None, 0);
         self.beside = match wanted {

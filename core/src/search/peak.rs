@@ -16,7 +16,7 @@ pub struct Peak {
 
 impl Peak {
     /// Whether this offset is the peak rather than `other`: by the score, then by the tie rule.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub(super) fn beats(&self, other: &Self, window: &Window) -> bool {
         if self.score == other.score { self.order(window) < other.order(window) } else { self.score > other.score }

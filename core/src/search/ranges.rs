@@ -81,13 +81,13 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) const fn groups(&self) -> usize {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
     /// The first offset of a group that no group before it contains, counted from the first of the tile.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
@@ -102,7 +102,7 @@ impl Tile {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
         Self {
@@ -246,7 +246,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
     /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`, which is at least 1. Returns the number of pixels
     /// compared, at most.
-    #[inline(always)] // into its one caller
+    #[inline(always)]
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -354,7 +354,7 @@ impl Shape {
 }
 
 /// The first of `most` offsets from `from` on, and their number. If fewer than 4 of `all` are left, it starts earlier.
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn part(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
     (from.min(all.saturating_sub(size)), size)
@@ -378,7 +378,7 @@ const fn half(capacity: usize) -> usize {
 
 /// The ranges of the `width` blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` are those from (`x`, `y`) on, if they
 /// are known. Pixels outside the frame are 0.
-#[inline(always)] // into its one caller
+#[inline(always)]
 fn ranges_at(
     frame: &Frame<'_>,
     pixels: Option<Image<'_>>,
@@ -396,7 +396,7 @@ fn ranges_at(
 }
 
 /// The ranges of the first `width` blocks in the first four rows of `pixels`.
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn ranges_of(pixels: Image<'_>, width: usize, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let (pixels, stride) = pixels.parts();
     let mut rows = [&[][..]; SIDE];

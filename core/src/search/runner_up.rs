@@ -36,7 +36,7 @@ impl<const SPAN: usize> Row<SPAN> {
 }
 
 impl<const SPAN: usize> Maxima<SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { columns: Row { maxima: [0; SPAN], len: 0 }, rows: Row { maxima: [0; SPAN], len: 0 } }
     }
@@ -67,7 +67,7 @@ impl<const SPAN: usize> Maxima<SPAN> {
     }
 }
 
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     let index = usize::try_from(at.saturating_sub(first)).unwrap_or(usize::MAX);
     if let Some(maximum) = maxima.get_mut(index) {
@@ -79,7 +79,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
 ///
 /// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair that
 /// uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));
@@ -106,7 +106,7 @@ fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     [before, behind].map(|far| largest(far.unwrap_or_default())).into_iter().max().unwrap_or(0)
 }
 
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn largest(maxima: &[u32]) -> u32 {
     rolled(maxima.iter()).copied().max().unwrap_or(0)
 }

@@ -115,7 +115,7 @@ pub(super) const SAD_STEP: u16 = 4;
 pub(super) const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self {
             leaders: Leaders::new(),
@@ -158,7 +158,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     ///
     /// A step exceeds `work` by at most one offset, group or row of ranges, and 7 * `SPAN` words: a pass over the groups (3), one
     /// over the maxima to raise the floor (2), one for the runner-up (2).
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
         self.since_floor = self.since_floor.wrapping_add(self.work);
         (self.work, self.granted) = (0, work.max(1));
@@ -189,7 +189,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage == Stage::Done
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
     }
@@ -213,7 +213,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The next neighbour, row by row. After the last one the next step of the descent begins, or the descent ends.
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))]
     fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, distance: least, step } = self.descent;
         if step == 0 {
@@ -243,7 +243,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The SAD of every fourth row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))]
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
         self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(SAD_STEP)));
@@ -286,7 +286,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         };
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn compute_ranges(&mut self, scene: &Scene<'_>) {
         let Place { column, row, next, .. } = self.place;
         let pass = self.place.pass.into();
@@ -335,7 +335,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         rows
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn exclude(&mut self, scene: &Scene<'_>) {
         let needed = self.leaders.needed().max(1);
         let (pass, groups) = (self.place.pass.into(), self.tile.groups());
@@ -365,7 +365,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         group
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn refine(&mut self, scene: &Scene<'_>) {
         while let Some(group) = self.next_group(self.leaders.needed()) {
             let from = self.place.next;
@@ -458,7 +458,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))]
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
         if self.leaders.best().is_some_and(|best| (best.x, best.y) == (x, y)) {
             return; // noted already

@@ -19,7 +19,7 @@ impl Contrast {
     pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, cut_off: 0 };
 
     /// The contrast of at most 65537 pixels: 256 times their sum is less than 2^32.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn of(pixels: Image<'_>) -> Self {
         let from = |level| {
             let rows = (0..pixels.height()).map(|y| deviation(pixels.row(y), level));

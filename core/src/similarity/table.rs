@@ -120,7 +120,7 @@ impl Table {
 impl CutTable {
     /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
     #[must_use]
-    #[inline] // built in place
+    #[inline]
     pub fn new(table: &Table, threshold: u16) -> Self {
         let mut cut = Self::EMPTY;
         cut.set(table, threshold);
@@ -128,7 +128,7 @@ impl CutTable {
     }
 
     /// The same in place.
-    #[inline(always)] // only forwards
+    #[inline(always)]
     pub(crate) fn set(&mut self, table: &Table, threshold: u16) {
         self.cut(table.entries(), threshold);
     }

@@ -13,7 +13,7 @@ pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 /// The rounded level of each column. `from` is the byte in the row where its first number begins; `parts` are the parts of the
 /// first and of the second number, 256 in sum.
 #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
         let pair = row.get(usize::from(from / 2)..).and_then(|row| row.first_chunk()).copied().unwrap_or([0; 2]);

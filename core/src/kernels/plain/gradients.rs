@@ -82,7 +82,7 @@ impl Votes {
 
 /// The sums of a cell, of its pixels and their neighbours.
 #[cfg(any(not(smr_dsp), feature = "verify"))]
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     votes(lines, at).sums(gray(lines, at))
 }
@@ -127,7 +127,7 @@ fn low(number: u32) -> u16 {
 
 /// The features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray level less 128.
 #[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, feature = "verify")))]
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
         let [parts @ .., level] = out;

@@ -3,7 +3,7 @@
 use super::super::unrolling::rolled;
 
 /// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. It fits for at most 65537 pixels.
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let (mut deviation, mut clipped) = (0, 0);
     for part in pixels.chunks(PART) {
@@ -21,7 +21,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
 const PART: usize = 257;
 
 /// Replaces `old` by as many pixels of `new`. Gives the largest difference, at least `largest`.
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     // Two loops, so that the compiler vectorizes both.
     let largest = rolled(old.iter().zip(new)).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));

@@ -17,23 +17,23 @@ pub(crate) struct Plain<'a> {
 }
 
 impl Scores for Plain<'_> {
-    #[cfg_attr(smr_swar, inline(never))] // one copy for all callers
+    #[cfg_attr(smr_swar, inline(never))]
     #[cfg_attr(not(smr_swar), inline)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_at_least(patch, template, self.table, floor)
     }
 
-    #[inline] // into other crates, too
+    #[inline]
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_between_at_least(low, high, template, self.table, floor)
     }
 
-    #[inline] // into other crates, too
+    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         distance(patch, template, enough)
     }
 
-    #[inline] // into other crates, too
+    #[inline]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         spread(rows, low, high);
     }
@@ -96,7 +96,7 @@ fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
 /// The sum of absolute differences (SAD). Once it exceeds `enough`, the remaining rows may be left out: the result is then more than
 /// `enough` and at most the SAD.
 #[must_use]
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     let mut sum = 0;
     for y in 0..patch.height().min(template.height()) {
@@ -114,7 +114,7 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
 /// `low` is nowhere above `high`. The difference of a pixel is its distance to the range between the two: no patch in the range is closer.
 /// If `low` equals `high`, the bound is the score.
 #[must_use]
-#[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy for all callers
+#[cfg_attr(any(smr_dsp, smr_helium), inline(never))]
 pub(crate) fn score_between_at_least(
     low: Image<'_>,
     high: Image<'_>,
@@ -137,7 +137,7 @@ pub(crate) fn score_between_at_least(
 
 /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more pixels than
 /// `low` and `high`.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     for (column, (to_low, to_high)) in low.iter_mut().zip(high).enumerate() {
         let (mut low, mut high) = (u8::MAX, 0);
@@ -175,7 +175,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
 }
 
 #[cfg(any(smr_swar, test, feature = "verify"))]
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
     rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
 }

@@ -4,7 +4,7 @@ use super::super::unrolling::rolled_if_spare;
 
 #[cfg(any(not(smr_dsp), feature = "verify"))]
 /// The largest absolute value of [`number`]. A negative number is rounded down after its sign is taken away.
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let size = |(&weight, &sum): (&i32, &i32)| match number(weight, factor, sum << left) {
         number @ 0.. => number.unsigned_abs(),
@@ -15,7 +15,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
 
 #[cfg(any(not(smr_dsp), feature = "verify"))]
 /// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
     // Rounds by the last bit that is dropped: a sum plus half of the divisor could overflow.
     let (first, last) = (shift.saturating_sub(1), shift.min(1));

@@ -142,7 +142,7 @@ impl Rows for Differences<'_> {
 ///
 /// # Safety
 /// These numbers can be read and written.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 unsafe fn subtract(mut to: *mut u16, across: usize, mut first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
     let step = if second.is_some() { STEP } else { 0 };

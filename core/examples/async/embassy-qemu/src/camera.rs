@@ -1,4 +1,4 @@
-//! Instead of a camera: a drawn target, line by line as a sensor sends it.
+//! A drawn target in place of a camera, line by line as a sensor sends it.
 
 pub const WIDTH: u16 = 96;
 pub const HEIGHT: u16 = 72;
@@ -20,7 +20,7 @@ pub fn line(frame: u16, y: u16) -> [u8; WIDTH as usize] {
     pixels
 }
 
-/// A gray level for each tile, without a pattern.
+/// A gray level for each tile that looks random.
 fn hash(x: u16, y: u16) -> u8 {
     let [.., high] = (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761).to_le_bytes();
     high

@@ -10,15 +10,15 @@ use core::mem::MaybeUninit;
 
 /// Cells at a time.
 const LANES: usize = 8;
-/// For each pixel in a row of four cells: the index in [`Sectors`] of the votes of its cell for the first direction of sector 0, and the
-/// offset of its bytes in [`Pixels`].
+/// For each pixel in a row of four cells: the index in [`Sectors`] of the votes of its cell for the first direction of
+/// sector 0, and the offset of its bytes in [`Pixels`].
 static PLACES: [[u8; 16]; 2] = [
     [32, 32, 32, 32, 33, 33, 33, 33, 34, 34, 34, 34, 35, 35, 35, 35],
     [0, 24, 48, 72, 1, 25, 49, 73, 2, 26, 50, 74, 3, 27, 51, 75],
 ];
-/// Factors of gradients and other constants of the search for a sector, for the registers r3 to r12.
+/// Factors of gradients and other constants for the search of a sector: the registers r3 to r12.
 static NUMBERS: [i32; 10] = [-4, 31, -12, 1, -8, -10, 9, 6, 11, -3];
-/// Offsets of the features of eight cells.
+/// The offsets of the features of eight cells.
 static FEATURES: [u16; LANES] = [0, 10, 20, 30, 40, 50, 60, 70];
 
 /// The votes of eight cells: for the first direction of the sectors 4 to 0, then of the mirrored sectors; then the same for the second
@@ -33,8 +33,8 @@ struct Sectors(MaybeUninit<[[u16; LANES]; 20]>);
 #[allow(dead_code)] // the assembly reads it
 struct Pixels(MaybeUninit<[[[u8; LANES]; 3]; 4]>);
 
-/// Gradients of 16 pixels in a row. r0 points to the left neighbour of the first pixel, r4 to the one above, r5 to the one below. q1
-/// becomes the index of the votes.
+/// Computes the gradients of 16 pixels in a row. r0 points to the left neighbour of the first pixel, r4 to the one
+/// above, r5 to the one below. q1 becomes the index of the votes.
 macro_rules! pixels {
     ($from:literal, $place:literal, $places:literal) => {
         concat!(
@@ -54,7 +54,7 @@ macro_rules! pixels {
             "vabd.u8 q0, q0, q1\n",
             "vhsub.u8 q1, q3, q2\n",
             "vabd.u8 q2, q2, q3\n",
-            // Mirrored if the signs differ. If x or y is 0, both ways give the same votes.
+            // A gradient is mirrored if the signs differ. If x or y is 0, both ways give the same votes.
             "veor q4, q4, q1\n",
             $place,
             "\n",
@@ -73,8 +73,8 @@ macro_rules! pixels {
     };
 }
 
-/// Steps to the next direction in the lanes where F of the last one (q6) is not negative, and notes that one as the first direction of the
-/// sector. Computes t of the next direction in q5 and F in q6.
+/// Steps to the next direction in the lanes where F of the last one (q6) is not negative, and notes the last one there
+/// as the first direction of the sector. Computes t of the next direction in q5 and F in q6.
 macro_rules! next {
     ($first:literal, $second:literal; $third:literal, $fourth:literal) => {
         concat!(
@@ -118,8 +118,9 @@ macro_rules! sum {
     };
 }
 
-/// The sums of a row of cells and their energies, as in the plain loop. Rows and lines have room for a multiple of eight cells.
-#[inline(never)] // one copy in flash
+/// Computes the sums of a row of cells and their energies, as the plain loop does. Rows and lines have room for a
+/// multiple of eight cells.
+#[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],
@@ -141,8 +142,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The nine gradient sums, the sum of gray levels and the energy of each of the eight cells of block `block`. Does nothing if they are not
-/// on the lines or have no room in the rows.
+/// Computes the nine gradient sums, the sum of gray levels and the energy of each of the eight cells of block `block`.
+/// Does nothing if the cells are not on the lines or have no room in the rows.
 ///
 /// How far a gradient is beyond a direction, v = cos * |y| - sin * |x|, has 19 bits and a sign. The votes need only v / 64 and -v / 64,
 /// both rounded down. Let v = 64 f + t. Then

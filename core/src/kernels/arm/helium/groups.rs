@@ -1,4 +1,4 @@
-//! The bound of a group of offsets by Helium: counts the pixels of the template that cannot count at any offset of the group.
+//! Bounds a group of offsets by Helium: counts the pixels of the template that cannot count at any offset of the group.
 //!
 //! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are stored as that
 //! test needs them: the lower end, and the length.
