@@ -1,7 +1,7 @@
 //! The paper's tracker alone, to measure its flash. The program is linked, but never run.
 //!
-//! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all inputs from the
-//! compiler, so that the compiler drops no code that a camera would need.
+//! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all
+//! inputs from the compiler, so that the compiler drops no code that a camera would need.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

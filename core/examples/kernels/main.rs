@@ -5,8 +5,8 @@
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels
 //! ```
 //!
-//! The tests of the crate cannot do this, because they run on a host, which lacks these instructions. It runs in QEMU only, because it
-//! depends on the memory maps of the emulated boards.
+//! The tests of the crate cannot do this, because they run on a host, which lacks these instructions. It runs in QEMU
+//! only, because it depends on the memory maps of the emulated boards.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -240,7 +240,8 @@ impl Recording {
         other: Option<Rect>,
         buffer: &'b mut [u8],
     ) -> Result<Frame<'b>, Refusal> {
-        // A box smaller than the padding can be completely outside the frame. Its window is empty, but a part must have a pixel.
+        // A box smaller than the padding can be completely outside the frame. Its window is empty, but a part must have
+        // a pixel.
         let rect = if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
         let (first, rest) = buffer.split_at_mut_checked(pixels(rect)).ok_or(Refusal::WindowTooLarge)?;
         let (image, x, y) = self.part(index, rect, first)?;

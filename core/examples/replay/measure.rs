@@ -32,7 +32,8 @@ impl Timer {
     }
 }
 
-/// Executes this many instructions, to calibrate the timer. (The instructions of `cortex_m::asm::delay` depend on its version.)
+/// Executes this many instructions, to calibrate the timer. (The instructions of `cortex_m::asm::delay` depend on its
+/// version.)
 pub fn spin(instructions: u32) {
     // SAFETY: two instructions per round count down a register.
     unsafe {
@@ -40,7 +41,8 @@ pub fn spin(instructions: u32) {
     }
 }
 
-/// The bytes of stack used since the start, and the bytes of stack in all. cortex-m-rt has painted all of it at the start.
+/// The bytes of stack used since the start, and the bytes of stack in all. cortex-m-rt has painted all of it at the
+/// start.
 pub fn stack() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_end: u32;

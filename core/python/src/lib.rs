@@ -1,5 +1,5 @@
-//! The extension module `smr._smr`: the trackers of smr-core as Python classes. It holds conversions only. The package `smr` around it
-//! describes every call for users.
+//! The extension module `smr._smr`: the trackers of smr-core as Python classes. It holds conversions only. The package
+//! `smr` around it describes every call for users.
 //!
 //! - `frame`: takes a numpy array as a frame.
 //! - `options`: takes keyword arguments as a configuration.

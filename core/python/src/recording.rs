@@ -27,7 +27,8 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A recording as host-sim reads it: a folder of pictures, a video (if ffmpeg is installed), Y4M, or a built-in one such as "synthetic".
+/// A recording as host-sim reads it: a folder of pictures, a video (if ffmpeg is installed), Y4M, or a built-in one
+/// such as "synthetic".
 ///
 /// Iterating over it decodes its frames, gray (height, width) arrays, one at a time.
 #[pyclass(frozen, module = "smr")]

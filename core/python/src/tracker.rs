@@ -13,8 +13,8 @@ use std::sync::{Mutex, MutexGuard};
 
 /// Follows one target. `Paper` and `Robust` are its kinds.
 ///
-/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides will do. The lock of
-/// Python is free while a call works; do not write to the frame then.
+/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides
+/// will do. The lock of Python is free while a call works; do not write to the frame then.
 #[pyclass(frozen, subclass, module = "smr")]
 pub struct Tracker {
     target: Mutex<Target>,
@@ -24,17 +24,18 @@ pub struct Tracker {
 
 /// The tracker of the paper: fast, for a target that keeps its size.
 ///
-/// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and `window_limit` as (x, y) in
-/// pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`, `padding`, `growth`, `neighbourhood`, `least_ratio` (of
-/// 65535), `runner_up_always`.
+/// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and
+/// `window_limit` as (x, y) in pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`,
+/// `padding`, `growth`, `neighbourhood`, `least_ratio` (of 65535), `runner_up_always`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// `preset` is "refined" or "robust", which is without the refiner. In firmware: `Config::refined()` and `Config::robust()` in Rust,
-/// `smr_config_refined` and `smr_config_robust` in C. The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`, `uncertain_below`,
-/// `learning_rate`, `early_rate`.
+/// `preset` is "refined" or "robust", which is without the refiner. In firmware: `Config::refined()` and
+/// `Config::robust()` in Rust, `smr_config_refined` and `smr_config_robust` in C. The options are numbers of
+/// `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`,
+/// `uncertain_below`, `learning_rate`, `early_rate`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
@@ -83,7 +84,8 @@ impl Tracker {
         py.detach(|| target.lock(&pixels, place))
     }
 
-    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is lost.
+    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is
+    /// lost.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
         Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
@@ -99,7 +101,8 @@ impl Tracker {
         self.target()?.check(&Borrowed::new(frame)?.pixels())
     }
 
-    /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a target.
+    /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
+    /// target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {
         let quality = each!(&*self.target()?, of => of.quality());
@@ -116,7 +119,8 @@ impl Tracker {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. Pixels, and fractions of 1/256.
+    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. Pixels,
+    /// and fractions of 1/256.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
@@ -131,14 +135,16 @@ impl Tracker {
         Ok(())
     }
 
-    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with the same preset and options.
+    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with
+    /// the same preset and options.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.target()?.saved();
         let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the first one that differs.
+    /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the
+    /// first one that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
     }

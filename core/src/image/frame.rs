@@ -22,8 +22,8 @@ impl core::error::Error for FrameError {}
 
 /// One frame of the camera: its size, and the pixels in memory: all, one part, or two parts.
 ///
-/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses [`Frame::part`] and, for a
-/// second window, [`Frame::and_part`]. Coordinates are always those of the whole frame.
+/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses [`Frame::part`]
+/// and, for a second window, [`Frame::and_part`]. Coordinates are always those of the whole frame.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect};
@@ -76,7 +76,8 @@ impl<'a> Frame<'a> {
         Self { first: Part { image, x: 0, y: 0 }, second: None, width: image.width(), height: image.height() }
     }
 
-    /// A `width` x `height` frame of which only `image` is in memory. Its top left pixel is pixel (`x`, `y`) of the frame.
+    /// A `width` x `height` frame of which only `image` is in memory. Its top left pixel is pixel (`x`, `y`) of the
+    /// frame.
     ///
     /// # Errors
     /// [`FrameError::OutsideFrame`] if `image` reaches outside the frame.

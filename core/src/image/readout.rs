@@ -1,7 +1,7 @@
 //! Reads a camera's lines, as they come and in the camera's pixel format, into the gray windows that a tracker needs.
 //!
-//! A camera sends a line at a time, often in color. There is no need for a gray copy of the whole frame: [`Tracker::window`] says which
-//! pixels the next update reads, and [`Readout`] keeps only those.
+//! A camera sends a line at a time, often in color. There is no need for a gray copy of the whole frame:
+//! [`Tracker::window`] says which pixels the next update reads, and [`Readout`] keeps only those.
 //!
 //! ```
 //! use smr_core::readout::{Format, Readout};
@@ -32,7 +32,8 @@
 //! # }
 //! ```
 //!
-//! While a target is lost, the robust tracker reads a second window: [`Readout::and_window`] with [`Tracker::sweep_window`].
+//! While a target is lost, the robust tracker reads a second window: [`Readout::and_window`] with
+//! [`Tracker::sweep_window`].
 //!
 //! # Cost
 //!
@@ -59,16 +60,17 @@ pub enum Format {
     Yuyv,
     /// Two bytes a pixel: U Y V Y. Gray is Y.
     Uyvy,
-    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471 B + 32768) >> 16`,
-    /// with R, G and B widened to eight bits by repeating their high bits.
+    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471
+    /// B + 32768) >> 16`, with R, G and B widened to eight bits by repeating their high bits.
     Rgb565Be,
     /// The same with the low byte first.
     Rgb565Le,
-    /// One byte a pixel behind a mosaic of color filters, in any order of the filters. Each 2x2 pixels become one gray pixel, so the gray
-    /// frame has half the width and half the height: `((a + b) / 2 + (c + d + 1) / 2) / 2` of a and b in the upper line, c and d below.
+    /// One byte a pixel behind a mosaic of color filters, in any order of the filters. Each 2x2 pixels become one gray
+    /// pixel, so the gray frame has half the width and half the height: `((a + b) / 2 + (c + d + 1) / 2) / 2` of a and
+    /// b in the upper line, c and d below.
     Bayer8,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high eight bits of each, then the low two bits of all four, which are
-    /// left out.
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high eight bits of each, then the low two bits of
+    /// all four, which are left out.
     Gray10,
 }
 
@@ -310,8 +312,8 @@ fn area(window: Rect) -> usize {
 
 /// A frame that a camera is sending: the gray pixels of one or two windows, filled as lines come.
 ///
-/// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the windows may be left
-/// out. See the [module](self) for an example.
+/// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the
+/// windows may be left out. See the [module](self) for an example.
 ///
 /// Cost: only pixels in the windows are converted. A line that is in no window costs a few comparisons.
 #[derive(Debug)]
@@ -337,7 +339,8 @@ impl<'a> Readout<'a> {
         Ok(Self { lines: Lines::new(format, (columns, lines), window, pixels.len())?, first: pixels, second: &mut [] })
     }
 
-    /// A readout of `lines`, which were checked with the sizes of both buffers. Without a second window `second` is empty.
+    /// A readout of `lines`, which were checked with the sizes of both buffers. Without a second window `second` is
+    /// empty.
     #[doc(hidden)]
     #[must_use]
     pub const fn of(lines: Lines, first: &'a mut [u8], second: &'a mut [u8]) -> Self {
@@ -385,7 +388,8 @@ impl<'a> Readout<'a> {
     ///
     /// # Errors
     /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`], and
-    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped. The frame is then as it was before the call.
+    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped. The frame is then as it was
+    /// before the call.
     pub fn push_line(&mut self, y: u16, bytes: &[u8]) -> Result<(), ReadoutError> {
         if self.lines.check(y, bytes.len())? {
             let Lines { format, first, second, .. } = self.lines;

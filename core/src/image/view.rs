@@ -113,7 +113,7 @@ impl<'a> Image<'a> {
     }
 
     /// The slice and the stride. Row y starts at byte y * stride; all rows lie within the slice.
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that use addresses
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for addresses
     pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
         (self.pixels, self.stride)
     }

@@ -1,4 +1,5 @@
-//! Bilinear sampling: the columns of a resampled row, each interpolated from two neighbouring numbers, in units of 1/256.
+//! Bilinear sampling: the columns of a resampled row, each interpolated from two neighbouring numbers, in units of
+//! 1/256.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::bilinear as fast;

@@ -16,8 +16,8 @@ const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 /// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel that uses it
 /// needs no test for pixels that do not count.
 ///
-/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where [`Backend::Swar`](crate::similarity::Backend) is the
-/// best, and is rebuilt when the threshold changes.
+/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where
+/// [`Backend::Swar`](crate::similarity::Backend) is the best, and is rebuilt when the threshold changes.
 ///
 /// ```
 /// use smr_core::similarity::{CutTable, Table};
@@ -102,8 +102,9 @@ impl CutTable {
 
     /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
     ///
-    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no table. The
-    /// search goes through all d, so it holds for any table. For exp the largest d decides: the chord from p(0) to it is the flattest.
+    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no
+    /// table. The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from
+    /// p(0) to it is the flattest.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn chord(&self) -> u32 {

@@ -13,7 +13,7 @@ pub(crate) use super::plain::gradients::scale;
 #[cfg(smr_dsp)]
 pub(crate) use dsp::scale;
 
-/// The sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
+/// Computes the sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
 #[cfg(not(smr_helium))]
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(

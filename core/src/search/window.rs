@@ -100,8 +100,8 @@ impl Window {
         (most(radius.x, bounds.width, target.width), most(radius.y, bounds.height, target.height))
     }
 
-    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: if no
-    /// position reaches the frame on an axis, it is the row or column at the frame's edge.
+    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: if
+    /// no position reaches the frame on an axis, it is the row or column at the frame's edge.
     pub(crate) fn pixels(&self, width: u16, height: u16, bounds: Rect) -> Rect {
         let (x, width) = pixels(self.left, self.right, width, bounds.width);
         let (y, height) = pixels(self.top, self.bottom, height, bounds.height);

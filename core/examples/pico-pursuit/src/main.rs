@@ -18,7 +18,8 @@ use smr_core::paper::{Config, Fraction, Radius};
 use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
 use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 
-/// The second stage of the boot loader. (The attribute is `unsafe` because it can name any section; `memory.x` places this one.)
+/// The second stage of the boot loader. (The attribute is `unsafe` because it can name any section; `memory.x` places
+/// this one.)
 #[unsafe(link_section = ".boot2")]
 #[unsafe(no_mangle)]
 #[used]

@@ -1,7 +1,7 @@
 //! Scores by NEON, which every AArch64 with floating point has: 16 pixels at a time, for any threshold.
 //!
-//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So the lookup is also
-//!    the test d < threshold. Larger thresholds take up to four lookups.
+//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So
+//!    the lookup is also the test d < threshold. Larger thresholds take up to four lookups.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 

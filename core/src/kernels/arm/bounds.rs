@@ -2,9 +2,9 @@
 //! of them. The third one bounds the score of every patch between two pictures: a full score less the least loss of its
 //! pixels.
 //!
-//! A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel that does not count loses all.
-//! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets
-//! sum bytes fast, but look up a table pixel by pixel.
+//! A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel that does
+//! not count loses all. So the bound needs two sums of bytes: the number of pixels that do not count, and the
+//! differences of the others. These instruction sets sum bytes fast, but look up a table pixel by pixel.
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;

@@ -36,8 +36,9 @@ impl Points {
     /// is the larger of two bounds, the second one tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
-    /// - A pixel loses at least `chord` for each point that it lacks: see [`CutTable::chord`](crate::kernels::CutTable::chord). One that does not
-    ///   count lacks 255 and loses 65535, that is 257 for each.
+    /// - A pixel loses at least `chord` for each point that it lacks: see
+    ///   [`CutTable::chord`](crate::kernels::CutTable::chord). One that does not count lacks 255 and loses 65535, that
+    ///   is 257 for each.
     pub(super) fn needed(&self, floor: u32, pixels: u32, chord: u32) -> u32 {
         if self.rate == 0 {
             return 0;

@@ -8,7 +8,8 @@ pub const FRAMES: u16 = 30;
 /// The place of the target in frame 0.
 pub const START: smr_core::Rect = smr_core::Rect::new(20, 16, 16, 16);
 
-/// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden in twelve frames.
+/// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden in twelve
+/// frames.
 pub fn line(frame: u16, y: u16) -> [u8; WIDTH as usize] {
     let (left, top) = (20 + 2 * (frame % 24), 16 + frame % 24);
     let hidden = (10..22).contains(&frame);

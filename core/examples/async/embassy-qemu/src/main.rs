@@ -1,7 +1,8 @@
 //! The robust tracker beside a task with a deadline, on one executor of Embassy. Runs in QEMU.
 //!
-//! `track` follows a drawn target and yields after each step; `blink` toggles a counter at an exact period. The program measures the
-//! longest turn of `track` and the largest delay of `blink`, and compares the answers with those of whole updates.
+//! `track` follows a drawn target and yields after each step; `blink` toggles a counter at an exact period. The program
+//! measures the longest turn of `track` and the largest delay of `blink`, and compares the answers with those of whole
+//! updates.
 
 #![no_std]
 #![no_main]

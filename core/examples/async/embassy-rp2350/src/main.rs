@@ -1,4 +1,5 @@
-//! The robust tracker on a RP2350 with a camera of 320x240 pixels at the PIO, with Embassy. Built, but not yet run on a board.
+//! The robust tracker on a RP2350 with a camera of 320x240 pixels at the PIO, with Embassy. Built, but not yet run on a
+//! board.
 //!
 //! The frame is never in memory as a whole. There are two buffers of one line. The DMA fills one while the read-out
 //! converts the window's part of the other to gray. The update comes after the window's last line and has the processor
@@ -11,7 +12,8 @@
 //! | GP22 | button; its other side to GND |
 //! | GP25 | lock indicator: the Pico 2's own LED |
 //!
-//! Set your sensor's registers first (I2C, see its data sheet): 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between frames.
+//! Set your sensor's registers first (I2C, see its data sheet): 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between
+//! frames.
 
 #![no_std]
 #![no_main]
@@ -124,8 +126,8 @@ struct Camera {
 }
 
 impl Camera {
-    /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a line, the frame stays
-    /// incomplete.
+    /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a
+    /// line, the frame stays incomplete.
     async fn read(&mut self, readout: &mut Readout<'_>) {
         let [mut filling, mut full] = self.lines.each_mut();
         self.machine.set_enable(false);

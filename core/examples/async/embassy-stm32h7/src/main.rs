@@ -1,15 +1,17 @@
-//! The robust tracker on a STM32H743 with a camera of 320x240 pixels at the DCMI, with Embassy. Built, but not yet run on a board.
+//! The robust tracker on a STM32H743 with a camera of 320x240 pixels at the DCMI, with Embassy. Built, but not yet run
+//! on a board.
 //!
 //! Two buffers go round between two tasks, through a channel that hands out references and copies nothing:
 //!
 //! 1. `camera` gets an empty buffer. Until the frame is complete it belongs to the DMA, which fills it.
-//! 2. `track` gets the full buffer and converts the window that the tracker reads to gray. Then it gives the buffer back, before the
-//!    update. So the DMA fills one buffer while `track` reads the other one or updates.
+//! 2. `track` gets the full buffer and converts the window that the tracker reads to gray. Then it gives the buffer
+//!    back, before the update. So the DMA fills one buffer while `track` reads the other one or updates.
 //!
 //! The gray pixels, the target and the workspace always belong to `track`.
 //!
-//! Set your sensor's registers before the first capture (I2C, see its data sheet): 320x240, YUYV, and its clock from PA8. The data cache is
-//! off, as after a reset. If you turn it on, clean and invalidate a buffer's lines before the DMA fills it and before `track` reads it.
+//! Set your sensor's registers before the first capture (I2C, see its data sheet): 320x240, YUYV, and its clock from
+//! PA8. The data cache is off, as after a reset. If you turn it on, clean and invalidate a buffer's lines before the
+//! DMA fills it and before `track` reads it.
 
 #![no_std]
 #![no_main]

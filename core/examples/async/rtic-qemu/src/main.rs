@@ -116,7 +116,7 @@ mod app {
     /// Takes a line of the camera: here on a timer, on a board when the DMA has completed a line.
     #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y, picture])]
     fn line(mut context: line::Context) {
-        let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // the timer counts down, and requests the interrupt at 0
+        let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // counts down to the interrupt at 0
         LARGEST_DELAY_CYCLES.fetch_max(late, Ordering::Relaxed);
         if IS_UPDATING.load(Ordering::Relaxed) {
             LINES_WHILE_UPDATING.fetch_add(1, Ordering::Relaxed);

@@ -10,8 +10,8 @@
 //! | `usub8`, `sel` | 255 instead of d if the pixel does not count |
 //! | `usada8` | adds the distances to 255: the points |
 //!
-//! The score itself takes 17: two loads, three for the difference, four bytes taken out of it, four loads from the table and four
-//! additions.
+//! The score itself takes 17: two loads, three for the difference, four bytes taken out of it, four loads from the
+//! table and four additions.
 
 use super::super::points::{OFFSETS, Points};
 use super::scores::LANES;

@@ -122,8 +122,8 @@ impl Run {
     /// inputs of two patches, or those of one patch if `apart` is 0.
     #[inline(always)]
     unsafe fn all(&mut self, weights: *const i8, inputs: usize) {
-        // SAFETY: as the caller guarantees. Each round reads weights of two outputs and the inputs under them. r6 and r7, which
-        // `asm!` may not name, are saved on the stack, and so is the address of `self`.
+        // SAFETY: as the caller guarantees. Each round reads weights of two outputs and the inputs under them. r6 and
+        // r7, which `asm!` may not name, are saved on the stack, and so is the address of `self`.
         unsafe {
             asm!(
                 "push {{r6, r7, r10}}",

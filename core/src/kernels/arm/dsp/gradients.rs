@@ -56,8 +56,8 @@ macro_rules! feature {
     };
 }
 
-/// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of byte `byte` of r8 says
-/// whether the gradient is mirrored. r11 becomes the sector minus 4.
+/// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of
+/// byte `byte` of r8 says whether the gradient is mirrored. r11 becomes the sector minus 4.
 macro_rules! vote {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -113,7 +113,8 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW]
     if sums.len() < CHANNELS || out.is_empty() || out.len() > ROW {
         return;
     }
-    // SAFETY: ten sums and an inverse are read for each cell in `out`, and ten features written. No product of 16 and 32 bits overflows.
+    // SAFETY: ten sums and an inverse are read for each cell in `out`, and ten features written. No product of 16 and
+    // 32 bits overflows.
     unsafe {
         asm!(
             "2:",
@@ -173,8 +174,8 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
         return [[0; 5]; 2];
     }
     let mut memory = MaybeUninit::<Memory>::uninit();
-    // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields of `memory` are
-    // written except `unused`. r6 and r7, which `asm!` may not name, are saved on the stack.
+    // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields
+    // of `memory` are written except `unused`. r6 and r7, which `asm!` may not name, are saved on the stack.
     unsafe {
         asm!(
             "push {{r6, r7}}",

@@ -1,9 +1,10 @@
 //! Bounds a group of offsets by the DSP extension: counts the pixels of the template that cannot count at any offset of
 //! the group.
 //!
-//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are stored as that
-//! test needs them: the lower end, and the length. Four pixels take seven instructions: three `ldr`, `usub8` (the distance above the lower end,
-//! modulo 256), `usub8` (sets a flag where that is at most the length), `sel` and `usada8`, which adds one for each pixel outside.
+//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are
+//! stored as that test needs them: the lower end, and the length. Four pixels take seven instructions: three `ldr`,
+//! `usub8` (the distance above the lower end, modulo 256), `usub8` (sets a flag where that is at most the length),
+//! `sel` and `usada8`, which adds one for each pixel outside.
 
 use super::scores::LANES;
 use crate::kernels::rows::Rows;
@@ -43,8 +44,8 @@ macro_rules! add_word {
     };
 }
 
-/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its upper bound. Stops once
-/// the number exceeds `allowed`.
+/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its
+/// upper bound. Stops once the number exceeds `allowed`.
 ///
 /// # Safety
 /// The pictures have at least four columns. Patch and upper bound have the same stride.

@@ -1,5 +1,5 @@
-//! Sums over the gray levels of a row, and the replacement of a row, by the DSP extension: four pixels at a time. The plain loops are in
-//! `plain/levels.rs`.
+//! Sums over the gray levels of a row, and the replacement of a row, by the DSP extension: four pixels at a time. The
+//! plain loops are in `plain/levels.rs`.
 
 use super::scores::LANES;
 use crate::kernels::unrolling::rolled;

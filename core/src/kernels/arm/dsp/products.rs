@@ -1,10 +1,13 @@
 //! Sums of products by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! Both loops slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. The numbers under it pass from
-//! the register of one sum to that of the next, so each number is loaded once for all of them. A factor is a pair of 16-bit numbers:
+//! Both loops slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. The numbers
+//! under it pass from the register of one sum to that of the next, so each number is loaded once for all of them. A
+//! factor is a pair of 16-bit numbers:
 //!
-//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side, and paired as in `three_sums.rs`.
-//! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two rows of cells.
+//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side, and paired as in
+//!   `three_sums.rs`.
+//! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two
+//!   rows of cells.
 
 use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
@@ -109,7 +112,8 @@ impl Rows for Unpacked {
 /// 9.
 ///
 /// # Safety
-/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is not 0.
+/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is
+/// not 0.
 #[inline(never)]
 unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
@@ -169,7 +173,8 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
 /// Unpacks the same pairs of the weights from `first`, plus those from `second` unless both are the same row.
 ///
 /// # Safety
-/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is not 0.
+/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is
+/// not 0.
 #[inline(never)]
 unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
     // SAFETY: as the caller guarantees. Words need not be aligned.
@@ -382,8 +387,9 @@ macro_rules! slide {
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
-                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums and the stack is written:
-                // it saves r6 and r7, which `asm!` may not name, and what is needed after each row.
+                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums
+                // and the stack is written: it saves r6 and r7, which `asm!` may not name, and what is needed after
+                // each row.
                 unsafe {
                     asm!(
                         "push {{r0, r5, r8, r11}}",

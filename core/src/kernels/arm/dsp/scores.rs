@@ -4,10 +4,10 @@
 //! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and how much of a threshold remains.
 //! - `usub8` compares, and `sel` then selects the larger or the smaller of each two pixels.
 //!
-//! The intrinsics need an unstable compiler, so these are `asm!`: whole loops, because the compiler would spill registers between pieces.
-//! Rows begin at any address, and words are loaded from there. That works in Normal memory, unless firmware sets `UNALIGN_TRP`. In Device
-//! memory it faults; external RAM (0xA000_0000 and up) is Device memory until the MPU says otherwise. See
-//! [`Backend`](crate::similarity::Backend).
+//! The intrinsics need an unstable compiler, so these are `asm!`: whole loops, because the compiler would spill
+//! registers between pieces. Rows begin at any address, and words are loaded from there. That works in Normal memory,
+//! unless firmware sets `UNALIGN_TRP`. In Device memory it faults; external RAM (0xA000_0000 and up) is Device memory
+//! until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
 
 use super::super::bounds::{Limit, Lookup, blocks};
 use super::candidates;
@@ -476,7 +476,8 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
         entry: (words / LANES).wrapping_neg() % 4 * LOSS_WORD,
     };
     let lost: u32;
-    // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round` is written.
+    // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round`
+    // is written.
     unsafe {
         asm!(
             "adr.w r2, 4f",
@@ -563,8 +564,8 @@ struct Round {
 impl Limit {
     /// The loss for each unit of the first sum.
     ///
-    /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences of the others sum to
-    /// M - (M - M') t. So
+    /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences
+    /// of the others sum to M - (M - M') t. So
     ///
     /// ```text
     /// loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'

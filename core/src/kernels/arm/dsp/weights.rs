@@ -1,4 +1,5 @@
-//! Weights of a filter by the DSP extension: `smmla` adds the upper half of a product of 32 bits. The plain loops are in `plain/weights.rs`.
+//! Weights of a filter by the DSP extension: `smmla` adds the upper half of a product of 32 bits. The plain loops are
+//! in `plain/weights.rs`.
 
 use core::arch::asm;
 

@@ -1,4 +1,5 @@
-//! Sums over the gray levels of a row, and the replacement of a row, by Helium. The plain loops are in `plain/levels.rs`.
+//! Sums over the gray levels of a row, and the replacement of a row, by Helium. The plain loops are in
+//! `plain/levels.rs`.
 
 use core::arch::asm;
 

@@ -1,9 +1,10 @@
 //! Sums of products by Helium: eight products in one instruction.
 //!
-//! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the loaded weights. In a loop
-//!   from `dlstp` to `letp` the last round uses only one lane for each weight left: nothing else is read.
-//! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a filter of errors, at
-//!   the offset of each weight.
+//! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the
+//!   loaded weights. In a loop from `dlstp` to `letp` the last round uses only one lane for each weight left: nothing
+//!   else is read.
+//! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a
+//!   filter of errors, at the offset of each weight.
 
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
@@ -86,7 +87,8 @@ macro_rules! sums {
         $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
     ) => {
         /// # Safety
-        /// `down` rows of `width` weights, at least one each, can be read, and the cells under them at all these offsets.
+        /// `down` rows of `width` weights, at least one each, can be read, and the cells under them at all these
+        /// offsets.
         #[inline(never)]
         unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
             let ($first, $nine): (_, i32);
@@ -202,8 +204,8 @@ impl Rows {
             return;
         }
         let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
-        // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is written; it saves r6, which
-        // `asm!` may not name.
+        // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is
+        // written; it saves r6, which `asm!` may not name.
         unsafe {
             asm!(
                 "push {{r6}}",

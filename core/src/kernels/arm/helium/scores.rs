@@ -177,7 +177,8 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
         return;
     }
     let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-    // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has checked that they are there.
+    // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has
+    // checked that they are there.
     unsafe {
         asm!(
             "vdup.8 q3, {lanes}",
