@@ -1,6 +1,7 @@
-//! The best instruction set of a 32-bit processor: cfg `smr_helium`, `smr_dsp`, or `smr_swar` if it has none. 64-bit processors and the vectors
-//! of WebAssembly need no cfg of their own. Where every byte of code counts, in flash and in WebAssembly, cfg `smr_small` keeps one copy of
-//! functions that a compiler would inline.
+//! Chooses the fastest instruction set of a 32-bit processor and sets it as a cfg: `smr_helium`, `smr_dsp`, or
+//! `smr_swar` if it has neither. 64-bit processors and the vectors of WebAssembly need no cfg of their own. On bare
+//! metal and in WebAssembly, where every byte of code counts, cfg `smr_small` keeps functions in one copy that a
+//! compiler would inline.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -22,8 +23,8 @@ fn main() {
     }
 }
 
-/// The processor that the crate is compiled for. A stable compiler does not report features that it considers unstable, so the name of the
-/// processor or of the target decides, unless a flag names the feature.
+/// The processor that the crate is compiled for. A stable compiler does not report features that it considers unstable.
+/// So the name of the processor or of the target decides, unless a flag names the feature.
 struct Processor {
     target: String,
     flags: Vec<String>,
@@ -40,14 +41,14 @@ impl Processor {
         }
     }
 
-    /// The DSP extension of Armv7E-M and Armv8-M.
+    /// True if the processor has the DSP extension of Armv7E-M and Armv8-M.
     fn has_dsp(&self) -> bool {
         let known = self.target.starts_with("thumbv7em") || self.features.iter().any(|feature| feature == "dsp");
         let named = self.is_one_of(&["cortex-m33", "cortex-m35p", "cortex-m52", "cortex-m55", "cortex-m85"]);
         self.switched("dsp").unwrap_or(known || named)
     }
 
-    /// The integer vectors of Armv8.1-M (MVE).
+    /// True if the processor has the integer vectors of Armv8.1-M (MVE).
     fn has_helium(&self) -> bool {
         let named = self.is_one_of(&["cortex-m52", "cortex-m55", "cortex-m85"]);
         self.switched("mve").or(self.switched("mve.fp")).unwrap_or(named)
@@ -57,7 +58,7 @@ impl Processor {
         self.flags.iter().filter_map(|flag| flag.rsplit_once("target-cpu=")).any(|(_, name)| names.contains(&name))
     }
 
-    /// Whether the last `-C target-feature` with `feature` enables it; `None` if there is none.
+    /// True if the last `-C target-feature` that names `feature` enables it; `None` if there is none.
     fn switched(&self, feature: &str) -> Option<bool> {
         let lists = self.flags.iter().filter_map(|flag| flag.rsplit_once("target-feature="));
         let switches = lists.flat_map(|(_, list)| list.split(','));

@@ -1,15 +1,15 @@
-//! Cortex-M0+ is emulated by a larger processor of Arm, which would load words from any address.
+//! Makes unaligned loads fault as on Cortex-M0+, which QEMU emulates as a larger Arm processor that allows them.
 
 #![allow(unsafe_code)] // writes a register of the processor
 
 use cortex_m::peripheral::SCB;
 use smr_core::similarity::Backend;
 
-/// Lets unaligned words fault where the best backend must not load any.
+/// Makes unaligned words fault, unless the best backend may load them.
 pub fn require(processor: &SCB) {
     const UNALIGN_TRP: u32 = 1 << 3;
     if Backend::best() == Backend::Swar {
-        // SAFETY: an access that then faults would fault on Cortex-M0+, too.
+        // SAFETY: sets a bit of a register. An access that now faults would also fault on Cortex-M0+.
         unsafe { processor.ccr.modify(|control| control | UNALIGN_TRP) };
     }
 }

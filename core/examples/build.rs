@@ -1,4 +1,4 @@
-//! The linker scripts of the firmware.
+//! Gives the linker scripts of the firmware to the linker.
 //!
 //! They are not in `.cargo/config.toml`, because its flags apply to all firmware in this repository.
 
@@ -6,7 +6,8 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let is = |key: &str, value: &str| std::env::var(key).is_ok_and(|found| found == value);
     if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
-        // The script of cortex-m-rt includes memory.x, which the linker finds in its working folder, the workspace's.
+        // The script of cortex-m-rt includes memory.x. The linker finds it in its working folder, which is the folder
+        // of the workspace.
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
         println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
     }

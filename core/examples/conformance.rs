@@ -1,5 +1,5 @@
-//! Runs the conformance vectors of the paper's tracker on the chip, at once and in steps. Logs whether all answers are right, and how
-//! many instructions and bytes of stack they took.
+//! Runs the conformance vectors of the paper's tracker on the chip, at once and in steps. Logs whether all answers are
+//! right, and the instructions and bytes of stack that they took.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance

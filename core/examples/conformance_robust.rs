@@ -1,7 +1,9 @@
-//! Runs the conformance vectors of the robust tracker on the chip, at once and in steps. Logs whether all answers are right, and how
-//! many instructions and bytes of stack they took. With the feature `refiner` the vectors are those with the refiner.
+//! Runs the conformance vectors of the robust tracker on the chip, at once and in steps. Logs whether all answers are
+//! right, and the instructions and bytes of stack that they took. With the feature `refiner` the vectors are those with
+//! the refiner.
 //!
-//! With the feature `verify` every fast kernel is compared with the plain loop: first at extreme values, then in every call.
+//! With the feature `verify` every fast kernel is compared with the plain loop: first at extreme values, then in every
+//! call.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance_robust

@@ -1,7 +1,7 @@
-//! The paper's tracker and nothing else, to measure its flash. It is linked, but not run.
+//! The paper's tracker alone, to measure its flash. The program is linked, but never run.
 //!
-//! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all inputs from the
-//! compiler, so that the compiler drops no code that a camera would need.
+//! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all
+//! inputs from the compiler, so that the compiler drops no code that a camera would need.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -11,10 +11,10 @@ mod firmware {
     use smr_core::paper::Config;
     use smr_core::{Frame, Image, Paper, Rect, Tracker};
 
-    /// A template of 64x64 pixels, a window of +-16.
+    /// The tracker that is measured: a template of 64x64 pixels, a window of +-16.
     type Weighed = Tracker<Paper<4096, 33>>;
 
-    /// The smallest start-up: cortex-m-rt on Arm, none elsewhere.
+    /// The smallest start-up code: that of cortex-m-rt on Arm, none elsewhere.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
@@ -40,7 +40,7 @@ mod firmware {
         }
     }
 
-    /// The compiler needs it; the linker drops it, because no call reaches it.
+    /// The compiler requires a panic handler. No call reaches it, so the linker drops it.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {

@@ -1,4 +1,4 @@
-//! The robust tracker and nothing else, to measure its flash. It is linked, but not run.
+//! The robust tracker alone, to measure its flash. The program is linked, but never run.
 //!
 //! `.ci/targets` checks it as it checks the paper's tracker in `footprint.rs`.
 
@@ -12,7 +12,7 @@ mod firmware {
 
     const _: () = assert!(size_of::<Tracker<Robust>>() <= 64 * 1024);
 
-    /// The smallest start-up: cortex-m-rt on Arm, none elsewhere.
+    /// The smallest start-up code: that of cortex-m-rt on Arm, none elsewhere.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
@@ -44,7 +44,7 @@ mod firmware {
         }
     }
 
-    /// The compiler needs it; the linker drops it, because no call reaches it.
+    /// The compiler requires a panic handler. No call reaches it, so the linker drops it.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {

@@ -4,8 +4,8 @@
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal
 //! ```
 //!
-//! runs it in QEMU. For your own board, put your chip's addresses into `memory.x`, take the frames from your camera, and replace
-//! `defmt-semihosting` by the logger of your debug probe (`defmt-rtt`). The rest stays the same.
+//! runs it in QEMU. For your own board, put your chip's addresses into `memory.x`, take the frames from your camera,
+//! and replace `defmt-semihosting` by the logger of your debug probe (`defmt-rtt`). The rest stays the same.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -30,8 +30,8 @@ mod firmware {
     /// Instead of a camera: three frames in flash, drawn at compile time. The target moves by a few pixels in each.
     static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
 
-    /// Room for a template of 256 pixels and for 17 offsets on each axis, the window -8..=8 below. The type contains all the memory
-    /// of the tracker, so its size is known at compile time. It could also be a `static`.
+    /// Room for a template of 256 pixels and for 17 offsets on each axis, the window -8..=8 below. The type contains
+    /// all the memory of the tracker, so its size is known at compile time. It could also be a `static`.
     type Small = Tracker<Paper<256, 17>>;
 
     #[entry]
@@ -54,8 +54,8 @@ mod firmware {
         tracker.lock(&frame(first)?, START).map_err(|_| "cannot lock on the box")?;
 
         for (number, pixels) in (2u32..).zip(others) {
-            // The tracker reads only these pixels. If your camera can read out a part of the sensor, give it only these: see
-            // `Frame::part` and the example `replay`.
+            // The tracker reads only these pixels. If your camera can read out a part of the sensor, give it only
+            // these: see `Frame::part` and the example `replay`.
             let window = tracker.window().ok_or("not locked")?;
             info!("frame {=u32}: reads {=u16}x{=u16} pixels", number, window.width, window.height);
 
@@ -66,8 +66,8 @@ mod firmware {
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
                 // Partly outside the frame: the template is not updated.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
-                // The box is the last one that the tracker accepted. Keep updating: it may find the target again. (Only the robust
-                // tracker is ever uncertain.)
+                // The box is the last one that the tracker accepted. Keep updating: it may find the target again. (Only
+                // the robust tracker is ever uncertain.)
                 State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }
         }

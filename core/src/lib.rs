@@ -1,16 +1,17 @@
 //! Visual tracking of one target in 8-bit grayscale frames by the *Similarity Matching Ratio* (SMR).
 //!
-//! The **template** G is the last appearance of the target. It is compared with the frame F at every **offset** of a **search
-//! window** around the last position:
+//! The **template** G is the last appearance of the target. It is compared with the frame F at every **offset** of a
+//! **search window** around the last position:
 //!
 //! score = sum of exp(-|F - G| / 255) over the pixels with |F - G| < alpha
 //!
-//! The offset with the largest **score** is the **peak**. Its patch becomes the next template. alpha is the **threshold**: a
-//! pixel that differs more adds 0, however much it differs. So a hand in front of the target costs only the pixels it hides.
-//! The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching Ratio" (VISAPP 2013).
+//! The offset with the largest **score** is the **peak**. Its patch becomes the next template. alpha is the
+//! **threshold**: a pixel that differs more adds 0, however much it differs. So a hand in front of the target costs
+//! only the pixels it hides. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity
+//! Matching Ratio" (VISAPP 2013).
 //!
-//! The crate is `no_std`, allocates nothing, and uses integers only (except in `pursuit`). The same frames give the same
-//! answers, bit for bit, on every platform.
+//! The crate is `no_std`, allocates nothing, and uses integers only (except in `pursuit`). The same frames give the
+//! same answers, bit for bit, on every platform.
 //!
 //! ```
 //! use smr_core::paper::{Config, Radius};
@@ -46,31 +47,34 @@
 //!
 //! # Two trackers with the same calls
 //!
-//! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] goes beyond the paper: it follows changes
-//! of size, light and view, finds a lost target again anywhere in the frame, and takes more time and memory. A [`Tracker`] of
-//! either kind locks, updates (in steps, if there is a deadline), reports the window it needs, and is saved and restored.
-//! Generic code takes a [`Target`].
+//! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] goes beyond the paper: it
+//! follows changes of size, light and view, finds a lost target again anywhere in the frame, and takes more time and
+//! memory. A [`Tracker`] of either kind locks, updates (in steps, if there is a deadline), reports the window it needs,
+//! and is saved and restored. Generic code takes a [`Target`].
 //!
 //! # Data flow
 //!
-//! A [`Frame`] is borrowed, or filled line by line by a [`Readout`](readout::Readout); [`search`] chooses the offsets; [`similarity`] scores them; the tracker decides on the [`Answer`]
-//! and updates the template.
+//! A [`Frame`] borrows its pixels; a [`Readout`](readout::Readout) fills one line by line. [`search`] chooses the
+//! offsets, [`similarity`] scores them, and the tracker decides on the [`Answer`] and updates the template.
 //!
 //! # Memory and time
 //!
-//! A target holds what is remembered from frame to frame. A workspace is scratch memory for any number of targets. A [`Tracker`]
-//! holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 * SPAN` bytes.
+//! A target holds what is remembered from frame to frame. A workspace is scratch memory for any number of targets. A
+//! [`Tracker`] holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 * SPAN`
+//! bytes.
 //!
-//! [`Target::most_work`] computes the most work of an update. For [`Paper`], boxes of at least 8x8 pixels and windows of at
-//! least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, and twice that in a frame in
-//! which a tracked target begins to leave the frame. If the target is clearly visible, it is about a tenth of that.
+//! [`Target::most_work`] computes the most work of an update. For [`Paper`], boxes of at least 8x8 pixels and windows
+//! of at least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, and twice that
+//! in a frame in which a tracked target begins to leave the frame. If the target is clearly visible, it is about a
+//! tenth of that.
 //!
 //! # Features
 //!
 //! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
 //! - `verify`: compares every call of a faster backend with the plain loops, and panics if they differ. For tests.
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
-//! - `unstable`: the module `unstable` gives host-sim and the tests access to the inside of the trackers. It may change in any version.
+//! - `unstable`: the module `unstable` gives host-sim and the tests access to the inside of the trackers. It may change
+//!   in any version.
 //! - `refiner`: a small learned network corrects the box of [`Robust`]. 25 KB of flash.
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
@@ -78,6 +82,19 @@
 #![deny(missing_docs, missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss))]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+// The crate's rule on inlining. Flash and stack are the scarce memory of firmware, so the code decides, not the
+// compiler:
+//
+// - `#[inline(never)]`: several callers share one copy of the function in flash. With `cfg_attr(smr_small, ...)` only
+//   where every byte of code counts: on bare metal and in WebAssembly (see build.rs). Elsewhere the compiler may inline
+//   it.
+// - `#[inline(always)]`: the function has one caller, or only forwards its arguments, or returns a large value that is
+//   then built in its place and not moved through the stack. In `kernels`: code with vector instructions must become
+//   part of a function with `#[target_feature]`.
+// - `#[inline]`: other crates may inline it, too.
+//
+// A comment beside the attribute gives any other reason.
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;

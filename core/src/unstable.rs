@@ -1,5 +1,5 @@
-//! **Unstable**: gives `host-sim` and the tests access to the inside of the trackers. It is behind the feature `unstable` and may change in
-//! any version. Firmware does not need it.
+//! **Unstable**: gives `host-sim` and the tests access to the inside of the trackers. It is behind the feature
+//! `unstable` and may change in any version. Firmware does not need it.
 
 use crate::image::{FineRect, Frame, Image};
 use crate::kernels::ALL_FOUR;
@@ -13,7 +13,7 @@ use crate::track::{UpdateError, robust};
 pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
 pub use robust::config::Part;
 
-/// `config` without one part of the robust tracker.
+/// Returns `config` without one part of the robust tracker.
 ///
 /// ```
 /// use smr_core::robust::Config;
@@ -25,19 +25,20 @@ pub const fn without(config: Config, part: Part) -> Config {
     config.without(part)
 }
 
-/// Whether `config` has a part.
+/// True if `config` has a part.
 #[must_use]
 pub const fn has(config: &Config, part: Part) -> bool {
     config.has(part)
 }
 
-/// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first lock.
+/// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first
+/// lock.
 #[must_use]
 pub fn followed(target: &Robust) -> Option<FineRect> {
     target.followed()
 }
 
-/// The filter's weights, cell by cell and [`CHANNELS`](crate::robust::CHANNELS) in each, in units of 2^-16 of a response's 1/16384; none
+/// The filter's weights in units of 2^-16 / 16384, cell by cell and [`CHANNELS`](crate::robust::CHANNELS) in each; none
 /// before the first lock.
 #[must_use]
 pub fn weights(target: &Robust) -> &[i32] {
@@ -45,7 +46,8 @@ pub fn weights(target: &Robust) -> &[i32] {
 }
 
 /// The features of the search window as the next update will see them in this frame: cell by cell, row by row,
-/// [`CHANNELS`](crate::robust::CHANNELS) bytes in each. The window has the filter's cells and `Config::reach` more on each side.
+/// [`CHANNELS`](crate::robust::CHANNELS) bytes in each. The window has the filter's cells and `Config::reach` more on
+/// each side.
 ///
 /// # Errors
 /// Those of [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
@@ -53,8 +55,8 @@ pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame
     target.features(workspace, frame)
 }
 
-/// The filter's responses to these features, in units of 1/16384, row by row: up to `Config::reach` cells from the middle to each side,
-/// without the distance penalty. The rest is 0.
+/// The filter's responses to these features, in units of 1/16384, row by row: up to `Config::reach` cells from the
+/// middle to each side, without the distance penalty. The rest is 0.
 ///
 /// # Errors
 /// As [`features`].
@@ -66,14 +68,15 @@ pub fn response_map(
     target.response_map(workspace, frame)
 }
 
-/// The filter's response where the last finished update found the target, in units of 1/16384: about 1 if the target looks as before.
+/// The filter's response where the last finished update found the target, in units of 1/16384: about 1 if the target
+/// looks as before.
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
 }
 
-/// The lowest and the highest pixel of each 4x4 block, by the backend of `scorer`. The block at index `i` begins in column `i`; the rows
-/// have three more pixels than `low` and `high`.
+/// Computes the lowest and the highest pixel of each 4x4 block, by the backend of `scorer`. The block at index `i`
+/// begins in column `i`. The rows have three more pixels than `low` and `high`.
 ///
 /// ```
 /// use smr_core::similarity::{Backend, CutTable, Scorer, Table};
@@ -89,8 +92,8 @@ pub fn spread(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut
     scorer.spread(rows, low, high);
 }
 
-/// Which of four offsets may score at least `floor`, by the backend of `scorer`: bit i is clear only if the offset i columns to the right
-/// cannot. The patch has three more columns than the template.
+/// The offsets among four that may score at least `floor`, by the backend of `scorer`: bit i is clear only if the
+/// offset i columns to the right cannot. The patch has three more columns than the template.
 ///
 /// ```
 /// use smr_core::Image;
@@ -108,14 +111,14 @@ pub fn candidates(scorer: &Scorer<'_>, patch: Image<'_>, template: Image<'_>, fl
     scorer.candidates(patch, template, floor, ALL_FOUR)
 }
 
-/// The ranges of [`spread`] in the form that the backend of `scorer` needs for [`group_bound`]. `low` and `high` begin at multiples of four
-/// bytes, and their length is a multiple of four.
+/// Computes the ranges of [`spread`] in the form that the backend of `scorer` needs for [`group_bound`]. `low` and
+/// `high` begin at multiples of four bytes, and their length is a multiple of four.
 pub fn ranges(scorer: &Scorer<'_>, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     scorer.ranges(rows, low, high);
 }
 
-/// An upper bound of the score of each of 4x4 offsets; `None` if it is less than `floor`. `low` and `high` hold the rows of their [`ranges`],
-/// `stride` bytes apart.
+/// An upper bound of the scores of all of 4x4 offsets; `None` if it is less than `floor`. `low` and `high` hold the
+/// rows of their [`ranges`], `stride` bytes apart.
 #[must_use]
 pub fn group_bound(
     scorer: &Scorer<'_>,

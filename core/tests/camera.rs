@@ -1,4 +1,4 @@
-//! [`Config::camera`]: a slight change of light after a still scene must not move the box.
+//! Tests [`Config::camera`]: a slight change of light after a still scene must not move the box.
 
 use smr_core::paper::Config;
 use smr_core::{Frame, Image, Paper, Rect, State, Tracker};

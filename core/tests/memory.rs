@@ -1,8 +1,8 @@
-//! The table of memory in the README is that of this library.
+//! Tests that the table of memory in the README is that of this library.
 
 use smr_core::{Paper, Robust, paper, robust};
 
-/// The bytes of target and workspace in the row of the README that begins so.
+/// The bytes of target and workspace in the row of the README that begins with `beginning`.
 fn row(beginning: &str) -> (usize, usize) {
     let readme = include_str!("../README.md");
     let row = readme.lines().find(|line| line.starts_with(beginning)).unwrap_or_else(|| panic!("no row {beginning}"));

@@ -1,4 +1,4 @@
-//! Rules of the paper's tracker that recordings rarely exercise: the update zone, the gate, the unbounded window.
+//! Tests rules of the paper's tracker that recordings rarely exercise: the update zone, the gate, the unbounded window.
 
 use smr_core::paper::{Config, Margins};
 use smr_core::{Answer, Frame, Image, Paper, Rect, State, Tracker};
@@ -7,7 +7,7 @@ const WIDTH: u16 = 90;
 const HEIGHT: u16 = 70;
 const SIDE: u16 = 12;
 
-/// Has room for every window in this frame, with 20 pixels of padding on each side.
+/// A tracker with room for every window in this frame, with 20 pixels of padding on each side.
 type Follower = Tracker<Paper<144, { WIDTH as usize + 40 }>>;
 
 fn noise(x: i32, y: i32, seed: u32) -> u8 {
@@ -18,7 +18,8 @@ fn noise(x: i32, y: i32, seed: u32) -> u8 {
     bits.to_be_bytes()[0]
 }
 
-/// Noise unique for each `seed`, with the target at each of `places`. The top left pixel of the target depends on `seed`.
+/// Noise unique for each `seed`, with the target at each of `places`. The top left pixel of the target depends on
+/// `seed`.
 fn picture(seed: u32, places: &[(i32, i32)]) -> Vec<u8> {
     let side = i32::from(SIDE);
     let pixel = |x: i32, y: i32| {
@@ -53,7 +54,7 @@ fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
 
 #[test]
 fn the_template_is_updated_only_inside_the_zone() {
-    // Both sides of each limit: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1.
+    // Places on both sides of each limit: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1.
     let places = [(20, 20), (19, 20), (20, 19), (76, 56), (77, 56), (76, 57), (30, 30), (19, 56), (76, 19)];
     let mut tracker = locked(Config::paper(), (40, 30));
     for (seed, place) in (2..).zip(places) {

@@ -1,5 +1,5 @@
-//! Loss of power at any time during an update or a write. `restore` either continues with identical answers or refuses the bytes;
-//! a mixture of two saved targets is always refused.
+//! Tests a loss of power at any time during an update or a write. `restore` either continues with identical answers or
+//! refuses the bytes. A mixture of two saved targets is always refused.
 
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, Tracker, paper, robust};
 
@@ -127,7 +127,8 @@ impl<T: Target> Restart<T> {
         Self { untouched: saved(&tracker), tracker, refused: 0 }
     }
 
-    /// Checks that `restore` takes `bytes` if they are all of `old` or `new`, and otherwise refuses them and changes nothing.
+    /// Checks that `restore` takes `bytes` if they are all of `old` or `new`, and otherwise refuses them and changes
+    /// nothing.
     fn meets(&mut self, bytes: &[u8], (old, new): (&[u8], &[u8]), what: &str) {
         let whole = [old, new].into_iter().find(|saved| bytes.starts_with(saved));
         match (self.tracker.restore(bytes), whole) {
@@ -197,7 +198,8 @@ fn the_robust_target_and_an_older_copy_mixed() {
     mixed::<Robust>(robust_config(), 37);
 }
 
-/// Two copies in flash, the second of them erased and half written: the first one is found, or, if all bytes were written, the second.
+/// Two copies in flash, the second of them erased and half written: the first one is found, or, if all bytes were
+/// written, the second.
 fn one_copy_survives<T: Target>(config: T::Config) {
     use smr_core::copies;
     let mut tracker = locked::<T>(config);

@@ -1,4 +1,4 @@
-//! The comparisons: every kernel with the plain loop that specifies it.
+//! Compares every kernel with the plain loop that specifies it.
 
 use crate::memory::{Memory, ROOM};
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
@@ -72,7 +72,8 @@ impl Checks {
         (0..=200).try_for_each(|columns| self.spread(columns, memory))
     }
 
-    /// Compares which of four offsets may reach a score: all that reach it, and not all if none comes near it.
+    /// Compares the offsets that may reach a score: every offset that reaches it is among them, and not all four are if
+    /// none comes near it.
     fn candidates(&mut self, memory: &Memory, width: u16, height: u16, threshold: u16) -> Outcome {
         let wrong = |what| Difference { what, width: width.into(), height: height.into(), threshold };
         let shape = |width| Shape { width, height, strides: (0, 0) };
@@ -125,7 +126,7 @@ impl Checks {
         self.compare(bound(best + 1).is_none_or(|least| least > best)).ok_or(wrong("bound of a group above its floor"))
     }
 
-    /// Pictures at both ends of the memory and at its start, with and without gaps between the rows.
+    /// Compares pictures at both ends of the memory and at its start, with and without gaps between the rows.
     fn size(&mut self, width: u16, height: u16, memory: &Memory) -> Outcome {
         let threshold = 1 + (width * 7 + height * 13) % 255;
         for gap in 0..3 {
@@ -171,7 +172,8 @@ impl Checks {
         Ok(())
     }
 
-    /// Compares the upper bound for patches between two pictures: at least the plain loop's, and at most the score of equal pictures.
+    /// Compares the upper bound for patches between two pictures: it is at least the plain loop's, and at most the
+    /// score of equal pictures.
     fn between(&mut self, memory: &mut Memory, shape: Shape, threshold: u16) -> Outcome {
         let wrong = |what| Difference { what, width: shape.width.into(), height: shape.height.into(), threshold };
         let bytes = (usize::from(shape.height) - 1) * shape.strides.0 + usize::from(shape.width);
@@ -203,8 +205,8 @@ impl Checks {
         Ok(())
     }
 
-    /// Compares the minima and maxima of four rows. One of the rows and the output lie at the edge of the memory. Every row has another
-    /// alignment, and one of them may be shorter.
+    /// Compares the minima and maxima of four rows. One of the rows and the output lie at the edge of the memory. Every
+    /// row has another alignment, and one of them may be shorter.
     fn spread(&mut self, columns: usize, memory: &mut Memory) -> Outcome {
         let wrong = |what| Difference { what, width: columns, height: 4, threshold: 0 };
         let table = CutTable::new(&Table::PAPER, 13);
@@ -254,8 +256,8 @@ fn picture(memory: &[u8], stride: usize, shape: Shape, last: bool) -> Option<Ima
     Image::with_stride(memory.get(from..)?, shape.width, shape.height, stride).ok()
 }
 
-/// Fills the memory with pseudorandom bytes, the same in every run. The bytes of the second are close to those of the first and the third,
-/// so that differences lie on both sides of any threshold.
+/// Fills the memory with pseudorandom bytes, the same in every run. The bytes of the second area are close to those of
+/// the first and the third, so that differences lie on both sides of any threshold.
 fn noise(first: &mut [u8], second: &mut [u8], third: &mut [u8]) {
     let mut state = 1u32;
     let mut next = || {

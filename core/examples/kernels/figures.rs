@@ -65,7 +65,7 @@ fn read_out(counter: &mut Counter, memory: &mut Memory) -> Option<()> {
 }
 
 fn compared(counter: &mut Counter, memory: &mut Memory, backend: Backend, width: u16, height: u16) -> Option<()> {
-    // The pictures differ only in the last pixel, so the last row decides.
+    // The pictures differ only in the last pixel. So no loop can stop before the last row.
     let last = usize::from(height - 1) * 96 + usize::from(width) - 1;
     memory.end.fill(7);
     memory.other_end.fill(7);

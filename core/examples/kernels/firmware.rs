@@ -1,4 +1,4 @@
-//! The firmware: comparisons, cost, and at last a read beyond the memory, which must fault.
+//! Runs the comparisons, measures the cost, and at last reads beyond the memory, which must fault.
 
 use crate::alignment;
 use crate::checks::{Checks, Difference};
@@ -48,7 +48,7 @@ fn main() -> ! {
     exit(1)
 }
 
-/// The firmware succeeds here if it expects the fault.
+/// Ends the program. It is a success if the fault was expected.
 #[exception]
 #[allow(unsafe_code)] // cortex-m-rt requires an unsafe handler
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {

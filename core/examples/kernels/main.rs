@@ -1,12 +1,12 @@
-//! Compares every kernel of the chip's best backend with the plain loops, on pictures at the edge of the memory. Then counts the
-//! instructions of the kernels.
+//! Compares every kernel of the chip's best backend with the plain loops, on pictures at the edge of the memory. Then
+//! counts the instructions of the kernels.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels
 //! ```
 //!
-//! The tests of the crate cannot do this, because they run on a host, which lacks these instructions. It runs in QEMU only, because it
-//! depends on the memory maps of the emulated boards.
+//! The tests of the crate cannot do this, because they run on a host, which lacks these instructions. It runs in QEMU
+//! only, because it depends on the memory maps of the emulated boards.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

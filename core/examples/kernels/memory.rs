@@ -5,16 +5,16 @@
 use core::slice;
 use cortex_m::peripheral::MPU;
 
-/// Bytes at each edge, far away from the firmware itself.
+/// Bytes of each area. The areas are far away from the firmware itself.
 pub const ROOM: usize = 32 * 1024;
 
 /// Three areas of `ROOM` bytes.
 pub struct Memory {
-    /// No memory follows it.
+    /// An area with no memory after it.
     pub end: &'static mut [u8],
-    /// No memory follows it.
+    /// Another area with no memory after it.
     pub other_end: &'static mut [u8],
-    /// No memory precedes it.
+    /// An area with no memory before it.
     pub start: &'static mut [u8],
 }
 
@@ -26,7 +26,7 @@ struct Edges {
 }
 
 impl Memory {
-    /// Call it once. `None` if the board is unknown.
+    /// Takes the memory; to be called once. `None` if the board is unknown.
     pub fn take(mpu: &MPU) -> Option<Self> {
         let edges = match processor() {
             // M3: mps2-an385, M4: mps2-an386
@@ -39,8 +39,8 @@ impl Memory {
             // QEMU's MPS2, unlike its MPS3, reads zeroes where there is no memory.
             forbid(mpu, &[edges.end, edges.other_end, edges.start - FORBIDDEN]);
         }
-        // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The end of the code memory is in
-        // its range, but the firmware is much shorter.)
+        // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The code memory ends
+        // in this range, but the firmware is much shorter.)
         let room = |at: usize| unsafe { slice::from_raw_parts_mut(at as *mut u8, ROOM) };
         Some(Self { end: room(edges.end - ROOM), other_end: room(edges.other_end - ROOM), start: room(edges.start) })
     }
@@ -49,12 +49,12 @@ impl Memory {
 /// Bytes beyond an edge that the memory protection unit blocks.
 const FORBIDDEN: usize = 4096;
 
-/// Blocks the memory after each of the addresses with the memory protection unit of Armv7-M.
+/// Blocks the memory from each of the addresses on with the memory protection unit of Armv7-M.
 fn forbid(mpu: &MPU, addresses: &[usize]) {
     const ON_AND_ELSE_ALLOWED: u32 = 0b101;
-    /// No access to 2^(11 + 1) bytes.
+    /// No access to 2^(11 + 1) bytes, not even to read.
     const NOT_EVEN_READ: u32 = 11 << 1 | 1;
-    // RASR, the fifth register of the unit. For Armv8-M the crate has another name for it.
+    // RASR, the fifth register of the unit. The crate gives it another name when it is compiled for Armv8-M.
     let size_and_access = MPU::PTR.cast_mut().cast::<u32>().wrapping_add(4);
     for (region, &address) in (0..).zip(addresses) {
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here
@@ -72,9 +72,9 @@ fn forbid(mpu: &MPU, addresses: &[usize]) {
     cortex_m::asm::isb();
 }
 
-/// Reads the byte after `memory`.
+/// Reads the byte after `memory`, which must fault.
 pub fn read_beyond(memory: &[u8]) {
-    // SAFETY: there is no memory, so no object is read: the processor faults, as intended.
+    // SAFETY: there is no memory at this address, so no object is read: the processor faults, as intended.
     unsafe { memory.as_ptr_range().end.read_volatile() };
 }
 

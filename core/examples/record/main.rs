@@ -5,9 +5,9 @@
 //! cargo run --release -p host-sim -- replay record.smr
 //! ```
 //!
-//! The first command runs it in QEMU and writes `record.smr` to the working folder. The second runs that record again and compares every
-//! answer. The record of the paper's tracker is also in the log, which `host-sim replay` can read, too. On a board you would write to flash,
-//! an SD card, a serial line, or the log of the debug probe.
+//! The first command runs it in QEMU and writes `record.smr` to the working folder. The second runs that record again
+//! and compares every answer. The record of the paper's tracker is also in the log, which `host-sim replay` can read,
+//! too. On a board you would write to flash, an SD card, a serial line, or the log of the debug probe.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -112,7 +112,8 @@ mod firmware {
         Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
     }
 
-    /// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden for eight frames.
+    /// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden for
+    /// eight frames.
     fn draw(pixels: &mut [u8; PIXELS], number: u16) {
         let hash = |x: u16, y: u16| (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761) >> 24;
         let (left, top) = (20 + 2 * (number % 24), 16 + number % 24);

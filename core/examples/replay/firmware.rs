@@ -9,12 +9,12 @@ use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, paper, robust}
 const VERSION: u32 = 4;
 const HEADER: usize = 11 * 4;
 const CALIBRATION: u32 = 2_000_000;
-/// Numbers of a record.
+/// The numbers of a record.
 const RECORD: usize = 20;
-/// Stands for a missing number.
+/// The value of a number that is missing.
 const NONE: u32 = u32::MAX;
 
-/// The radius of the window of `smr`. The window does not grow, because the buffer could not hold its pixels.
+/// The radius of the window of `smr`. The window does not grow: the buffer could not hold its pixels.
 const RADIUS: u16 = 16;
 /// The largest box of `smr`: 64x64, or another shape with as many pixels if its window fits the buffer.
 const TEMPLATE_PIXELS: usize = 64 * 64;
@@ -22,7 +22,7 @@ const SMR_BUFFER: usize = (64 + 2 * RADIUS as usize) * (64 + 2 * RADIUS as usize
 /// Two windows of `robust`, for a target that has up to 48x48 pixels at the lock.
 const ROBUST_BUFFER: usize = 48 * 1024;
 
-/// The plain loops with the feature `plain`, else the fastest ones.
+/// The backend: the plain loops with the feature `plain`, else the fastest one.
 const BACKEND: Option<Backend> = if cfg!(feature = "plain") { Some(Backend::Scalar) } else { None };
 
 type Smr = Paper<TEMPLATE_PIXELS, { 2 * RADIUS as usize + 1 }>;
@@ -30,7 +30,7 @@ type Smr = Paper<TEMPLATE_PIXELS, { 2 * RADIUS as usize + 1 }>;
 /// A tracker that can be replayed. All its memory is on the stack, so the measured stack includes it.
 trait Replayed: Target {
     const METHOD: u32;
-    /// The most pixels of a box, and the radius of the window; 0 without such a bound.
+    /// The most pixels of a box, and the radius of the window; 0 if there is no such bound.
     const BOUNDS: (u32, u16);
     /// The buffer for pixels. It is also large enough for a saved target.
     type Buffer: AsMut<[u8]>;
@@ -240,7 +240,8 @@ impl Recording {
         other: Option<Rect>,
         buffer: &'b mut [u8],
     ) -> Result<Frame<'b>, Refusal> {
-        // A box smaller than the padding can be completely outside the frame. Its window is empty, but a part must have a pixel.
+        // A box smaller than the padding can be completely outside the frame. Its window is empty, but a part must have
+        // a pixel.
         let rect = if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
         let (first, rest) = buffer.split_at_mut_checked(pixels(rect)).ok_or(Refusal::WindowTooLarge)?;
         let (image, x, y) = self.part(index, rect, first)?;

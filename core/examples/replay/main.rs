@@ -1,18 +1,19 @@
-//! Follows the target of a recording on the debugger's host and writes an answer for each frame. `host-sim target` runs it in QEMU and
-//! compares the answers with its own.
+//! Follows the target of a recording on the debugger's host and writes an answer for each frame. `host-sim target` runs
+//! it in QEMU and compares the answers with its own.
 //!
-//! Only the windows that the tracker needs are in memory. The firmware has no log and no panic, so that its measurements are those of the
-//! tracker: either of the two, at once or in steps.
+//! Only the windows that the tracker needs are in memory. The firmware has no log and no panic, so that its
+//! measurements are those of the tracker: either of the two, at once or in steps.
 //!
 //! # Protocol, version 4
 //!
 //! Two files in the working folder of QEMU. All numbers are 32 bits, little-endian.
 //!
-//! The firmware reads `frames.smr`: `SMRF`, version, method (0 smr, 1 robust), work of a step (0: all at once), width, height, number of
-//! frames, then left, top, width and height of the box to lock on in the first frame. The frames follow: 8-bit gray, rows without
-//! gaps.
+//! The firmware reads `frames.smr`: `SMRF`, version, method (0 smr, 1 robust), work of a step (0: all at once), width,
+//! height, number of frames, then left, top, width and height of the box to lock on in the first frame. The frames
+//! follow: 8-bit gray, rows without gaps.
 //!
-//! The firmware writes `answers.smr`: records of 20 numbers. The first number is the kind of the record. Numbers not listed are 0.
+//! The firmware writes `answers.smr`: records of 20 numbers. The first number is the kind of the record. Numbers not
+//! listed are 0.
 //!
 //! | record     | numbers                                                                                           |
 //! |------------|---------------------------------------------------------------------------------------------------|

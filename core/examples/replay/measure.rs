@@ -20,18 +20,20 @@ impl Timer {
         Self(timer)
     }
 
-    /// The result of `work`, and its ticks. The timer wraps after 2^24 ticks (600 million instructions); no work here takes that long.
+    /// Runs `work`; returns its result and its ticks. The timer wraps after 2^24 ticks (600 million instructions); no
+    /// work here takes that long.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = SYST::get_current();
         compiler_fence(Ordering::SeqCst);
         let result = work();
         compiler_fence(Ordering::SeqCst);
-        // It counts down.
+        // The timer counts down.
         (result, start.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF)
     }
 }
 
-/// Executes this many instructions, to calibrate the timer. (The instructions of `cortex_m::asm::delay` depend on its version.)
+/// Executes this many instructions, to calibrate the timer. (The instructions of `cortex_m::asm::delay` depend on its
+/// version.)
 pub fn spin(instructions: u32) {
     // SAFETY: two instructions per round count down a register.
     unsafe {
@@ -39,7 +41,8 @@ pub fn spin(instructions: u32) {
     }
 }
 
-/// The bytes of stack used since the start, and the bytes of stack in all. cortex-m-rt has painted all of it at the start.
+/// The bytes of stack used since the start, and the bytes of stack in all. cortex-m-rt has painted all of it at the
+/// start.
 pub fn stack() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_end: u32;

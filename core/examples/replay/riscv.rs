@@ -22,7 +22,8 @@ impl Timer {
         Self(())
     }
 
-    /// The result of `work`, and its instructions. The lower half of the counter wraps after 2^32; no work here takes that many.
+    /// Runs `work`; returns its result and its instructions. The lower half of the counter wraps after 2^32; no work
+    /// here takes that many.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = instructions();
         compiler_fence(Ordering::SeqCst);
@@ -58,7 +59,7 @@ pub fn paint_stack() {
     }
 }
 
-/// The bytes of stack used since [`paint_stack`], with what was in use then, and the bytes of stack in all.
+/// The bytes of stack used since [`paint_stack`], including those that were in use then, and the bytes of stack in all.
 pub fn stack() -> (u32, u32) {
     let (lowest, end) = (addr_of!(__estack), addr_of!(_stack_start));
     let mut at = lowest;

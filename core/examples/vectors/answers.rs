@@ -10,12 +10,12 @@ const CALIBRATION: u32 = 2_000_000;
 /// The work of a step.
 const STEP: u32 = 100_000;
 
-/// Runs the vectors in `text` and logs what that took. Returns true if all answers are right.
+/// Runs the vectors in `text` and logs the cost. Returns true if all answers are right.
 pub fn answers<T: Vectors>(name: &str, text: &str, buffer: &mut [u8]) -> bool {
     let Some(peripherals) = Peripherals::take() else { return false };
     let timer = &mut Timer::new(peripherals.SYST);
     let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-    // A reference: moving the tracker out of the result would put a second copy on the stack.
+    // Works through a reference: moving the tracker out of the result would put a second copy on the stack.
     let mut made = Tracker::<T>::new(T::default_config());
     let Ok(tracker) = &mut made else { return false };
     let (mut most, mut sum, mut longest) = (0, 0_u32, 0);

@@ -1,4 +1,4 @@
-//! What Python gets back: boxes, answers and values of JSON.
+//! Converts results to Python: boxes, answers and values of JSON.
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -26,12 +26,12 @@ fn fine<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
     class(py, &BOX, "Box")?.call1((pixels(rect.x), pixels(rect.y), size(rect.width), size(rect.height)))
 }
 
-/// 65535 as 1.0.
+/// Converts a ratio in units of 1/65535 to a float.
 pub fn of_one(ratio: u16) -> f64 {
     f64::from(ratio) / f64::from(u16::MAX)
 }
 
-/// An `Answer`, with 1.0 as 1.0.
+/// An `Answer` of Python. Its ratios are floats, at most 1.0.
 pub fn answer<'py>(py: Python<'py>, answer: &Answer) -> PyResult<Bound<'py, PyAny>> {
     static ANSWER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     static STATES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();

@@ -1,5 +1,5 @@
-//! A numpy array as a frame. Rows of gray pixels are read where they are. Of every other layout the pixels that the tracker reads are
-//! converted to gray rows first.
+//! Takes a numpy array as a frame. Rows of gray pixels are read in place. In every other layout the pixels that the
+//! tracker reads are first converted to gray rows.
 
 use crate::target::refused;
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
@@ -7,26 +7,26 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use smr_core::{Frame, Image, Rect};
 
-/// Keeps the array while its pixels are read.
+/// Borrows the array while its pixels are read.
 pub struct Borrowed<'py>(PyReadonlyArrayDyn<'py, u8>);
 
-/// The pixels of an array: shape and strides are numpy's. Strides may be negative.
+/// The pixels of an array. Shape and strides are those of numpy; strides may be negative.
 #[derive(Clone, Copy)]
 pub struct Pixels<'a> {
-    /// From the pixel with the lowest address to the one with the highest.
+    /// All bytes from the pixel with the lowest address to the one with the highest.
     bytes: &'a [u8],
     /// The place of pixel (0, 0) in `bytes`.
     first: isize,
     row: isize,
     column: isize,
-    /// From blue to green, and from green to red; `None` of gray pixels.
+    /// The bytes from blue to green, and from green to red; `None` if the pixels are gray.
     color: Option<isize>,
     width: u16,
     height: u16,
 }
 
 impl<'py> Borrowed<'py> {
-    /// Errors: not an array of `uint8`, or not of a shape that frames have.
+    /// Errors: the array is not `uint8`, or its shape is not that of a frame.
     pub fn new(array: &Bound<'py, PyAny>) -> PyResult<Self> {
         const EXPECTED: &str = "expected a numpy array of uint8, gray (height, width) or BGR (height, width, 3)";
         let Ok(untyped) = array.cast::<PyUntypedArray>() else {
@@ -48,8 +48,8 @@ impl<'py> Borrowed<'py> {
         let ends = shape.iter().zip(strides).map(|(&count, &stride)| (count.cast_signed() - 1) * stride);
         let lowest: isize = ends.clone().map(|end| end.min(0)).sum();
         let highest: isize = ends.map(|end| end.max(0)).sum();
-        // SAFETY: The array has at least one element, and they lie from `lowest` to `highest` around the first one. The array is borrowed for
-        // as long as the slice lives.
+        // SAFETY: The array has at least one element, and they lie from `lowest` to `highest` around the first one. The
+        // array is borrowed for as long as the slice lives.
         #[allow(unsafe_code)]
         let bytes =
             unsafe { std::slice::from_raw_parts(self.0.data().offset(lowest), (highest - lowest).cast_unsigned() + 1) };
@@ -61,18 +61,19 @@ impl<'py> Borrowed<'py> {
 }
 
 impl<'a> Pixels<'a> {
-    /// Of the frame.
+    /// The rectangle of the frame, at (0, 0).
     pub fn bounds(&self) -> Rect {
         Rect::new(0, 0, self.width, self.height)
     }
 
-    /// The frame with a single pixel in memory, whose value does not matter: for checks.
+    /// The frame with only one pixel in memory, whose value does not matter. It serves to check the arguments of a
+    /// call.
     pub fn corner(&self) -> PyResult<Frame<'static>> {
         let pixel = Image::new(&[0], 1, 1).map_err(refused)?;
         Frame::part(pixel, 0, 0, self.width, self.height).map_err(refused)
     }
 
-    /// The frame for a call that reads `windows`. `gray` holds the pixels that are converted.
+    /// The frame for a call that reads `windows`. `gray` holds the pixels that had to be converted.
     pub fn frame<'b>(&self, windows: [Option<Rect>; 2], gray: &'b mut Vec<u8>) -> PyResult<Frame<'b>>
     where
         'a: 'b,
@@ -83,7 +84,7 @@ impl<'a> Pixels<'a> {
             let image = Image::with_stride(self.bytes, self.width, self.height, stride);
             return Ok(Frame::whole(image.map_err(refused)?));
         }
-        // A box or a frame that the core will refuse has no windows. It reads no pixel then.
+        // If the core will refuse the box or the frame, there are no windows. The core reads no pixel then.
         let inside = |window: &Rect| self.bounds().contains(*window) && !window.is_empty();
         let [first, second] = windows.map(|window| window.filter(inside));
         let first = first.unwrap_or(Rect::new(0, 0, 1, 1));
@@ -107,7 +108,7 @@ impl<'a> Pixels<'a> {
             let place = |x: i32| (self.first + y as isize * self.row + x as isize * self.column).cast_unsigned();
             match self.color {
                 None => gray.extend((window.x..window.right()).map(|x| self.bytes[place(x)])),
-                // Without gaps, as almost all pictures are.
+                // Pixels without gaps, as in almost all pictures.
                 Some(1) if self.column == 3 => {
                     let pixels = self.bytes[place(window.x)..place(window.right() - 1) + 3].as_chunks().0;
                     gray.extend(pixels.iter().map(|&bgr| luma(bgr)));
@@ -121,8 +122,8 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// Blue, green and red to gray, as `cv2.cvtColor` rounds.
+/// Converts blue, green and red to gray with the rounding of `cv2.cvtColor`.
 fn luma([blue, green, red]: [u8; 3]) -> u8 {
     let sum = 3735 * u32::from(blue) + 19235 * u32::from(green) + 9798 * u32::from(red) + (1 << 14);
-    u8::try_from(sum >> 15).unwrap_or(u8::MAX) // the weights are 1 << 15 together
+    u8::try_from(sum >> 15).unwrap_or(u8::MAX) // the weights add up to 1 << 15
 }

@@ -1,12 +1,12 @@
-//! The extension module `smr._smr`: the trackers of smr-core as Python classes. It holds conversions only. The package `smr` around it
-//! describes every call for users.
+//! The extension module `smr._smr`: the trackers of smr-core as Python classes. It holds conversions only. The package
+//! `smr` around it describes every call for users.
 //!
-//! - `frame`: a numpy array as a frame.
-//! - `options`: keyword arguments as a configuration.
+//! - `frame`: takes a numpy array as a frame.
+//! - `options`: takes keyword arguments as a configuration.
 //! - `target`: either tracker behind one type, and its scratch memory.
 //! - `tracker`: the classes `Tracker`, `Paper` and `Robust`.
 //! - `recording`: the class `Recording`, and the figures of host-sim.
-//! - `answer`: what Python gets back.
+//! - `answer`: converts results to Python.
 
 mod answer;
 mod frame;

@@ -1,4 +1,5 @@
-//! Keyword arguments as a configuration: the numbers of `smr_core::paper::Config` and `smr_core::robust::Config`, by their names.
+//! Converts keyword arguments to a configuration: the numbers of `smr_core::paper::Config` and
+//! `smr_core::robust::Config`, by their names.
 
 use crate::answer::to_python;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -24,7 +25,7 @@ pub trait Options: Copy {
     fn slot(&mut self, name: &str) -> Option<Slot<'_>>;
 }
 
-/// The names of a configuration, and what each is.
+/// Implements [`Options`] for a configuration: the name and the place of each number.
 macro_rules! options {
     ($config:ty, $of:ident: $($name:literal => $slot:expr,)*) => {
         impl Options for $config {
@@ -77,7 +78,7 @@ impl Slot<'_> {
         }
     }
 
-    /// Errors: what was expected.
+    /// Errors: a text that says what was expected.
     fn set(self, value: &Bound<'_, PyAny>) -> Result<(), &'static str> {
         match self {
             Self::Flag(flag) => *flag = value.extract().map_err(|_| "True or False")?,
@@ -95,8 +96,8 @@ impl Slot<'_> {
     }
 }
 
-/// `config` with the given numbers put in.
-/// Errors: a name that there is not, or a value of another type or range.
+/// `config` with the numbers in `given` put in.
+/// Errors: an unknown name, or a value of the wrong type or outside its range.
 pub fn with<C: Options>(mut config: C, given: Option<&Bound<'_, PyDict>>) -> PyResult<C> {
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
@@ -109,20 +110,20 @@ pub fn with<C: Options>(mut config: C, given: Option<&Bound<'_, PyDict>>) -> PyR
     Ok(config)
 }
 
-/// `built`, or why the core refuses the configuration, with the options that were given.
+/// `built`, or an error that says why the core refuses the configuration, with the options that were given.
 pub fn of_range<T>(built: Result<T, ConfigError>, given: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
     let given = || given.map_or_else(|| "{}".to_owned(), ToString::to_string);
     built.map_err(|error| PyValueError::new_err(format!("{error}: {}", given())))
 }
 
-/// All numbers by their names.
+/// All numbers of the configuration by their names.
 pub fn all<C: Options>(config: &C) -> Map<String, Value> {
     let mut config = *config;
     let of = |name: &&str| Some(((*name).to_owned(), config.slot(name)?.get()));
     C::NAMES.iter().filter_map(of).collect()
 }
 
-/// The same as keyword arguments.
+/// All numbers of the configuration as keyword arguments.
 pub fn keywords<'py, C: Options>(py: Python<'py>, config: &C) -> PyResult<Bound<'py, PyDict>> {
     Ok(to_python(py, &Value::Object(all(config)))?.cast_into()?)
 }

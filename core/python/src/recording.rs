@@ -27,7 +27,8 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A recording as host-sim reads it: a folder of pictures, a video (if ffmpeg is installed), Y4M, or a built-in one such as "synthetic".
+/// A recording as host-sim reads it: a folder of pictures, a video (if ffmpeg is installed), Y4M, or a built-in one
+/// such as "synthetic".
 ///
 /// Iterating over it decodes its frames, gray (height, width) arrays, one at a time.
 #[pyclass(frozen, module = "smr")]
@@ -107,7 +108,7 @@ pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)
 }
 
-/// What is measured: a tracker of this configuration, under this name.
+/// The tracker to measure: its configuration, and the name of its figures.
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     let target = &*tracker.target()?;
     let (configs, mut options): (Configs, _) = match target {
@@ -118,7 +119,7 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// The table `measured` of `host-sim eval --robustness` for one recording, as columns.
+/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,

@@ -10,7 +10,7 @@ use smr_evaluation::{MethodKind, Refused};
 use smr_recordings::words;
 use std::cell::RefCell;
 
-/// As large as host-sim follows it.
+/// The paper's tracker with the same room as in host-sim.
 type Paper = smr_evaluation::Paper;
 type PaperWorkspace = paper::Workspace<{ smr_evaluation::MOST_PIXELS }, { smr_evaluation::MOST_OFFSETS }>;
 
@@ -20,12 +20,12 @@ pub enum Target {
     Robust(Box<Robust>),
 }
 
-/// Scratch memory for any number of targets, one call at a time: each thread has its own.
+/// Scratch memory for any number of targets, used by one call at a time. Each thread has its own.
 #[derive(Default)]
 struct Scratch {
     paper: Option<Box<PaperWorkspace>>,
     robust: Option<Box<robust::Workspace>>,
-    /// Pixels of frames that are not gray.
+    /// The gray pixels of frames that had to be converted.
     gray: Vec<u8>,
 }
 
@@ -33,7 +33,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// What the core or host-sim refuses, in their words.
+/// A Python exception with the error text of the core or of host-sim.
 pub fn refused(error: impl Into<anyhow::Error>) -> PyErr {
     PyValueError::new_err(words::of(&error.into()))
 }
@@ -45,7 +45,7 @@ fn not_updated(error: UpdateError) -> PyErr {
     }
 }
 
-/// The same with either target.
+/// Evaluates `$result` with the target as `$of`, whichever tracker it has.
 macro_rules! each {
     ($target:expr, $of:ident => $result:expr) => {
         match $target {
@@ -85,7 +85,7 @@ impl Target {
         })
     }
 
-    /// Whether `update` can be called with this frame. Changes nothing and reads no pixel.
+    /// Checks whether `update` can be called with this frame. Changes nothing and reads no pixel.
     pub fn check(&mut self, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
         SCRATCH.with_borrow_mut(|Scratch { paper, robust, .. }| {
@@ -94,7 +94,7 @@ impl Target {
                 Self::Robust(of) => of.begin(robust.get_or_insert_default(), &frame).map(drop),
             };
             match begun {
-                // Asked last, so all else is as it should be.
+                // The core checks this last, so everything else is right.
                 Err(UpdateError::WindowNotInMemory) => Ok(()),
                 begun => begun.map_err(not_updated),
             }
@@ -113,7 +113,7 @@ impl Target {
         })
     }
 
-    /// `None` without a target.
+    /// The target as saved bytes; `None` if there is none.
     pub fn saved(&self) -> Option<Vec<u8>> {
         each!(self, of => {
             let mut bytes = vec![0; of.saved_size().ok()?];
@@ -122,7 +122,7 @@ impl Target {
         })
     }
 
-    /// Without a target.
+    /// Forgets the target.
     pub fn forget(&mut self) -> Result<(), ConfigError> {
         *self = match self {
             Self::Paper(of) => Self::paper(*of.config())?,

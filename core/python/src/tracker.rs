@@ -13,32 +13,33 @@ use std::sync::{Mutex, MutexGuard};
 
 /// Follows one target. `Paper` and `Robust` are its kinds.
 ///
-/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides will do. The lock of
-/// Python is free while a call works; do not write to the frame then.
+/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides
+/// will do. The lock of Python is free while a call works; do not write to the frame then.
 #[pyclass(frozen, subclass, module = "smr")]
 pub struct Tracker {
     target: Mutex<Target>,
-    /// That the options are changes of.
+    /// The name of the preset that the options change.
     pub preset: &'static str,
 }
 
 /// The tracker of the paper: fast, for a target that keeps its size.
 ///
-/// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and `window_limit` as (x, y) in
-/// pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`, `padding`, `growth`, `neighbourhood`, `least_ratio` (of
-/// 65535), `runner_up_always`.
+/// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and
+/// `window_limit` as (x, y) in pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`,
+/// `padding`, `growth`, `neighbourhood`, `least_ratio` (of 65535), `runner_up_always`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// `preset` is "refined" or "robust", which is without the refiner. In firmware: `Config::refined()` and `Config::robust()` in Rust,
-/// `smr_config_refined` and `smr_config_robust` in C. The options are numbers of `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`, `uncertain_below`,
-/// `learning_rate`, `early_rate`.
+/// `preset` is "refined" or "robust", which is without the refiner. In firmware: `Config::refined()` and
+/// `Config::robust()` in Rust, `smr_config_refined` and `smr_config_robust` in C. The options are numbers of
+/// `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`,
+/// `uncertain_below`, `learning_rate`, `early_rate`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
-/// A box as the core takes it: four numbers, which are rounded to whole pixels.
+/// Converts a box to that of the core. Its four numbers are rounded to whole pixels.
 fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
     bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
 }
@@ -59,7 +60,7 @@ impl Tracker {
         Self { target: Mutex::new(target), preset }
     }
 
-    /// Errors: another thread uses the tracker.
+    /// Errors: another thread is using the tracker.
     pub fn target(&self) -> PyResult<MutexGuard<'_, Target>> {
         let busy = "this tracker is in use by another thread: give each thread a tracker of its own";
         self.target.try_lock().map_err(|_| PyRuntimeError::new_err(busy))
@@ -83,7 +84,8 @@ impl Tracker {
         py.detach(|| target.lock(&pixels, place))
     }
 
-    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is lost.
+    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is
+    /// lost.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
         Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
@@ -99,7 +101,8 @@ impl Tracker {
         self.target()?.check(&Borrowed::new(frame)?.pixels())
     }
 
-    /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a target.
+    /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
+    /// target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {
         let quality = each!(&*self.target()?, of => of.quality());
@@ -116,7 +119,8 @@ impl Tracker {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. Pixels, and fractions of 1/256.
+    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. Pixels,
+    /// and fractions of 1/256.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
@@ -131,14 +135,16 @@ impl Tracker {
         Ok(())
     }
 
-    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with the same preset and options.
+    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with
+    /// the same preset and options.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.target()?.saved();
         let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the first one that differs.
+    /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the
+    /// first one that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
     }
@@ -151,7 +157,7 @@ impl Tracker {
         Ok(options)
     }
 
-    // Pickling and copying: the class is called with the options, and gets the saved target.
+    // Pickling and copying: Python calls the class with the options, then restores the saved target.
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
         Ok((PyTuple::empty(py), self.options(py)?))
     }

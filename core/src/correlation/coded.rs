@@ -1,4 +1,4 @@
-//! Coded numbers: 16 bits each, and one power of two for all (block floating point).
+//! Numbers coded in 16 bits each, with one power of two for all (block floating point).
 
 use super::Window;
 use crate::kernels::{Packed, Products, ScaledSums, rolled};
@@ -14,7 +14,7 @@ pub(crate) struct Coded<const N: usize> {
 }
 
 impl<const N: usize> Coded<N> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self { numbers: Vec::new(), shift: 0 }
     }
@@ -31,8 +31,8 @@ impl<const N: usize> Coded<N> {
         self.shift
     }
 
-    /// Takes `count` numbers, whose largest is `largest`, in units of 2^`unit`.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// Codes `count` numbers in units of 2^`unit`. `largest` is the largest absolute value among them.
+    #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn set(&mut self, numbers: ScaledSums<'_>, count: usize, largest: u32, unit: u32) {
         let shift = shift_below(largest, LARGEST);
         // Cannot fail: no caller has more than `N`.
@@ -41,7 +41,7 @@ impl<const N: usize> Coded<N> {
         self.shift = unit + shift;
     }
 
-    /// One part of the responses at all offsets, in units of 2^`shift`; true after the last part.
+    /// Computes one part of the responses at all offsets, in units of 2^`shift`. Returns true after the last part.
     pub(crate) fn respond<const S: usize>(
         &self,
         products: Products,
@@ -55,10 +55,11 @@ impl<const N: usize> Coded<N> {
         part + 1 >= products.parts(layout, self.numbers.len())
     }
 
-    /// Converts responses to weights in units of 2^-16 to 1/16384: times 2^(`shift` - 16), clamped to +-2^24.
+    /// Converts responses from units of 2^`shift` * 2^-16 / 16384 to 1/16384: times 2^(`shift` - 16), clamped to
+    /// +-2^24.
     ///
     /// They are clamped before a shift to the left, so that no bit is lost.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn scale<const S: usize>(&self, rows: &mut [[i32; S]]) {
         let (left, right) = (self.shift.saturating_sub(16), 16_u32.saturating_sub(self.shift));
         let most = (1 << 24) >> left;
@@ -67,7 +68,7 @@ impl<const N: usize> Coded<N> {
 }
 
 /// The least shift to the right that makes `largest` less than `bound`.
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 pub(crate) fn shift_below(largest: u32, bound: u32) -> u32 {
     let mut shift = 0;
     while largest >> shift >= bound {

@@ -10,19 +10,19 @@ pub(crate) struct Filter<const N: usize> {
 }
 
 impl<const N: usize> Filter<N> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self { weights: Vec::new() }
     }
 
-    /// `count` weights of 0.
+    /// Starts with `count` weights of 0.
     pub(crate) fn start(&mut self, count: usize) {
         self.weights.clear();
         // Cannot fail: no grid has more than `N` weights.
         let _ = self.weights.resize_default(count);
     }
 
-    /// `count` saved weights.
+    /// Takes `count` saved weights.
     pub(crate) fn restore(&mut self, count: usize, weights: impl Iterator<Item = i32>) {
         self.start(count);
         self.weights.iter_mut().zip(weights).for_each(|(weight, saved)| *weight = saved);
@@ -32,16 +32,16 @@ impl<const N: usize> Filter<N> {
         &self.weights
     }
 
-    /// Codes the weights.
-    #[inline(never)] // one copy in flash
+    /// Writes the weights to `coded`.
+    #[inline(never)]
     pub(crate) fn code(&self, coded: &mut Coded<N>) {
         let numbers = ScaledSums::of(&self.weights);
         coded.set(numbers, self.weights.len(), numbers.largest(), 0);
     }
 
-    /// w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is below 2^60. A weight that would
-    /// overflow an `i32` stays as it is.
-    #[inline(never)] // one copy in flash
+    /// Takes a step: w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is
+    /// below 2^60. A weight that would overflow an `i32` stays as it is.
+    #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<N>) {
         GradientStep { length, back: 44u32.saturating_sub(direction.shift()) }
             .apply(&mut self.weights, direction.numbers());

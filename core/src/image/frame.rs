@@ -1,9 +1,9 @@
-//! A frame of the camera, and the parts of it that are in memory.
+//! A frame of the camera, with all of its pixels or parts of them in memory.
 
 use super::{Image, Rect};
 use core::fmt;
 
-/// Why an image was refused as a part of a frame.
+/// The reason why an image was refused as a part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -22,8 +22,8 @@ impl core::error::Error for FrameError {}
 
 /// One frame of the camera: its size, and the pixels in memory: all, one part, or two parts.
 ///
-/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses [`Frame::part`] and, for a
-/// second window, [`Frame::and_part`]. Coordinates are always those of the whole frame.
+/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses [`Frame::part`]
+/// and, for a second window, [`Frame::and_part`]. Coordinates are always those of the whole frame.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect};
@@ -60,10 +60,10 @@ impl<'a> Part<'a> {
         if fits_x && fits_y { Ok(Self { image, x, y }) } else { Err(FrameError::OutsideFrame) }
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     fn patch(&self, rect: Rect) -> Option<Image<'a>> {
-        // What wraps is far beyond the right or lower edge.
+        // A coordinate that wraps is far beyond the right or lower edge, so `crop` refuses it.
         let (x, y) = (rect.x.wrapping_sub(self.x.into()), rect.y.wrapping_sub(self.y.into()));
         self.image.crop(Rect { x, y, ..rect })
     }
@@ -76,7 +76,8 @@ impl<'a> Frame<'a> {
         Self { first: Part { image, x: 0, y: 0 }, second: None, width: image.width(), height: image.height() }
     }
 
-    /// A `width` x `height` frame of which only `image` is in memory. Its top left pixel is pixel (`x`, `y`) of the frame.
+    /// A `width` x `height` frame of which only `image` is in memory. Its top left pixel is pixel (`x`, `y`) of the
+    /// frame.
     ///
     /// # Errors
     /// [`FrameError::OutsideFrame`] if `image` reaches outside the frame.
@@ -112,7 +113,7 @@ impl<'a> Frame<'a> {
 
     /// The pixels in `rect` (frame coordinates); `None` if no part in memory contains all of them.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         self.first.patch(rect).or_else(|| self.second.as_ref()?.patch(rect))

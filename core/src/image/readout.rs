@@ -1,7 +1,7 @@
 //! Reads a camera's lines, as they come and in the camera's pixel format, into the gray windows that a tracker needs.
 //!
-//! A camera sends a line at a time, often in color. There is no need for a gray copy of the whole frame: [`Tracker::window`] says which
-//! pixels the next update reads, and [`Readout`] keeps only those.
+//! A camera sends a line at a time, often in color. There is no need for a gray copy of the whole frame:
+//! [`Tracker::window`] says which pixels the next update reads, and [`Readout`] keeps only those.
 //!
 //! ```
 //! use smr_core::readout::{Format, Readout};
@@ -32,7 +32,8 @@
 //! # }
 //! ```
 //!
-//! While a target is lost, the robust tracker reads a second window: [`Readout::and_window`] with [`Tracker::sweep_window`].
+//! While a target is lost, the robust tracker reads a second window: [`Readout::and_window`] with
+//! [`Tracker::sweep_window`].
 //!
 //! # Cost
 //!
@@ -59,16 +60,17 @@ pub enum Format {
     Yuyv,
     /// Two bytes a pixel: U Y V Y. Gray is Y.
     Uyvy,
-    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471 B + 32768) >> 16`,
-    /// with R, G and B widened to eight bits by repeating their high bits.
+    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471
+    /// B + 32768) >> 16`, with R, G and B widened to eight bits by repeating their high bits.
     Rgb565Be,
     /// The same with the low byte first.
     Rgb565Le,
-    /// One byte a pixel behind a mosaic of color filters, in any order of the filters. Each 2x2 pixels become one gray pixel, so the gray
-    /// frame has half the width and half the height: `((a + b) / 2 + (c + d + 1) / 2) / 2` of a and b in the upper line, c and d below.
+    /// One byte a pixel behind a mosaic of color filters, in any order of the filters. Each 2x2 pixels become one gray
+    /// pixel, so the gray frame has half the width and half the height: `((a + b) / 2 + (c + d + 1) / 2) / 2` of a and
+    /// b in the upper line, c and d below.
     Bayer8,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high eight bits of each, then the low two bits of all four, which are
-    /// left out.
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high eight bits of each, then the low two bits of
+    /// all four, which are left out.
     Gray10,
 }
 
@@ -97,19 +99,20 @@ impl Format {
         }
     }
 
-    /// Lines of the sensor for each gray row.
+    /// Lines of the sensor that make one gray row.
     const fn lines_a_row(self) -> u16 {
         if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
-    /// The first and the end of the sensor's lines in a window. It is inside the frame, so both fit.
+    /// The first of the sensor's lines in a window, and the one after the last. The window is inside the frame, so both
+    /// fit.
     fn lines_of(self, window: Rect) -> (u16, u16) {
         let top = u16::try_from(window.y).unwrap_or(u16::MAX);
         let lines = self.lines_a_row();
         (top.saturating_mul(lines), top.saturating_add(window.height).saturating_mul(lines))
     }
 
-    /// Converts what a window needs of line `y`.
+    /// Converts the pixels of line `y` that are in a window.
     fn push(self, y: u16, bytes: &[u8], window: Rect, pixels: &mut [u8]) {
         let (start, end) = self.lines_of(window);
         if !(start..end).contains(&y) {
@@ -122,7 +125,8 @@ impl Format {
         self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
-    /// Converts gray pixels from column `x` on. `line` is long enough; `is_upper`: of two lines of a row the first.
+    /// Converts gray pixels from column `x` on. `line` is long enough. `is_upper`: it is the first of the lines that
+    /// make a gray row.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
@@ -146,7 +150,7 @@ impl Format {
                 }
             }
             Self::Gray10 => {
-                // The rest of the group of four that `x` is in, then whole groups.
+                // First the pixels left in the group of four that holds column `x`, then whole groups.
                 let (within, groups) = (x % 4, from(x / 4 * 5).as_chunks::<5>().0);
                 let lead = if within == 0 { 0 } else { gray.len().min(4 - within) };
                 let (start, rest) = gray.split_at_mut_checked(lead).unwrap_or_default();
@@ -169,7 +173,7 @@ fn luma(rgb: u16) -> u8 {
     sum.to_le_bytes()[2]
 }
 
-/// Why a line or a frame was refused.
+/// The reason why a line or a frame was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -178,13 +182,13 @@ pub enum ReadoutError {
     WindowOutsideFrame,
     /// The buffer has fewer bytes than the window has pixels.
     BufferTooSmall,
-    /// The line came before, or after a later one.
+    /// The line came before, or a later one did.
     LineOutOfOrder(u16),
     /// The line has fewer bytes than the format needs.
     LineTooShort(u16),
     /// The sensor has no such line.
     LineOutsideFrame(u16),
-    /// The line is in a window and did not come: later ones did, or the frame ended.
+    /// The line is in a window but did not come: a later line came, or the frame ended.
     LineMissing(u16),
 }
 
@@ -203,9 +207,10 @@ impl fmt::Display for ReadoutError {
 
 impl core::error::Error for ReadoutError {}
 
-/// Which lines are in the windows, and which have come: a readout without its pixels.
+/// The lines that are in the windows, and those that have come: a readout without its pixels.
 ///
-/// For the C interface, where lines come in interrupts of code that asks for the frame: only who writes pixels may hold them.
+/// The C interface uses it. There lines come in interrupts of the code that asks for the frame, and only the code that
+/// writes pixels may hold a reference to them.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct Lines {
@@ -214,25 +219,25 @@ pub struct Lines {
     lines: u16,
     first: Rect,
     second: Option<Rect>,
-    /// The lines before have come, or are in no window.
+    /// The next line. All lines before it have come, or are in no window.
     next: u16,
 }
 
 impl Lines {
-    /// As [`Readout::new`], for a buffer of `size` bytes.
+    /// The lines of [`Readout::new`], for a buffer of `size` bytes.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Readout::new`].
     pub fn new(format: Format, (columns, lines): (u16, u16), window: Rect, size: usize) -> Result<Self, ReadoutError> {
         let begun = Self { format, columns, lines, first: window, second: None, next: 0 };
         begun.check_window(window, size)?;
         Ok(begun)
     }
 
-    /// As [`Readout::and_window`].
+    /// Adds the window of [`Readout::and_window`], for a buffer of `size` bytes.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Readout::and_window`].
     pub fn and_window(self, window: Rect, size: usize) -> Result<Self, ReadoutError> {
         if self.next > 0 {
             return Err(ReadoutError::LineOutOfOrder(0));
@@ -241,7 +246,7 @@ impl Lines {
         Ok(Self { second: Some(window), ..self })
     }
 
-    /// As [`Readout::resume`].
+    /// Continues at `line`: see [`Readout::resume`].
     #[must_use]
     pub const fn resume(self, line: u16) -> Self {
         Self { next: line, ..self }
@@ -261,7 +266,7 @@ impl Lines {
         if size < area(window) { Err(ReadoutError::BufferTooSmall) } else { Ok(()) }
     }
 
-    /// Whether line `y`, of so many bytes, can come next. True if it is in a window.
+    /// Checks whether line `y`, which has `bytes` bytes, can come next. True if it is in a window.
     ///
     /// # Errors
     /// As [`Readout::push_line`].
@@ -281,7 +286,7 @@ impl Lines {
         }
     }
 
-    /// Whether all lines of the windows have come.
+    /// Checks whether all lines of the windows have come.
     ///
     /// # Errors
     /// As [`Readout::frame`].
@@ -305,10 +310,10 @@ fn area(window: Rect) -> usize {
     usize::from(window.width) * usize::from(window.height)
 }
 
-/// One frame of a camera under way: the gray pixels of one or two windows, filled as lines come.
+/// A frame that a camera is sending: the gray pixels of one or two windows, filled as lines come.
 ///
-/// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the windows may be left
-/// out. See the [module](self) for an example.
+/// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the
+/// windows may be left out. See the [module](self) for an example.
 ///
 /// Cost: only pixels in the windows are converted. A line that is in no window costs a few comparisons.
 #[derive(Debug)]
@@ -316,12 +321,12 @@ pub struct Readout<'a> {
     lines: Lines,
     /// The pixels of the first window.
     first: &'a mut [u8],
-    /// Those of the second one, if there is one.
+    /// The pixels of the second window; empty without one.
     second: &'a mut [u8],
 }
 
 impl<'a> Readout<'a> {
-    /// Begins a frame of a sensor with so many columns and lines. The window's pixels go to `pixels`, row after row.
+    /// Begins a frame of a sensor with this many columns and lines. The window's pixels go to `pixels`, row after row.
     ///
     /// # Errors
     /// [`ReadoutError::WindowOutsideFrame`], [`ReadoutError::BufferTooSmall`].
@@ -334,14 +339,16 @@ impl<'a> Readout<'a> {
         Ok(Self { lines: Lines::new(format, (columns, lines), window, pixels.len())?, first: pixels, second: &mut [] })
     }
 
-    /// A readout of `lines`, which were checked with the sizes of both buffers. Without a second window `second` is empty.
+    /// A readout of `lines`, which were checked with the sizes of both buffers. Without a second window `second` is
+    /// empty.
     #[doc(hidden)]
     #[must_use]
     pub const fn of(lines: Lines, first: &'a mut [u8], second: &'a mut [u8]) -> Self {
         Self { lines, first, second }
     }
 
-    /// The same with a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Before the first line.
+    /// Adds a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Call it before the first
+    /// line.
     ///
     /// # Errors
     /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.
@@ -349,8 +356,8 @@ impl<'a> Readout<'a> {
         Ok(Self { lines: self.lines.and_window(window, pixels.len())?, second: pixels, ..self })
     }
 
-    /// Continues a readout that was begun before with the same arguments: its next line is `line` or a later one. For programs that keep
-    /// the buffers in a `static`, and make the readout anew in each interrupt.
+    /// Continues a readout that was begun before with the same arguments: its next line is `line` or a later one. It is
+    /// for programs that keep the buffers in a `static` and make the readout anew in each interrupt.
     ///
     /// ```
     /// use smr_core::Rect;
@@ -381,7 +388,8 @@ impl<'a> Readout<'a> {
     ///
     /// # Errors
     /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`], and
-    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped. The frame is then as it was before the call.
+    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped. The frame is then as it was
+    /// before the call.
     pub fn push_line(&mut self, y: u16, bytes: &[u8]) -> Result<(), ReadoutError> {
         if self.lines.check(y, bytes.len())? {
             let Lines { format, first, second, .. } = self.lines;
@@ -392,7 +400,7 @@ impl<'a> Readout<'a> {
         Ok(())
     }
 
-    /// Takes all lines of a frame that is in memory. Each begins `stride` bytes after the one before.
+    /// Takes all lines of a frame that is in memory. Each line begins `stride` bytes after the one before.
     ///
     /// # Errors
     /// As [`Readout::push_line`]: a frame that ends early has lines that are too short.
@@ -404,7 +412,7 @@ impl<'a> Readout<'a> {
         Ok(())
     }
 
-    /// The frame with its windows, to lock on or to update with. Lines below the windows need not have come.
+    /// The frame with its windows, for a lock or an update. Lines below the windows need not have come.
     ///
     /// # Errors
     /// [`ReadoutError::LineMissing`] with the first line of a window that has not come.
@@ -420,7 +428,7 @@ impl<'a> Readout<'a> {
     }
 }
 
-/// A window's pixels and its place.
+/// The pixels of a window, and the place of its top left pixel.
 fn part(window: Rect, pixels: &[u8]) -> Result<(Image<'_>, u16, u16), ReadoutError> {
     let Rect { x, y, width, height } = window;
     let image = pixels.get(..area(window)).and_then(|pixels| Image::new(pixels, width, height).ok());
@@ -441,7 +449,7 @@ mod tests {
         ((0..stride * usize::from(lines)).map(byte).collect(), stride)
     }
 
-    /// The gray level at (x, y), by the words of the documentation.
+    /// The gray level at (x, y), computed as the documentation says.
     fn gray(format: Format, bytes: &[u8], stride: usize, x: usize, y: usize) -> u8 {
         let at = |x: usize, y: usize| u32::from(bytes[y * stride + x]);
         let luma = |rgb: u32| {

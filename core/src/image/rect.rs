@@ -64,7 +64,7 @@ impl Rect {
 
     /// The pixels in both rectangles; the empty rectangle at (0, 0) if there are none.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub fn intersection(self, other: Self) -> Self {
         let (x, y) = (self.x.max(other.x), self.y.max(other.y));
@@ -103,7 +103,7 @@ pub struct FineRect {
 impl FineRect {
     /// The rectangle with each edge rounded to whole pixels; at least 1x1.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub fn whole(self) -> Rect {
         let round = |edge: i64| (edge + 128) >> 8;

@@ -1,4 +1,4 @@
-//! Rectangles against sets of pixels; images at the limits of their sizes.
+//! Tests rectangles against sets of pixels, and images at the limits of their sizes.
 
 use super::{Frame, FrameError, Image, ImageError, Rect};
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 use super::Rect;
 use core::fmt;
 
-/// Why an [`Image`] was refused.
+/// The reason why an [`Image`] was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -70,7 +70,7 @@ impl<'a> Image<'a> {
             return Err(ImageError::SliceTooShort);
         };
         match last_row.checked_add(width as usize) {
-            // The stride of a single row is never used. Replaced, so that later arithmetic cannot overflow.
+            // The stride of a single row is never used. It is replaced, so that later arithmetic cannot overflow.
             Some(needed) if needed <= pixels.len() && height == 1 => {
                 Ok(Self { pixels, width, height, stride: width as usize })
             }
@@ -93,7 +93,7 @@ impl<'a> Image<'a> {
 
     /// The `width` pixels of row `y`; empty if `y` >= height.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub fn row(&self, y: u16) -> &'a [u8] {
         if y >= self.height {
@@ -113,14 +113,14 @@ impl<'a> Image<'a> {
     }
 
     /// The slice and the stride. Row y starts at byte y * stride; all rows lie within the slice.
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for backends that use addresses
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))] // for addresses
     pub(crate) const fn parts(&self) -> (&'a [u8], usize) {
         (self.pixels, self.stride)
     }
 
-    /// The part inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
+    /// The pixels inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub fn crop(&self, rect: Rect) -> Option<Self> {
         let (x, y) = (place(rect.x, rect.width, self.width)?, place(rect.y, rect.height, self.height)?);
@@ -128,7 +128,7 @@ impl<'a> Image<'a> {
         Some(Self { pixels: self.pixels.get(start..)?, width: rect.width, height: rect.height, stride: self.stride })
     }
 
-    /// Rows `first`, `first + step`, and so on; `None` if there are none.
+    /// Rows `first`, `first + step`, and so on; `None` if the image ends before `first`.
     #[cfg_attr(not(smr_small), inline)]
     pub(crate) fn every(&self, first: usize, step: usize) -> Option<Self> {
         let rows = usize::from(self.height).checked_sub(first)?.div_ceil(step.max(1));
@@ -141,20 +141,21 @@ impl<'a> Image<'a> {
         })
     }
 
-    /// The first `rows` rows; `None` if there are fewer, or if it is none.
+    /// The first `rows` rows; `None` if there are fewer, or if `rows` is 0.
     #[inline]
     pub(crate) fn first(&self, rows: usize) -> Option<Self> {
         let height = u16::try_from(rows).ok().filter(|rows| (1..=self.height).contains(rows))?;
         Some(Self { height, ..*self })
     }
 
-    /// `height` times the same row, the first `width` pixels; `None` if there are fewer. [`Image::rows`] does not work on it.
+    /// An image of `height` times the same row: the first `width` pixels of `row`. `None` if it has fewer.
+    /// [`Image::rows`] does not work on it.
     #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
         (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })
     }
 
-    /// An image of the same shape with other bytes; `None` if there are fewer of them.
+    /// An image of the same shape on other bytes; `None` if `pixels` has fewer of them.
     pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
         let Self { width, height, stride, .. } = *self;
         (pixels.len() >= self.pixels.len()).then_some(Image { pixels, width, height, stride })
@@ -165,7 +166,7 @@ impl<'a> Image<'a> {
     }
 }
 
-/// The start of `size` pixels from `at` on, if they are among `all` pixels and there is at least one.
+/// `at`, if `size` pixels from there on are among `all` pixels, and `size` is not 0.
 fn place(at: i32, size: u16, all: u16) -> Option<usize> {
     let last = all.checked_sub(size)?;
     usize::try_from(at).ok().filter(|&at| at <= last.into() && size > 0)

@@ -1,4 +1,4 @@
-//! The instruction sets that kernels are written for, and which of them this machine has.
+//! The instruction sets that kernels are written for, and those that this machine has.
 
 #[cfg(target_arch = "x86_64")]
 use super::x86::{avx2::scores as avx2, sse2};
@@ -7,14 +7,15 @@ use super::x86::{avx2::scores as avx2, sse2};
 ///
 /// # Where pixels may be
 ///
-/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers can do that in Normal memory only.
-/// These accesses fault:
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers allow that in Normal
+/// memory only. These accesses fault:
 ///
-/// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory in the default memory map, until
-///   firmware sets up the MPU to make it Normal;
+/// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory in the default
+///   memory map, until firmware sets up the MPU to make it Normal;
 /// - in all memory while `UNALIGN_TRP` is set.
 ///
-/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker. [`Backend::Swar`] can read all memory.
+/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker.
+/// [`Backend::Swar`] can read all memory.
 ///
 /// ```
 /// use smr_core::similarity::Backend;
@@ -27,8 +28,8 @@ use super::x86::{avx2::scores as avx2, sse2};
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
-    /// Any x86-64: distances, ranges and bounds 16 pixels at a time. The plain loop computes scores, and only if a bound says that
-    /// the score can reach the floor.
+    /// Any x86-64: distances, ranges and bounds 16 pixels at a time. The plain loop computes scores, and only if a
+    /// bound says that the score can reach the floor.
     Sse2,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
@@ -40,9 +41,10 @@ pub enum Backend {
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
-    /// Any processor, except those with DSP or Helium: words of four pixels in ordinary 32-bit registers, for ranges and bounds, and unrolled
-    /// loops over bytes. The best one for 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC). A [`CutTable`](super::CutTable), of
-    /// which each workspace has one, takes 510 bytes more there. Words are loaded from multiples of four only.
+    /// Any processor, except those with DSP or Helium: words of four pixels in ordinary 32-bit registers, for ranges
+    /// and bounds, and unrolled loops over bytes. The best one for 32-bit processors without DSP or SIMD (Cortex-M0+,
+    /// RV32IMAC). A [`CutTable`](super::CutTable), of which each workspace has one, takes 510 bytes more there. Words
+    /// are loaded from multiples of four only.
     Swar,
 }
 
@@ -50,21 +52,22 @@ impl Backend {
     const ALL: [Self; 8] =
         [Self::Avx2, Self::Sse2, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
 
-    /// The backends that this machine can run, the fastest first; [`Backend::Scalar`] is always the last.
+    /// The backends that this machine can run, the fastest first. [`Backend::Scalar`] is always the last.
     ///
-    /// With the feature `std` the machine is asked at run time. Without it, only what the program is compiled for counts.
+    /// With the feature `std` the machine is asked at run time. Without it, only the instruction sets that the program
+    /// is compiled for are available.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|backend| backend.is_available())
     }
 
-    /// The fastest of them.
+    /// The fastest backend that this machine can run.
     #[must_use]
     #[cfg_attr(smr_small, inline)] // a constant
     pub fn best() -> Self {
         Self::available().next().unwrap_or(Self::Scalar)
     }
 
-    /// True if this machine can run it.
+    /// True if this machine can run the backend.
     #[must_use]
     pub fn is_available(self) -> bool {
         match self {

@@ -1,4 +1,5 @@
-//! Bilinear sampling: the columns of a resampled row, each interpolated from two neighbouring numbers, in units of 1/256.
+//! Bilinear sampling: the columns of a resampled row, each interpolated from two neighbouring numbers, in units of
+//! 1/256.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::bilinear as fast;
@@ -13,15 +14,15 @@ use heapless::Vec;
 pub(crate) struct Interpolation<const N: usize> {
     /// The byte in the row where a column's first number begins.
     from: Vec<u16, N>,
-    /// The parts of the first and of the second number, 256 together.
+    /// The weights of the first and of the second number, 256 together.
     parts: Vec<[u16; 2], N>,
 }
 
 impl<const N: usize> Interpolation<N> {
-    /// The first number of a column is before this one.
+    /// The number of places: a column's first number is at a place below this.
     pub(crate) const PLACES: usize = PLACES as usize;
 
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self { from: Vec::new(), parts: Vec::new() }
     }
@@ -42,8 +43,8 @@ impl<const N: usize> Interpolation<N> {
         let _ = self.parts.push([256 - u16::from(part), part.into()]);
     }
 
-    /// The rounded gray levels of the columns in `row`, up to the length of `out`.
-    #[inline(always)] // into its one caller
+    /// Computes the rounded gray levels of the columns in `row`, up to the length of `out`.
+    #[inline(always)]
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;
         #[cfg(any(smr_dsp, smr_helium))]

@@ -1,8 +1,8 @@
 //! The size of a cell of the robust tracker's features.
 
-/// Pixels of the grid on a side of a cell.
+/// Side of a cell in pixels of the grid.
 pub const CELL: u16 = 4;
-/// Bytes of a cell.
+/// Bytes of a cell, one for each channel.
 pub const CHANNELS: usize = 10;
-/// Pixels on a side of a cell with its neighbours.
+/// Side of a cell with its neighbours, in pixels.
 pub(crate) const SIDE: usize = CELL as usize + 2;

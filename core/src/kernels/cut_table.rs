@@ -1,4 +1,4 @@
-//! The similarity of two pixels by their difference, as kernels look it up: zero from the threshold on.
+//! The table of similarities in the form that kernels look up: by difference, zero from the threshold on.
 
 #[cfg(any(smr_dsp, smr_helium))]
 use super::arm::points::Points;
@@ -13,11 +13,11 @@ pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 /// Without vectors the sign of a difference costs more than the difference, so the table has entries for both signs.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 
-/// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel that looks up here needs no
-/// test for pixels that do not count.
+/// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel that uses it
+/// needs no test for pixels that do not count.
 ///
-/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where [`Backend::Swar`](crate::similarity::Backend) is the
-/// best, and is rebuilt when the threshold changes.
+/// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where
+/// [`Backend::Swar`](crate::similarity::Backend) is the best, and is rebuilt when the threshold changes.
 ///
 /// ```
 /// use smr_core::similarity::{CutTable, Table};
@@ -28,10 +28,10 @@ const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 /// ```
 #[derive(Clone, Debug)]
 pub struct CutTable {
-    /// From the difference 0 on, or -255 if there are [`ENTRIES`] for signed differences.
+    /// The entries from the difference 0 on, or from -255 on if there are [`ENTRIES`] for signed differences.
     entries: [u16; ENTRIES],
     threshold: u16,
-    /// See [`CutTable::chord`]. Stored on targets that need it in every step and divide slowly.
+    /// See [`CutTable::chord`]. It is stored for targets that need it in every step and divide slowly.
     #[cfg(any(smr_dsp, smr_helium))]
     chord: u32,
     #[cfg(any(smr_dsp, smr_helium))]
@@ -50,9 +50,9 @@ impl CutTable {
     };
 
     /// Sets the entries below `threshold` to those given, and all others to 0.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn cut(&mut self, entries: &[u16; 256], threshold: u16) {
-        // From the threshold before on all are 0.
+        // All entries from the last threshold on are 0 already.
         let changing = usize::from(self.threshold.max(threshold)).min(256);
         let (mirrored, differences) = self.entries.split_at_mut_checked(ENTRIES - 256).unwrap_or_default();
         let to = differences.get_mut(..changing).unwrap_or_default();
@@ -81,13 +81,13 @@ impl CutTable {
     #[cfg_attr(target_arch = "arm", allow(dead_code))] // not by DSP and Helium
     pub(super) fn of_pixels(&self, f: u8, g: u8) -> u16 {
         #[cfg(smr_swar)]
-        // SAFETY: a signed difference is -255 to 255, and entry 255 of 511 is that of no difference.
+        // SAFETY: a signed difference is -255 to 255, and entry 255 of 511 is that of the difference 0.
         return unsafe { *self.entries.as_ptr().add(255).offset(isize::from(f) - isize::from(g)) };
         #[cfg(not(smr_swar))]
         self.similarity(f.abs_diff(g))
     }
 
-    /// A pixel counts if it differs by less.
+    /// The threshold: a pixel counts if its difference is less.
     #[must_use]
     #[inline]
     pub const fn threshold(&self) -> u16 {
@@ -102,15 +102,16 @@ impl CutTable {
 
     /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
     ///
-    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no table. The
-    /// search goes through all d, so it holds for any table. For exp the largest d decides: the chord from p(0) to it is the flattest.
+    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no
+    /// table. The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from
+    /// p(0) to it is the flattest.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn chord(&self) -> u32 {
         self.chord
     }
 
-    /// How points bound a score.
+    /// The bound of scores by points.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn points(&self) -> &Points {

@@ -1,7 +1,7 @@
-//! Chooses the layers of a small network for a backend.
+//! Layers of a small network: chooses the loop of a backend.
 //!
-//! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled again. All other backends use
-//! the plain loop as it is; the compiler vectorizes it for SSE2, NEON and SIMD128.
+//! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled with its
+//! instructions. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and SIMD128.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::dense as dsp;
@@ -13,8 +13,8 @@ use super::plain::dense::Layer;
 #[cfg(target_arch = "x86_64")]
 use super::x86::avx2::dense as avx2;
 
-/// Bytes of scratch memory with which a backend is fastest: the DSP extension unpacks two patches of up to 216 inputs, at words. With less it
-/// takes one patch at a time.
+/// Bytes of scratch memory with which every backend is fastest: the DSP extension unpacks two patches of up to 216
+/// inputs to words. With less memory it takes one patch at a time.
 pub(crate) const SPARE: usize = 4 * 216 + 3;
 
 /// Layers by a backend. All backends give the same integers.
@@ -22,18 +22,18 @@ pub(crate) const SPARE: usize = 4 * 216 + 3;
 pub(crate) struct Dense(Backend);
 
 impl Dense {
-    /// By `backend`, or by the plain loop if the machine does not have it.
+    /// The layers by `backend`, or by the plain loop if the machine does not have it.
     pub(crate) fn new(backend: Backend) -> Self {
         Self(if backend.is_available() { backend } else { Backend::Scalar })
     }
 
     /// See [`plain::outputs`]. `patches` has `layer.inputs` numbers for each patch, `out` one for each of its outputs.
     /// `spare` is scratch memory: see [`SPARE`].
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn outputs(self, layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
         #[cfg(not(smr_dsp))]
         let _ = spare;
-        // What a backend does not write must stay.
+        // The bytes that a backend does not write must stay.
         #[cfg(feature = "verify")]
         let mut expected: heapless::Vec<i8, 1024> = out.iter().copied().collect();
         match self.0 {
@@ -53,7 +53,8 @@ impl Dense {
         }
     }
 
-    /// The sums of one patch, before a shift. For the last layer, which is small: always the plain loop.
+    /// The sums of one patch, before the shift. It serves the last layer, which is small, and always uses the plain
+    /// loop.
     pub(crate) fn sums<const N: usize>(layer: Layer<'_>, patch: &[i8]) -> [i32; N] {
         core::array::from_fn(|output| plain::sum(layer, output, patch))
     }

@@ -1,13 +1,14 @@
-//! How often a bound is worth its time.
+//! Decides how often a bound is worth its time.
 
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
-/// How often a bound is computed: while it excludes nothing, less and less often; in the end one time in 64. So bounds in vain cost 1/64 of
-/// their time. The fields are atomic, so that a scorer can be shared; no result depends on them.
+/// Decides how often a bound is computed. While it excludes nothing, it is computed less and less often, in the end one
+/// time in 64. So a bound that never helps costs 1/64 of its time. The fields are atomic, so that a scorer can be
+/// shared. No result depends on them.
 pub(crate) struct Effort {
-    /// How often to go on without the bound.
+    /// How many more times to go on without the bound.
     without: AtomicU8,
-    /// One set bit for each successive time that the bound excluded nothing.
+    /// One set bit for each successive time that the bound excluded nothing, at most six.
     in_vain: AtomicU8,
 }
 
@@ -15,7 +16,7 @@ impl Effort {
     #[allow(clippy::declare_interior_mutable_const)] // each use is a new one
     pub(crate) const NEW: Self = Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) };
 
-    /// Whether to compute the bound this time.
+    /// True if the bound is to be computed this time.
     #[inline(always)]
     pub(crate) fn is_worth_it(&self) -> bool {
         let left = self.without.load(Relaxed).checked_sub(1);

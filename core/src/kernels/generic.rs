@@ -1,18 +1,54 @@
 //! The score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait.
 //!
-//! The file of an instruction set says what its vector is ([`Vector`], and [`Neighbours`] for ranges) and how it looks up entries of
-//! a table ([`LookUp`]). `scores!` compiles the loops for it.
+//! The file of an instruction set defines its vector ([`Vector`], and [`Neighbours`] for ranges) and the lookup in a
+//! table ([`LookUp`]). `scores!` compiles the loops for it.
 //!
-//! Three loops exclude offsets before the score is computed, by the number of pixels that count:
+//! The score of a patch f and a template g ([`sum_at_least`]):
 //!
-//! | loop | what it excludes | instructions for a vector |
+//! ```text
+//! for each row of f and g
+//!     for each whole vector of the row, then for the end of the row
+//!         d = |f - g|
+//!         total_low  += low_bytes[d]       both are 0 from the threshold on
+//!         total_high += high_bytes[d]      at the end of a row only the lanes of its pixels are added
+//!     every 8 rows: return None if the score so far + 65535 * (pixels in the rows left) < floor
+//! score = total_low + 256 * total_high
+//! return score if it is at least floor, else None
+//! ```
+//!
+//! [`distance`] adds d without a table. The search excludes most offsets by loops that are cheaper than the score. They
+//! count pixels: a score of at least `floor` needs at least `floor / 65535` pixels with d below the threshold.
+//!
+//! | loop | excludes | instructions for a vector |
 //! |---|---|---|
 //! | [`inside_at_least`] | a group, by ranges that the threshold has widened | 4 |
 //! | [`candidates`] | each of four offsets | 4, of them 1 to prepare the template |
-//! | [`count_at_least`] | patches between any two pictures | 9 |
+//! | [`count_at_least`] | all patches between two pictures | 9 |
 //!
-//! Everything here, and every method of the traits, is `#[inline(always)]`: an intrinsic becomes an instruction only inside a function
-//! with `#[target_feature]`. For the same reason there are no closures: a closure is a function of its own.
+//! Why the loops are written like this:
+//!
+//! 1. **Low and high bytes apart.** Entries have 16 bits, but a lookup gives one byte for each lane. Both halves are
+//!    added in totals of their own, which are joined once, at the end. No lane of a total overflows (see
+//!    [`Vector::Total`]).
+//! 2. **No comparison with the threshold.** The entries from the threshold on are 0, so the lookup does it.
+//! 3. **Two sets of totals in the score**, for even and for odd rows: the additions of a row need not wait for those of
+//!    the row before.
+//! 4. **A look every 8 rows** ([`ROWS_A_LOOK`]). It adds up the lanes of the totals, which would cost too much in each
+//!    row. The score does not look at all as long as the rows left alone could reach the floor.
+//! 5. **Counts in bytes.** A comparison gives 255, which is -1, in each lane where it holds, so one subtraction counts.
+//!    A lane holds at most 255. [`Count::flush`] empties the lanes in time: after 8 rows of up to two vectors and an
+//!    end; in other rows after each row, and after 128 vectors.
+//! 6. **A range in one comparison.** low <= g <= high takes one subtraction and one comparison ([`widen`], [`around`]).
+//! 7. **The width as a constant.** Rows that are shorter than a vector, have one vector (with or without an end) or
+//!    have exactly two get loops of their own, in which the number of vectors (`WHOLE`) and whether an end follows
+//!    (`END`) are constants (`by_width!`). Where code has to be small, only the short rows do.
+//! 8. **No byte beyond a row is read.** The end of a row is loaded as the last vector that fits, which overlaps the one
+//!    before; the lanes that were counted before are masked. Rows narrower than a vector are copied ([`last`]) or
+//!    loaded in pieces (AVX2).
+//! 9. **Ranges are written twice at the end of a row.** The last vector of [`spread`] and [`ranges_of_rows`] overlaps
+//!    the one before and stores the same values again. So the ranges left need no loop of their own.
+//! 10. **`#[inline(always)]` everywhere, and no closures.** An intrinsic becomes an instruction only inside a function
+//!     with `#[target_feature]`. A closure is a function of its own, without that attribute.
 
 use super::cut_table::ONE;
 use super::rows::Rows;
@@ -20,10 +56,10 @@ use super::scores::RowsOfRanges;
 use crate::image::Image;
 use core::slice;
 
-/// Rows between two checks whether the result is already certain.
+/// Rows between two checks whether the floor can still be reached.
 const ROWS_A_LOOK: usize = 8;
 
-/// A register of pixels, and its operations.
+/// A vector register of pixels, and the operations on it.
 ///
 /// # Safety
 /// Every method is for processors that have the instruction set.
@@ -31,14 +67,14 @@ pub(crate) trait Vector: Copy {
     /// Pixels in a register.
     const LANES: usize;
 
-    /// A sum of bytes, in several lanes. No lane overflows: a sum of 65537 bytes is below 2^25.
+    /// A sum of bytes, spread over several lanes. No lane overflows: even the sum of 65537 bytes is below 2^25.
     type Total: Copy;
 
     unsafe fn splat(byte: u8) -> Self;
     /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
     unsafe fn or(a: Self, b: Self) -> Self;
-    /// max(a - b, 0).
+    /// max(a - b, 0): how far a is beyond b.
     unsafe fn beyond(a: Self, b: Self) -> Self;
     /// a - b, wrapping.
     unsafe fn minus(a: Self, b: Self) -> Self;
@@ -57,8 +93,8 @@ pub(crate) trait Vector: Copy {
     /// The sum of the lanes.
     unsafe fn across(total: Self::Total) -> u32;
 
-    /// A mask of the lanes that hold the end of a row: the pixels after its last whole vector. `WHOLE` is 0 if the row is narrower than a
-    /// vector.
+    /// The mask of the end of a row, the pixels after its last whole vector: 255 in the lanes that hold them. `WHOLE`
+    /// is 0 if the row is narrower than a vector.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// Loads the end of the row that begins at `row`. The other lanes may hold anything.
     unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self) -> Self;
@@ -92,23 +128,25 @@ pub(crate) trait LookUp {
     unsafe fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
 }
 
-/// Methods of the traits above, each an expression of intrinsics.
+/// Defines methods of the traits above, each by an expression of intrinsics.
 macro_rules! intrinsics {
     ($(fn $name:ident $(<const $n:ident: $of:ty>)? ($($argument:ident: $type:ty),*) $(-> $to:ty)? { $value:expr })*) => {$(
         #[inline(always)]
         #[allow(unused_unsafe)] // some are plain expressions
         unsafe fn $name $(<const $n: $of>)? ($($argument: $type),*) $(-> $to)? {
-            // SAFETY: the caller guarantees that the processor has the instructions and that a whole vector can be read or written at
-            // an address. No instruction needs alignment.
+            // SAFETY: the caller guarantees that the processor has the instructions and that a whole vector can be read
+            // or written at an address. No instruction needs alignment.
             unsafe { $value }
         }
     )*};
 }
 
-/// `WHOLE` is the number of whole vectors in a row, or this: any number from one on. `END` says whether pixels follow them.
+/// Stands for any number of whole vectors in a row from one on, as a value of `WHOLE`. Other values of `WHOLE` are the
+/// number itself. `END` says whether pixels follow the whole vectors.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// `$call` with the `WHOLE` and `END` of a width. Common widths get a loop of their own, except where code has to be small.
+/// Makes `$call` with the constants `WHOLE` and `END` for `$width`. Common widths get a loop of their own, except where
+/// code has to be small.
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
@@ -132,8 +170,9 @@ macro_rules! by_width {
     }};
 }
 
-/// Implements `Scores` for a backend that looks up a table. Its field `segments` is the number of segments in use; each number listed gets
-/// a loop of its own, and the last one serves all others. Its field `last` is the largest difference that counts, if there is one.
+/// Implements `Scores` for a backend that looks up a table. Its field `segments` is the number of segments in use; each
+/// number listed gets a loop of its own, and the last one serves all others. Its field `last` is the largest difference
+/// that counts, if there is one.
 macro_rules! scores {
     ($backend:ty, $planes:ident, $vector:ty, $features:literal, segments: $($segments:literal)* or $most:literal) => {
         impl Scores for $backend {
@@ -276,13 +315,13 @@ pub(crate) unsafe fn outside<V: Vector>(low: V, high: V, g: V) -> V {
     unsafe { V::or(V::beyond(low, g), V::beyond(g, high)) }
 }
 
-/// The sums of the low bytes and of the high bytes of similarities.
+/// The totals of the low and of the high bytes of similarities.
 struct Sums<V: Vector> {
     low: V::Total,
     high: V::Total,
 }
 
-/// The score if it is at least `floor`.
+/// The score if it is at least `floor`, else `None`: see the pseudo-code at the top.
 ///
 /// # Safety
 /// The processor has the instruction set, and the pictures that `rows` were made of are borrowed.
@@ -295,7 +334,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     // SAFETY: as the caller guarantees; y is below the height.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
-        // Two sums, so that a row does not depend on the one before it.
+        // Reason 3.
         let nothing = L::Vector::nothing();
         let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
         let mut odd = Sums { low: nothing, high: nothing };
@@ -358,8 +397,8 @@ unsafe fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
     unsafe { V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high)))) }
 }
 
-/// An upper bound of a score: the number of pixels that count (differ by at most `last`), each taken as fully similar. It reads three
-/// pictures at about the cost of a score of two.
+/// An upper bound of a score: the number of pixels that count (differ by at most `last`), each taken as fully similar.
+/// It reads three pictures at about the cost of a score of two.
 ///
 /// # Safety
 /// As for [`sum_at_least`].
@@ -408,7 +447,8 @@ pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bo
     }
 }
 
-/// The same bound by ranges in the form of [`widen`]. It counts the pixels outside their ranges.
+/// The bound of [`count_at_least`] by ranges in the form of [`widen`]. It counts the pixels outside their ranges, and
+/// stops once there are too many.
 ///
 /// # Safety
 /// As for [`sum_at_least`].
@@ -478,8 +518,9 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Which of four offsets may score at least `floor`: see [`Scores::candidates`](super::scores::Scores::candidates). It counts the pixels of each that do
-/// not count in its score. A vector of the template is loaded and turned into ranges once for all four.
+/// Which of four offsets may score at least `floor`: see [`Scores::candidates`](super::scores::Scores::candidates). It
+/// counts the pixels of each that do not count in its score. A vector of the template is loaded and turned into ranges
+/// once for all four.
 ///
 /// # Safety
 /// As for [`sum_at_least`]; the patch has three more columns.
@@ -521,7 +562,8 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     last: V,
     counts: &mut [Count<V>; 4],
 ) {
-    // SAFETY: as the caller guarantees; no vector ends beyond the width of the template, or more than three columns beyond it in the patch.
+    // SAFETY: as the caller guarantees. In the template no vector ends beyond the width, in the patch at most three
+    // columns beyond it.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -549,7 +591,8 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The pixels that count beside `g`, in a form like that of [`widen`]: f counts if and only if the first number less f is at most the second one.
+/// The range of the pixels f that count when compared with `g`, in a form like that of [`widen`]: f counts if and only
+/// if the first result minus f is at most the second result (as signed numbers).
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -572,7 +615,7 @@ unsafe fn flush_all<V: Vector>(counts: &mut [Count<V>; 4]) {
     }
 }
 
-/// Which of the counts are at most `allowed`.
+/// One bit for each count, set if the count is at most `allowed`.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -587,12 +630,12 @@ unsafe fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
     within
 }
 
-/// A count of pixels.
+/// The number of pixels that passed a comparison.
 #[derive(Clone, Copy)]
 struct Count<V> {
-    /// A count in each lane, of up to 255 vectors.
+    /// The counts of the vectors since the last flush, lane by lane: at most 255 vectors.
     bytes: V,
-    /// The count before the last flush.
+    /// The count up to the last flush.
     flushed: u32,
 }
 
@@ -600,7 +643,7 @@ impl<V: Vector> Count<V> {
     /// Vectors between two calls of [`Count::flush`]. A lane has room for 127 more.
     const MOST: usize = 128;
 
-    /// Counts the lanes that are 255.
+    /// Adds 1 in each lane that is 255 in `counts`. The other lanes of `counts` are 0.
     ///
     /// # Safety
     /// The processor has the instruction set of `V`.
@@ -677,7 +720,8 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// See [`plain::scores::spread`](crate::kernels::plain::scores::spread). Returns false, and does nothing, if there are fewer ranges than lanes.
+/// See [`plain::scores::spread`](crate::kernels::plain::scores::spread). Returns false, and does nothing, if there are
+/// fewer ranges than lanes.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -688,8 +732,8 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     let rows = rows.each_ref().map(|row| row.as_ptr());
     let (low, high) = (low.as_mut_ptr(), high.as_mut_ptr());
     let mut at = 0;
-    // SAFETY: the processor is as the caller guarantees. Every row has `columns` bytes and three more, `low` and `high` have
-    // `columns`; at + LANES is less than `columns`, last + LANES equals it.
+    // SAFETY: the processor is as the caller guarantees. Every row has `columns` bytes and three more, `low` and `high`
+    // have `columns`; at + LANES is less than `columns`, last + LANES equals it.
     unsafe {
         while at < last {
             let (lowest, highest) = column_ranges::<V>(&rows, at);
@@ -700,8 +744,8 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             // The last three are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // The last vector overlaps the one before it, which gives the same values. It needs three more loads a row, because no vector
-        // fits to its right.
+        // The last vector overlaps the one before it, which gives the same values. It needs three more loads a row,
+        // because no vector fits to its right.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);
@@ -713,12 +757,13 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     true
 }
 
-/// Half the values of a byte: subtracted from numbers of 0 to 255, it leaves signed numbers of the same order.
+/// Half the values of a byte. Subtracted from numbers of 0 to 255 it gives signed numbers in the same order.
 const HALF: u8 = 128;
 
-/// The form of ranges that [`inside_at_least`] reads. A pixel g counts if low - last <= g <= high + last. That is the case if and only if
-/// g - (low - last), modulo 256, is at most the distance between these two bounds. Vectors compare signed numbers, so both sides of the
-/// comparison are stored less [`HALF`], the first one in the bound that is subtracted.
+/// Converts ranges to the form that [`inside_at_least`] reads. A pixel g counts if low - last <= g <= high + last, that
+/// is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed numbers, so
+/// both sides are stored with [`HALF`] added (modulo 256 the same as subtracted): the first result is low - last -
+/// HALF, the second one high + last minus the first.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -732,7 +777,7 @@ unsafe fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
     }
 }
 
-/// The same for all ranges of a row.
+/// Converts all ranges of a row like [`widen`].
 #[inline(always)]
 pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     for (low, high) in low.iter_mut().zip(high) {
@@ -742,11 +787,11 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     }
 }
 
-/// Rows of ranges in the form of [`widen`]: see [`Scores::ranges_of_rows`](super::scores::Scores::ranges_of_rows). Returns false, and does nothing, if
-/// a row has fewer ranges than lanes, or if there is too little room.
+/// Rows of ranges in the form of [`widen`]: see [`Scores::ranges_of_rows`](super::scores::Scores::ranges_of_rows).
+/// Returns false, and does nothing, if a row has fewer ranges than lanes, or if there is too little room.
 ///
-/// It goes down in strips as wide as a vector. A row of pixels is read once in each, and its minima of four neighbours are computed once. The minima
-/// of each two rows serve two ranges.
+/// It goes down in strips as wide as a vector. In a strip each row of pixels is read once, and its minima and maxima of
+/// four neighbours are computed once. Those of each pair of rows serve two ranges.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -770,8 +815,9 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         let (low, high) = (to.low.as_mut_ptr().wrapping_add(at), to.high.as_mut_ptr().wrapping_add(at));
         let mut row = pixels.as_ptr().wrapping_add(at);
         let mut place = 0;
-        // SAFETY: the processor is as the caller guarantees. Every row has `columns` pixels and three more, at + LANES is at most `columns`.
-        // The last store ends with the ranges of row `rows` - 1 of `to`: there is room for `needed` bytes.
+        // SAFETY: the processor is as the caller guarantees. Every row has `columns` pixels and three more, at + LANES
+        // is at most `columns`. The last store ends with the ranges of row `rows` - 1 of `to`: there is room for
+        // `needed` bytes.
         unsafe {
             let last = V::splat(last);
             let (mut before, mut pairs) = (fours::<V>(row), [(V::splat(0), V::splat(0)); 2]);
@@ -841,10 +887,12 @@ pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
 }
 
-/// The end of a row in the last lanes. Pixels of the row precede it, or zeroes if `WHOLE` is 0.
+/// Loads the end of a row into the last lanes. The lanes before hold earlier pixels of the row, or zeroes if `WHOLE` is
+/// 0.
 ///
 /// # Safety
-/// The processor has the instruction set of `V`. `width` bytes can be read at `row`: more than LANES if `WHOLE` is not 0, else fewer.
+/// The processor has the instruction set of `V`. `width` bytes can be read at `row`: more than LANES if `WHOLE` is not
+/// 0, else fewer.
 #[inline(always)]
 pub(crate) unsafe fn last<V: Vector, const WHOLE: usize>(row: *const u8, width: usize) -> V {
     // SAFETY: as the caller guarantees; the copy ends with the vector.

@@ -13,9 +13,9 @@ pub(crate) use super::plain::gradients::scale;
 #[cfg(smr_dsp)]
 pub(crate) use dsp::scale;
 
-/// The sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
+/// Computes the sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
 #[cfg(not(smr_helium))]
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],

@@ -1,6 +1,6 @@
-//! The layout of a filter's weights on the bytes of cells, and the scratch memory for sums of products.
+//! The layout of a filter's weights on the bytes of cells, and scratch memory for sums of products.
 
-/// Numbers of [`Packed`]: two for each byte of a row of 48 cells.
+/// Length of [`Packed`] in numbers: two for each byte of a row of 48 cells.
 pub(crate) const PACKED: usize = 960;
 
 /// Scratch memory in which a backend may unpack bytes before it multiplies.
@@ -8,15 +8,15 @@ pub(crate) const PACKED: usize = 960;
 pub(crate) struct Packed(pub(crate) [u16; PACKED]);
 
 impl Packed {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self([0; PACKED])
     }
 
-    /// The same memory as words.
+    /// The scratch memory as words.
     #[allow(dead_code)] // for backends that multiply pairs
     pub(crate) fn words(&mut self) -> &mut [i32; PACKED / 2] {
-        // SAFETY: it is aligned for words, as long, and a word may have any value.
+        // SAFETY: the memory is aligned for words and as long, and a word may have any value.
         unsafe { &mut *(&raw mut self.0).cast() }
     }
 }
@@ -35,7 +35,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Rows of cells that a filter of `weights` weights meets at any offset.
+    /// Rows of cells that lie under a filter of `weights` weights at some offset.
     #[allow(dead_code)] // for backends that go row by row of cells
     pub(crate) fn rows(self, weights: usize) -> usize {
         weights.checked_div(self.row).unwrap_or(0) + self.span.saturating_sub(1)

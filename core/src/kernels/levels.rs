@@ -1,4 +1,5 @@
-//! Sums over the gray levels of a row, and the replacement of a row: for the contrast of a patch and the update of a template.
+//! Sums over the gray levels of a row, and the replacement of a row. They serve the contrast of a patch and the update
+//! of a template.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::levels as fast;
@@ -8,8 +9,9 @@ use super::arm::helium::levels as fast;
 use super::plain::levels as fast;
 #[cfg(feature = "verify")]
 use super::plain::levels as plain;
-/// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. It fits for at most 65537 pixels.
-#[inline(never)] // one copy in flash
+/// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
+/// 65537 pixels.
+#[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let sums = fast::deviation(pixels, level);
     #[cfg(feature = "verify")]
@@ -17,7 +19,8 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     sums
 }
 
-/// Replaces `old` by `new`, of the same length. Gives the largest difference, at least `largest`.
+/// Replaces `old` by `new`, which has the same length. Returns the largest of `largest` and the differences of the
+/// pixels.
 #[inline(never)] // keeps its registers out of its caller
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     #[cfg(feature = "verify")]

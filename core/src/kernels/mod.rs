@@ -1,6 +1,7 @@
-//! Sums over pixels and cells, fast: the inner loops of both trackers. All `unsafe` code of the crate is here.
+//! Fast sums over pixels and cells: the inner loops of both trackers. All `unsafe` code of the crate is here.
 //!
-//! The plain loops in `plain/` are the specification. Every other loop gives the same integers and is tested against them.
+//! The plain loops in `plain/` are the specification. Every other loop gives the same integers and is tested against
+//! them.
 //!
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
@@ -13,7 +14,8 @@
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
 //! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly) | always; `examples/kernels` for Cortex-M0+ |
 //!
-//! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that chooses:
+//! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that
+//! chooses:
 //!
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
@@ -27,26 +29,27 @@
 //! | contrast of a patch, update of a template | `levels.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
 //! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
-//! "(compiler)": the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and products; the other
-//! loops follow what the program is compiled for.
+//! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and
+//! products. The other loops follow what the program is compiled for.
 //!
-//! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of an instruction set says only
-//! what a vector is and how it looks up a table. The loops in `arm/` are assembly. Both instruction sets there share the bounds of
-//! `arm/bounds.rs` and `arm/points.rs`. `effort.rs` decides how often a bound is worth its time.
-//! `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps loops small. `verify/` compares the
-//! other loops with the plain ones (feature `verify`).
+//! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
+//! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly. Both instruction
+//! sets there share the bounds of `arm/bounds.rs` and `arm/points.rs`. `effort.rs` decides how often a bound is worth
+//! its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps
+//! loops small. `verify/` compares the other loops with the plain ones (feature `verify`).
 //!
-//! Words in ordinary registers: on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word assembled from bytes costs more than it
-//! saves. So only ranges and bounds use words. They take 7 bits of a pixel, ranges lie at multiples of four in a buffer of the search, and
-//! words of a row come from aligned words by shifts. Scores, distances and sums of products are unrolled loops over single numbers; RV32, which has
-//! more registers, scores four offsets at once. On Cortex-M0+ an update
-//! on real recordings takes 0.43 to 0.56 of the instructions of the plain loops (`examples/README.md`).
+//! Words in ordinary registers (`swar/`): on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word
+//! assembled from bytes costs more than it saves. So only ranges and bounds use words. They take 7 bits of a pixel.
+//! Ranges lie at multiples of four in a buffer of the search, and words of a row are shifted out of aligned words.
+//! Scores, distances and sums of products are unrolled loops over single numbers. RV32, which has more registers,
+//! scores four offsets at once. On Cortex-M0+ an update on real recordings takes 0.43 to 0.56 of the instructions of
+//! the plain loops (`examples/README.md`).
 //!
 //! # Where a weight for each pixel would go
 //!
-//! A kernel would multiply each similarity by a weight, a small integer, before adding it. `plain::scores::pixel` would specify this;
-//! `generic::add_row`, `CutTable::of_pixels` and the loops of `arm/` would follow. Lookup and tables would stay. Bounds would take the sum of the weights instead
-//! of the number of pixels.
+//! A kernel would multiply each similarity by a weight, a small integer, before adding it. `plain::scores::pixel` would
+//! specify this; `generic::add_row`, `CutTable::of_pixels` and the loops of `arm/` would follow. The lookup and the
+//! tables would stay. Bounds would take the sum of the weights instead of the number of pixels.
 
 #![allow(unsafe_code)] // intrinsics and assembly; each block says why it is sound
 

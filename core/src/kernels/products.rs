@@ -1,8 +1,9 @@
-//! Chooses the sums of products for a backend: the responses of a filter, and the gradient of its error.
+//! Sums of products, the responses of a filter and the gradient of its error: chooses the loops of a backend.
 //!
-//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight. Without them, several offsets share loads. There
-//! and with the DSP extension, responses take a fifth fewer products (`three_sums.rs`).
-//! For AVX2 the plain loops are compiled again. SSE2 and NEON use them as they are; the compiler vectorizes them.
+//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight. Without them several
+//! offsets share loads. In that case and with the DSP extension, responses take a fifth fewer products
+//! (`three_sums.rs`). For AVX2 the plain loops are compiled with its instructions. SSE2 and NEON use them as they are;
+//! the compiler vectorizes them.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::products as dsp;
@@ -24,18 +25,19 @@ use core::ops::Range;
 pub(crate) struct Products(Backend);
 
 impl Products {
-    /// By `backend`, or by the plain loops if the machine does not have it.
+    /// The sums by `backend`, or by the plain loops if the machine does not have it.
     pub(crate) fn new(backend: Backend) -> Self {
         Self(if backend.is_available() { backend } else { Backend::Scalar })
     }
 
-    /// The number of parts of [`Products::responses`]. Each backend chooses its parts; a part has at most 34 products for each weight.
+    /// The number of parts of [`Products::responses`]. Each backend has its own parts. A part has at most 34 products
+    /// for each weight.
     pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() { layout.rows(weights).div_ceil(2) } else { layout.span }
     }
 
     /// Products in part `part` of the responses.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() {
             (2 * part..2 * part + 2).map(|row| layout.work_on(row, weights)).sum()
@@ -44,7 +46,7 @@ impl Products {
         }
     }
 
-    /// Whether a part of the responses is two rows of cells; else it is a row of offsets.
+    /// True if a part of the responses is two rows of cells. Else it is a row of offsets.
     fn takes_rows_of_cells(self) -> bool {
         match self.0 {
             #[cfg(smr_dsp)]
@@ -77,8 +79,9 @@ impl Products {
         }
     }
 
-    /// The parts `parts` of [`plain::responses`]. The caller asks for them in order. `room` and `spare` are scratch memory; from one part to the
-    /// next they stay as they are. `spare` is best as long as the weights.
+    /// Computes the parts `parts` of [`plain::responses`]. The caller asks for them in order. `room` and `spare` are
+    /// scratch memory, which the caller leaves as it is from one part to the next. `spare` should be as long as the
+    /// weights: with less, a slower loop may run.
     #[inline(never)] // one copy in flash for each span
     #[cfg_attr(smr_helium, allow(unused))]
     #[allow(clippy::too_many_arguments)]
@@ -119,9 +122,10 @@ impl Products {
         }
     }
 
-    /// The parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` and `spare` are scratch memory; from one part to the next
-    /// they stay as they are. `spare` is best as long as the cells of the filter and seven more.
-    #[inline(never)] // one copy in flash
+    /// Computes the parts `parts` of [`plain::gather`]. The caller asks for them in order. `room` and `spare` are
+    /// scratch memory, which the caller leaves as it is from one part to the next. `spare` should have a number for
+    /// each cell of the filter and seven more: with less, a slower loop may run.
+    #[inline(never)]
     #[cfg_attr(not(any(smr_dsp, smr_helium)), allow(unused))]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(

@@ -6,13 +6,13 @@ use crate::image::Image;
 
 /// The common top left part of a template and a patch, or of a template and the two pictures that bound a patch.
 ///
-/// [`Image::rows`] checks the end of the slice in every row. That costs as much as the row itself if a row fits in one register. So
-/// these are addresses: a kernel may read `width` bytes from each row and no more.
+/// [`Image::rows`] checks the end of the slice in every row. For a row that fits in one register, the check costs as
+/// much as the row itself. So these are addresses: a kernel may read `width` bytes from each row and no more.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows {
     pub(crate) patch: *const u8,
-    /// The upper bound of the patch. The same as `patch` if the patch is known.
-    #[cfg_attr(smr_swar, allow(dead_code))] // there, bounds have loops of their own
+    /// The upper bound of the patch; equal to `patch` if the patch itself is known.
+    #[cfg_attr(smr_swar, allow(dead_code))] // bounds have loops of their own there
     pub(crate) high: *const u8,
     pub(crate) template: *const u8,
     pub(crate) patch_stride: usize,
@@ -46,8 +46,8 @@ impl Rows {
         }
     }
 
-    /// A template, and the ranges that it is compared with; `None` if there are fewer of them.
-    #[inline(always)] // through memory it would wait for halves of words
+    /// A template, and the ranges that it is compared with; `None` if there are fewer ranges than pixels.
+    #[inline(always)] // in memory it would stall: it is written in halves of words
     #[allow(dead_code)] // for backends that use vectors
     pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {
         let (g, template_stride) = template.parts();
@@ -89,22 +89,22 @@ impl Rows {
         }
     }
 
-    /// The number of equal pixels that score at least `floor`.
+    /// The number of equal pixels that a score of at least `floor` needs.
     #[inline]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for kernels that count pixels
     pub(crate) const fn pixels_of(floor: u32) -> u32 {
         floor.div_ceil(ONE as u32)
     }
 
-    /// Where row `y` of patch and template begins. If `y < height`, `width` bytes can be read there as long as the pictures live:
-    /// [`Image::with_stride`] has checked that.
+    /// The addresses of row `y` of the patch and of the template. If `y < height`, `width` bytes can be read there as
+    /// long as the pictures live: [`Image::with_stride`] has checked that.
     #[inline]
     #[cfg_attr(target_arch = "arm", allow(dead_code))] // loops there are assembly
     pub(crate) fn row(&self, y: usize) -> (*const u8, *const u8) {
         (place(self.patch, self.patch_stride, y), place(self.template, self.template_stride, y))
     }
 
-    /// Where row `y` of the upper bound begins.
+    /// The address of row `y` of the upper bound.
     #[inline]
     #[cfg_attr(any(target_arch = "arm", smr_swar), allow(dead_code))]
     pub(crate) fn high_row(&self, y: usize) -> *const u8 {

@@ -1,4 +1,4 @@
-//! Chooses the kernels of SMR for a backend and checks their arguments.
+//! The kernels of SMR: chooses those of a backend and checks their arguments.
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use super::aarch64::neon;
@@ -20,8 +20,8 @@ use super::wasm32::simd128::scores as simd128;
 use super::x86::{avx2::scores as avx2, sse2};
 use crate::image::{Image, Rect};
 
-/// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures of up to
-/// [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+/// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures
+/// of up to [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
 ///
 /// ```
 /// use smr_core::{Image, similarity::{Backend, CutTable, Scorer, Table}};
@@ -30,7 +30,7 @@ use crate::image::{Image, Rect};
 /// let table = CutTable::new(&Table::PAPER, 13);
 /// let scorer = Scorer::new(Backend::best(), &table);
 /// let p = |d| u32::from(Table::PAPER.similarity(d));
-/// assert_eq!(scorer.score(patch, template), Some(p(0) + p(1) + p(12))); // a difference of 13 is not below the threshold
+/// assert_eq!(scorer.score(patch, template), Some(p(0) + p(1) + p(12))); // 13 is not below the threshold
 /// assert_eq!(scorer.score_at_least(patch, template, 3 * 65535), None);
 /// assert_eq!(scorer.distance(patch, template, u32::MAX), Some(1 + 12 + 13));
 /// assert!(scorer.score_between_at_least(patch, patch, template, 0) >= scorer.score(patch, template));
@@ -66,7 +66,7 @@ enum Ready<'a> {
     Swar(swar::Swar<'a>),
 }
 
-/// Calls the backend that a scorer was made for.
+/// Calls the backend of a scorer.
 macro_rules! dispatch {
     ($scorer:ident, $kernels:ident => $call:expr) => {
         match &$scorer.ready {
@@ -90,7 +90,7 @@ macro_rules! dispatch {
 }
 
 impl<'a> Scorer<'a> {
-    /// Scores by `table`, computed by `backend`, or by the plain loop if the machine does not have it.
+    /// The scorer with `table` by `backend`, or by the plain loop if the machine does not have the backend.
     #[must_use]
     #[inline(always)] // built in place: some are too large to be moved on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
@@ -115,10 +115,10 @@ impl<'a> Scorer<'a> {
         Self { plain, ready }
     }
 
-    /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is compared.
-    /// `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+    /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is
+    /// compared. `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline(always))] // with only the plain loop, just its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
@@ -128,9 +128,9 @@ impl<'a> Scorer<'a> {
         Some(score)
     }
 
-    /// The same score if it is at least `floor`. `None` as soon as it is certain that it is less.
+    /// The score if it is at least `floor`. `None` as soon as it is certain that it is less.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline(always))]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
@@ -140,8 +140,8 @@ impl<'a> Scorer<'a> {
         score
     }
 
-    /// The sum of absolute differences (SAD). Once it exceeds `enough`, rows may be left out: the result is then more than `enough`
-    /// and at most the SAD. `None` as for [`Scorer::score`].
+    /// The sum of absolute differences (SAD). Once it exceeds `enough`, rows may be left out. The result is then more
+    /// than `enough` and at most the SAD. `None` as for [`Scorer::score`].
     #[must_use]
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
@@ -152,8 +152,9 @@ impl<'a> Scorer<'a> {
         Some(distance)
     }
 
-    /// An upper bound of the score of every patch between two pictures: each of its pixels is at least that of `low` and at most that
-    /// of `high`. `low` is nowhere above `high`. `None` if the bound is less than `floor`, or as for [`Scorer::score`].
+    /// An upper bound of the score of every patch between two pictures: each of its pixels is at least that of `low`
+    /// and at most that of `high`. No pixel of `low` is above that of `high`. `None` if the bound is less than `floor`,
+    /// or as for [`Scorer::score`].
     #[must_use]
     #[inline(always)]
     pub fn score_between_at_least(
@@ -170,12 +171,13 @@ impl<'a> Scorer<'a> {
         score
     }
 
-    /// Whether a backend of this target bounds four offsets at a time, and faster than it scores them.
+    /// True if a backend of this target bounds four offsets at a time, and faster than it scores them.
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32")) || Self::RANGES_OF_ROWS;
 
-    /// Which of the `wanted` of four offsets may score at least `floor`; see [`Scores::candidates`]. All of them if the template is too large for a score,
-    /// or if the patch does not have three more columns than the template and as many rows.
+    /// The offsets among the `wanted` of four that may score at least `floor`; see [`Scores::candidates`]. All of them
+    /// if the template is too large for a score, or if the patch does not have three more columns than the template and
+    /// as many rows.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();
@@ -188,8 +190,8 @@ impl<'a> Scorer<'a> {
         candidates
     }
 
-    /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more
-    /// pixels than `low` and `high`.
+    /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have
+    /// three more pixels than `low` and `high`.
     #[cfg(any(test, feature = "unstable"))]
     #[inline(always)]
     pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
@@ -198,8 +200,9 @@ impl<'a> Scorer<'a> {
         verify::spread(rows, low, high);
     }
 
-    /// The ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at multiples of four bytes, and their length
-    /// is a multiple of four; the rows have three more pixels than there are blocks. `examples/kernels` compares the ranges of DSP and Helium.
+    /// Computes the ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at
+    /// multiples of four bytes, and their length is a multiple of four. The rows have three more pixels than there are
+    /// blocks. `examples/kernels` compares the ranges of DSP and Helium.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.ranges(rows, low, high));
@@ -211,14 +214,14 @@ impl<'a> Scorer<'a> {
         }
     }
 
-    /// Whether a backend of this target computes ranges of several rows faster than row by row.
+    /// True if a backend of this target computes the ranges of several rows faster than row by row.
     pub(crate) const RANGES_OF_ROWS: bool = cfg!(any(
         target_arch = "x86_64",
         all(target_arch = "aarch64", target_feature = "neon"),
         all(target_arch = "wasm32", target_feature = "simd128")
     ));
 
-    /// The same ranges for all blocks of `pixels`, every `step`th row; see [`Scores::ranges_of_rows`].
+    /// Computes the ranges for all blocks of `pixels`, every `step`th row; see [`Scores::ranges_of_rows`].
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
         let done = dispatch!(self, kernels => kernels.ranges_of_rows(pixels, step, &mut to));
@@ -246,8 +249,9 @@ impl<'a> Scorer<'a> {
         bound
     }
 
-    /// The score of the part of `template` that lies on the padding, which is all zeroes. `seen` is the part that lies on the frame, in coordinates of
-    /// the template; it is empty if the whole template lies on the padding. The template is not too large for a score.
+    /// The score of the pixels of `template` that lie on the padding, which is all zeroes. `seen` is the rectangle that
+    /// lies on the frame, in coordinates of the template; it is empty if the whole template lies on the padding. The
+    /// template is not too large for a score.
     #[cfg(not(smr_swar))]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
@@ -276,7 +280,7 @@ impl<'a> Scorer<'a> {
         assert_eq!(sum, plain::score_on_padding(template, seen, self.plain.table), "{template:?} without {seen:?}");
         sum
     }
-    /// The same. Words are not faster here.
+    /// The same score by the plain loop. Words are not faster here.
     #[cfg(smr_swar)]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
@@ -284,13 +288,13 @@ impl<'a> Scorer<'a> {
     }
 }
 
-/// Pixels of the padding.
+/// Pixels of the padding, which are black.
 #[cfg(not(smr_swar))]
 static BLACK: [u8; BLACK_PIXELS as usize] = [0; BLACK_PIXELS as usize];
 #[cfg(not(smr_swar))]
 const BLACK_PIXELS: u8 = 64;
 
-/// `None` if a sum could overflow.
+/// `None` if the sum could overflow, because the pictures have too many pixels in common.
 #[inline(always)]
 fn checked(patch: Image<'_>, template: Image<'_>) -> Option<()> {
     (plain::pixels(patch, template) <= MAX_PIXELS).then_some(())

@@ -1,4 +1,4 @@
-//! The kernels of SMR in a backend: scores, distances, and bounds that exclude offsets.
+//! The kernels that a backend of SMR has: scores, distances, and bounds that exclude offsets.
 
 use super::plain::scores as plain;
 #[cfg(any(smr_dsp, smr_helium))]
@@ -8,9 +8,9 @@ use crate::image::Image;
 /// All of four offsets, one bit for each: see [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;
 
-/// The kernels of SMR. The function of the same name in `plain/scores.rs` specifies each.
+/// The kernels of SMR. For each of them the function of the same name in `plain/scores.rs` is the specification.
 pub(crate) trait Scores {
-    /// A separate method, so that a program that never uses a floor does not link the bounds.
+    /// The score. It is a separate method, so that a program that never uses a floor does not link the bounds.
     #[inline(always)]
     fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
         self.score_at_least(patch, template, 0).unwrap_or(0)
@@ -18,11 +18,12 @@ pub(crate) trait Scores {
 
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// May return more than the plain loop, never less.
+    /// The bound may be more than that of the plain loop, but never less.
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// Which of the `wanted` of four offsets may score at least `floor`: bit i is cleared only if the one i columns to the right cannot. The patch
-    /// has three more columns than the template. Backends without a fast way let all through.
+    /// The offsets among the `wanted` of four that may score at least `floor`. Bit i is cleared only if the offset i
+    /// columns to the right cannot. The patch has three more columns than the template. Backends without a fast way
+    /// return all of them.
     #[inline(always)]
     fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
         wanted
@@ -32,20 +33,22 @@ pub(crate) trait Scores {
 
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 
-    /// The ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in another form than [`Scores::spread`].
+    /// Computes the ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in another form than
+    /// [`Scores::spread`].
     #[inline(always)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         self.spread(rows, low, high);
     }
 
-    /// The same for all blocks of `pixels`, every `step`th row. False, and nothing is done, if this backend does not compute them faster than
-    /// row by row.
+    /// Computes the ranges for all blocks of `pixels`, every `step`th row. Returns false, and does nothing, if this
+    /// backend does not compute them faster than row by row.
     #[inline(always)]
     fn ranges_of_rows(&self, _pixels: Image<'_>, _step: usize, _to: &mut RowsOfRanges<'_>) -> bool {
         false
     }
 
-    /// An upper bound of the score of every patch between `blocks`, which [`Scores::ranges`] has made; `None` if it is less than `floor`.
+    /// An upper bound of the score of every patch between `blocks`, which [`Scores::ranges`] has computed; `None` if it
+    /// is less than `floor`.
     #[inline(always)]
     fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let Some((low, high)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
@@ -58,7 +61,7 @@ pub(crate) trait Scores {
 pub(crate) struct RowsOfRanges<'a> {
     pub(crate) low: &'a mut [u8],
     pub(crate) high: &'a mut [u8],
-    /// From row to row.
+    /// Bytes from row to row.
     pub(crate) stride: usize,
 }
 
@@ -67,14 +70,14 @@ pub(crate) struct RowsOfRanges<'a> {
 pub(crate) struct Blocks<'a> {
     pub(crate) low: &'a [u8],
     pub(crate) high: &'a [u8],
-    /// The range that the first pixel of a template is compared with.
+    /// The index of the range that the first pixel of a template is compared with.
     pub(crate) start: usize,
-    /// A multiple of four.
+    /// Bytes from row to row, a multiple of four.
     pub(crate) stride: usize,
 }
 
 impl<'a> Blocks<'a> {
-    /// The rows of a template and of the ranges it is compared with; `None` if there are too few ranges.
+    /// The rows of a template and of the ranges that it is compared with; `None` if there are too few ranges.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline(always)]
     pub(crate) fn rows(&self, template: Image<'_>) -> Option<Rows> {

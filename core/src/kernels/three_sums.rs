@@ -1,6 +1,7 @@
 //! Responses at two rows of offsets by three sums of products instead of four (Karatsuba and Ofman, 1962).
 //!
-//! w are the rows of the filter, X those of the cells, and `w * X` the sums of products of two rows at all offsets to the right:
+//! w are the rows of the filter, X those of the cells, and `w * X` the sums of products of two rows at all offsets to
+//! the right:
 //!
 //! ```text
 //! response[2k]     = sum over i of  w[2i] * X[2m]     + w[2i + 1] * X[2m + 1],    m = k + i
@@ -63,8 +64,9 @@ impl Pairs {
         half(self.span, BOTH)
     }
 
-    /// The parts `parts` of the responses. A part is two rows of cells. `both` is memory that stays as it is between parts.
-    #[inline(always)] // into its one caller
+    /// The parts `parts` of the responses. A part is two rows of cells. `both` is memory that stays as it is between
+    /// parts.
+    #[inline(always)]
     pub(crate) fn responses<const N: usize>(
         self,
         parts: Range<usize>,

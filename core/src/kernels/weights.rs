@@ -1,4 +1,5 @@
-//! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down. Helium and the DSP extension have loops of their own.
+//! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down. Helium and the DSP extension have loops
+//! of their own.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::weights as dsp;
@@ -7,7 +8,8 @@ use super::arm::helium::weights as helium;
 use super::plain::weights as plain;
 use super::unrolling::rolled_if_spare;
 
-/// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded down.
+/// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
+/// down.
 ///
 /// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
 #[derive(Clone, Copy)]
@@ -19,13 +21,13 @@ pub(crate) struct ScaledSums<'a> {
 }
 
 impl<'a> ScaledSums<'a> {
-    /// The sums alone; they may be -2^31.
+    /// The sums alone, without weights. They may be -2^31.
     pub(crate) fn of(sums: &'a [i32]) -> Self {
         Self { weights: sums, factor: 0, sums, left: 0 }
     }
 
     /// The largest absolute value.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn largest(self) -> u32 {
         let Self { weights, factor, sums, left } = self;
         #[cfg(smr_helium)]
@@ -46,8 +48,8 @@ impl<'a> ScaledSums<'a> {
         plain::largest(weights, factor, sums, left)
     }
 
-    /// All numbers divided by `2^shift` and rounded. The caller chooses `shift` so that they fit in 16 bits.
-    #[inline(never)] // one copy in flash
+    /// Codes all numbers: divides them by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
+    #[inline(never)]
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
         #[cfg(any(not(smr_dsp), feature = "verify"))]
@@ -70,7 +72,8 @@ impl<'a> ScaledSums<'a> {
     }
 }
 
-/// A step against a gradient: each weight loses `slope * length / 2^back`, rounded. `back` is 0 to 62, and no product reaches 2^62.
+/// A step against a gradient: subtracts `slope * length / 2^back`, rounded, from each weight. `back` is 0 to 62, and no
+/// product reaches 2^62.
 #[derive(Clone, Copy)]
 pub(crate) struct GradientStep {
     pub(crate) length: i64,
@@ -79,7 +82,7 @@ pub(crate) struct GradientStep {
 
 impl GradientStep {
     /// Takes the step. A weight that would overflow an `i32` stays.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;
         let stepped = |weight, slope| plain::stepped(weight, slope, length, back);
@@ -100,9 +103,9 @@ impl GradientStep {
     }
 }
 
-/// Multiplies up to 16 numbers (each at most 8191) by `part / 16384`, rounded. `part` is at most 16384. Returns the sum of the products
-/// of old and new numbers, which is below 2^31.
-#[inline(always)] // into its one caller
+/// Multiplies up to 16 numbers (each at most 8191) by `part / 16384`, rounded. `part` is at most 16384. Returns the sum
+/// of the products of old and new numbers, which is below 2^31.
+#[inline(always)]
 pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     #[cfg(not(smr_helium))]
     return plain::scale_by(numbers, part);

@@ -6,8 +6,8 @@ use micromath::F32;
 
 /// A pinhole camera with square pixels.
 ///
-/// angle = atan((x - principal_x) / focal_length), positive to the right. The error of micromath's atan is at most 0.003
-/// radians; near the axis its result is 6 % too small. Both change only how fast the head approaches the target.
+/// angle = atan((x - principal_x) / focal_length), positive to the right. The error of micromath's atan is at most
+/// 0.003 radians; near the axis its result is 6 % too small. Both change only how fast the head approaches the target.
 ///
 /// Three ways to get the focal length in pixels:
 /// - focal length in mm / width of a pixel in mm;
@@ -27,7 +27,7 @@ pub struct Camera {
     pub focal_length_pixels: f32,
     /// The principal point (where the optical axis meets the picture), in pixels from the left edge.
     pub principal_x_pixels: f32,
-    /// The same from its top edge.
+    /// The principal point in pixels from the top edge.
     pub principal_y_pixels: f32,
 }
 
@@ -44,16 +44,16 @@ impl Camera {
 
     /// The angles right and up from the optical axis to the centre of `target`, in radians.
     ///
-    /// The axes are independent. If the camera is tilted by t, a turn of the pan servo moves the picture by only cos(t) times
-    /// as much, so the pan axis approaches the target more slowly.
+    /// The axes are independent. If the camera is tilted by t, a turn of the pan servo moves the picture by only cos(t)
+    /// times as much, so the pan axis approaches the target more slowly.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;
         (self.angle_radians(x), self.angle_radians(-y))
     }
 
-    /// The motion of the picture right and down, in units of 1/256 pixel, for a turn of the camera right and up. Exact near the
-    /// optical axis; farther out the true motion is a little larger.
+    /// The motion of the picture right and down, in units of 1/256 pixel, for a turn of the camera right and up. Exact
+    /// near the optical axis; farther out the true motion is a little larger.
     #[allow(clippy::cast_possible_truncation)] // the cast saturates; NaN becomes 0
     pub(super) fn picture_motion(&self, right_radians: f32, up_radians: f32) -> (i32, i32) {
         let units = |radians: f32| (256.0 * self.focal_length_pixels * radians) as i32;

@@ -5,27 +5,27 @@ use super::controller::Axis;
 use super::error::PursuitConfigError;
 use super::head::Servo;
 
-/// How many turns of the head are remembered: the last one, and one for each frame of the longest delay.
+/// The number of turns of the head that are remembered: the last one, and one for each frame of the longest delay.
 pub(super) const TURNS: usize = 4;
 
 /// The configuration of a [`Pursuit`](super::Pursuit), which checks it. See the [module's example](super).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PursuitConfig {
-    /// Converts boxes to angles.
+    /// The camera model, which converts boxes to angles.
     pub camera: Camera,
     /// The axis that turns the head left and right.
     pub pan: Axis,
-    /// The servo of that axis.
+    /// The servo of the pan axis.
     pub pan_servo: Servo,
     /// The axis that turns the camera up and down.
     pub tilt: Axis,
-    /// The servo of that axis.
+    /// The servo of the tilt axis.
     pub tilt_servo: Servo,
-    /// How long the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
+    /// The time for which the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
     pub hold_seconds: f32,
-    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3. 1 if the next frame is exposed before the
-    /// servos have turned. The tracker is told the motion of the picture with this delay.
+    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3. 1 if the next frame is exposed
+    /// before the servos have turned. The tracker is told the motion of the picture with this delay.
     pub delay_frames: u8,
 }
 

@@ -3,10 +3,11 @@
 use super::error::PursuitConfigError;
 use core::f32::consts::TAU;
 
-/// How one axis of the head moves: a proportional controller. Right (pan) and up (tilt) are positive, as the camera sees it.
+/// The motion of one axis of the head: a proportional controller. Right (pan) and up (tilt) are positive, as the camera
+/// sees it.
 ///
-/// angle += clamp(gain * error, -slew, slew) * elapsed, at most |error|, within the limits. A target at constant speed is
-/// followed at a constant distance of speed / gain.
+/// angle += clamp(gain * error, -slew, slew) * elapsed, at most |error|, within the limits. A target at constant speed
+/// is followed at a constant distance of speed / gain.
 ///
 /// With one frame of delay, gain * frame time must stay well below 1, or the head oscillates. Start with 1/3.
 ///
@@ -30,11 +31,11 @@ pub struct Axis {
     pub min_radians: f32,
     /// The largest angle (rightmost or highest), at most 2 pi.
     pub max_radians: f32,
-    /// The angle at the start, and the one to return to when the target stays lost.
+    /// The angle at the start. The axis returns to it when the target stays lost.
     pub home_radians: f32,
     /// Speed per error, in radians per second per radian; more than 0.
     pub gain_per_second: f32,
-    /// The axis holds still up to this error; at least 0.
+    /// Errors up to this are ignored: the axis holds still; at least 0.
     pub deadband_radians: f32,
     /// The largest speed; more than 0. Choose one that the servo can follow under its load.
     pub slew_radians_per_second: f32,

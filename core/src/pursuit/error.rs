@@ -1,9 +1,9 @@
-//! Why the pursuit refused a call: one small enum per operation.
+//! The errors of the pursuit: one small enum for each operation.
 
 use crate::UpdateError;
 use core::fmt;
 
-/// Why a [`PursuitConfig`](super::PursuitConfig) was refused.
+/// The reason why a [`PursuitConfig`](super::PursuitConfig) was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -49,7 +49,7 @@ impl fmt::Display for PursuitConfigError {
 
 impl core::error::Error for PursuitConfigError {}
 
-/// Why a frame was not searched. No pin was written.
+/// The reason why a frame was not searched. No pin was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -71,7 +71,7 @@ impl fmt::Display for FollowError {
 
 impl core::error::Error for FollowError {}
 
-/// Why the head was not turned: the error of the pan, tilt or indicator pin, unchanged.
+/// The reason why the head was not turned: the error of the pan, tilt or indicator pin, unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

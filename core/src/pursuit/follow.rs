@@ -1,4 +1,4 @@
-//! Frame by frame: the answer of the tracker to the pulses of the servos.
+//! Follows frame by frame: from the answer of the tracker to the pulses of the servos.
 
 use super::camera::Camera;
 use super::config::{PursuitConfig, TURNS};
@@ -46,7 +46,7 @@ pub struct Pursuit<P, T, L> {
     hold_seconds: f32,
     /// The time since a target was last seen.
     lost_seconds: f32,
-    /// How far the last commands turned the head, right and up, in radians; the last one first.
+    /// The turns of the head by the last commands, right and up, in radians; the last one first.
     turns: [(f32, f32); TURNS],
     delay_frames: u8,
 }
@@ -67,8 +67,8 @@ impl<P, T, L> fmt::Debug for Pursuit<P, T, L> {
 
 impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// A pursuit whose head is assumed to be at home. The first call of [`Pursuit::follow`], [`Pursuit::steer`] or
-    /// [`Pursuit::wait`] writes the pins. The true position of the servos is unknown, so they go to their first angle at full
-    /// speed.
+    /// [`Pursuit::wait`] writes the pins. The true position of the servos is unknown, so they go to their first angle
+    /// at full speed.
     ///
     /// # Errors
     /// [`PursuitConfigError`], if a number of the configuration cannot be used.
@@ -86,10 +86,11 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         })
     }
 
-    /// Updates the tracker with a frame, steers by the answer, and tells the tracker how far the turn of the head moves the
-    /// picture. `elapsed_seconds` is the time since the last frame.
+    /// Updates the tracker with a frame, steers by the answer, and tells the tracker how far the turn of the head moves
+    /// the picture. `elapsed_seconds` is the time since the last frame.
     ///
-    /// If a pin fails, the result holds the answer and the error, and the tracker is told about the turn of the other axis.
+    /// If a pin fails, the result holds the answer and the error, and the tracker is told about the turn of the other
+    /// axis.
     ///
     /// # Errors
     /// [`FollowError`]. No pin was written then, and the tracker is unchanged.
@@ -109,14 +110,15 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         Ok(Followed { answer, commanded })
     }
 
-    /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker yourself, for
-    /// example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
+    /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker
+    /// yourself, for example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
     ///
-    /// The head turns to bring the centre of the box onto the optical axis. If the target is lost, this is [`Pursuit::wait`].
-    /// The indicator is on in the states tracking and leaving.
+    /// The head turns to bring the centre of the box onto the optical axis. If the target is lost, this is
+    /// [`Pursuit::wait`]. The indicator is on in the states tracking and leaving.
     ///
     /// # Errors
-    /// [`PursuitError`]: the first error of a pin. The other pins are still written. The axis whose pin failed keeps its angle.
+    /// [`PursuitError`]: the first error of a pin. The other pins are still written. The axis whose pin failed keeps
+    /// its angle.
     pub fn steer(&mut self, answer: &Answer, elapsed_seconds: f32) -> Commanded<P, T, L> {
         if answer.state == State::Lost {
             return self.wait(elapsed_seconds);
@@ -156,15 +158,16 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
         check_elapsed(elapsed_seconds)?;
         self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
-        // The part of this step after the end of the hold.
+        // The time of this step after the end of the hold.
         let homeward_seconds = (self.lost_seconds - self.hold_seconds).max(0.0).min(elapsed_seconds);
         let pan = self.pan.axis.homeward(self.pan.radians, homeward_seconds);
         let tilt = self.tilt.axis.homeward(self.tilt.radians, homeward_seconds);
         self.turn_to(pan, tilt, false)
     }
 
-    /// How far the turn of the head moves the picture until the next frame, right and down, in units of 1/256 pixel. It is the
-    /// argument of [`Target::moved`]. It belongs to the command that was given [`PursuitConfig::delay_frames`] before the last.
+    /// The motion of the picture by the turn of the head until the next frame, right and down, in units of 1/256 pixel.
+    /// It is the argument of [`Target::moved`]. It belongs to the command that was given
+    /// [`PursuitConfig::delay_frames`] before the last.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

@@ -6,8 +6,9 @@ use embedded_hal::pwm::SetDutyCycle;
 
 /// The pulses of a hobby servo in microseconds. Measure them once for your servo and its linkage.
 ///
-/// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The resolution is that of the
-/// pin's timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7 degrees).
+/// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The resolution is that of
+/// the pin's timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7
+/// degrees).
 ///
 /// ```
 /// use smr_core::pursuit::Servo;
@@ -69,7 +70,8 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its last angle, so that the next step is not larger.
+    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its last angle, so that the next step is not
+    /// larger.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
         self.pin.set_duty_cycle(duty)?;

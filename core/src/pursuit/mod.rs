@@ -1,6 +1,7 @@
 //! Smooth pursuit: keeps the target centred with a pan/tilt head. Feature `pursuit`.
 //!
-//! Box to angle ([`Camera`]), angle to step ([`Axis`]), step to pulse ([`Servo`]). The only module that uses floats (f32).
+//! Box to angle ([`Camera`]), angle to step ([`Axis`]), step to pulse ([`Servo`]). The only module that uses floats
+//! (f32).
 //!
 //! ```
 //! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};

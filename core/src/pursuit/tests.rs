@@ -1,4 +1,4 @@
-//! The pursuit against mock pins that expect exact duties.
+//! Tests the pursuit against mock pins that expect exact duties.
 
 use super::controller::tests::{PAN, any_axis};
 use super::*;
@@ -72,11 +72,11 @@ fn writes(
 
 #[test]
 fn duties_are_exact() {
-    // micromath's atan(32 / 160) is 0.1957 radians. Gain 10, 0.1 seconds: all of it.
+    // micromath's atan(32 / 160) is 0.1957 radians. With gain 10 the head turns by all of it in 0.1 seconds.
     writes(&[1598, 1598], &[1500, 1598], &[true, true], |pursuit| {
         let command = pursuit.steer(&answer(State::Tracking, 112, 60), 0.1).unwrap();
         assert!((command.pan_radians - 0.1957).abs() < 0.0001 && command.tilt_radians == 0.0, "{command:?}");
-        // Below the centre: down, the longer pulse of the reversed tilt servo.
+        // The target is below the centre: the head turns down, by the longer pulse of the reversed tilt servo.
         let command = pursuit.steer(&answer(State::Leaving, 80, 92), 0.1).unwrap();
         assert_eq!(command.tilt_radians, -command.pan_radians);
         assert_eq!(command, pursuit.command());
@@ -283,7 +283,7 @@ fn follows<T: Target>(target: T::Config, delay_frames: u8) {
 fn the_tracker_is_told_how_far_the_picture_moves() {
     let mut small = paper::Config::camera();
     small.window = paper::Radius { x: 8, y: 8 };
-    // Without the refiner, whose larger window would be cut by the frame's edge.
+    // Without the refiner, whose larger window the frame's edge would cut.
     let robust = robust::Config::robust();
     for delay_frames in [0, 1, 3] {
         follows::<Paper<1024, 161>>(small, delay_frames);

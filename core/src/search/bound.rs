@@ -21,12 +21,13 @@ impl Extent {
         u64::from(self.template.0) * u64::from(self.template.1)
     }
 
-    /// Columns and rows of the window.
+    /// Columns plus rows of the window.
     fn axes(&self) -> u64 {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// The SAD of the last position and the descent, the score where it ends, and that of the last position.
+    /// The most comparisons for the SAD of the last position, the descent, the score where it ends, and the score of
+    /// the last position.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -39,21 +40,22 @@ impl Extent {
         2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
     }
 
-    /// The whole window once, for the peak.
+    /// The most comparisons for the peak: the whole window once.
     fn peak<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let groups = if self.pruning { Ranges::<PIXELS, SPAN>::most(self.window, self.template) } else { 0 };
         self.offsets() * self.pixels() + groups
     }
 
-    /// The whole window once, for the runner-up: nine scouts first. The floor is raised at the start, then each time for at most
-    /// 1/32 of the work since; the maxima are read once more at the end.
+    /// The most comparisons for the runner-up: nine scouts and the whole window once. The floor is raised at the start,
+    /// then each time for at most 1/32 of the work since; the maxima are read once more at the end.
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
     }
 
-    /// A search with or without the runner-up, and a second one for the runner-up if `again`.
+    /// The most comparisons of a search with or without the runner-up, and of a second one for the runner-up if
+    /// `again`.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
@@ -64,7 +66,8 @@ impl Extent {
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
     }
 
-    /// The most comparisons of a step beyond those it was granted: an offset, a group or a row of ranges, and 7 * `SPAN` words.
+    /// The most comparisons by which a step exceeds its grant: an offset, a group or a row of ranges, and 7 * `SPAN`
+    /// words.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

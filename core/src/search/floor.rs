@@ -1,4 +1,5 @@
-//! The peak so far, and the least score that an offset needs to change the result. An offset below it can be skipped.
+//! The best offset so far, and the least score that an offset needs to change the result. An offset below it can be
+//! skipped.
 //!
 //! If the runner-up is wanted, the least score is bounded by a floor:
 //!
@@ -20,7 +21,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// What is searched in addition to the peak, and its progress.
+/// The goal of the search beside the peak, and its progress.
 #[derive(Clone, Copy)]
 enum Beside {
     Nothing,
@@ -28,8 +29,8 @@ enum Beside {
     RunnerUp { neighbourhood: u16, floor: u32 },
 }
 
-/// The bounding box of the offsets that have the peak's score. Each of its sides touches one of them, so the box suffices to
-/// decide whether one lies outside the peak's neighbourhood.
+/// The bounding box of the offsets that have the peak's score. Each of its sides touches one of them, so the box
+/// suffices to decide whether one lies outside the peak's neighbourhood.
 #[derive(Clone, Copy)]
 struct Equals {
     neighbourhood: u16,
@@ -62,12 +63,12 @@ impl Equals {
 }
 
 impl<const SPAN: usize> Leaders<SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { best: None, beside: Beside::Nothing, needed: 0, maxima: Maxima::new() }
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         (self.best, self.needed) = (None, 0);
         self.beside = match wanted {
@@ -87,8 +88,8 @@ impl<const SPAN: usize> Leaders<SPAN> {
         self.needed
     }
 
-    /// The least score with which the offset at (`x`, `y`) can still change the result: one more than [`Self::needed`] if the
-    /// offset loses a tie with the peak and cannot become the runner-up.
+    /// The least score with which the offset at (`x`, `y`) can still change the result. It is one more than
+    /// [`Self::needed`] if the offset loses a tie with the peak and cannot become the runner-up.
     pub(super) fn needed_at(&self, window: &Window, x: i32, y: i32) -> u32 {
         let needed = self.needed();
         let loses_tie = self.best.is_some_and(|best| {
@@ -127,7 +128,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         self.set_needed();
     }
 
-    /// After a change of the peak or the floor.
+    /// Computes `needed` after a change of the peak or the floor.
     fn set_needed(&mut self) {
         let best = self.best.map_or(0, |best| best.score);
         self.needed = match self.beside {
@@ -136,7 +137,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         };
     }
 
-    /// Raises the floor by pairs among all offsets noted so far. `note` only sees pairs with the peak.
+    /// Raises the floor by pairs among all offsets noted so far. (`note` only sees pairs with the peak.)
     pub(super) fn raise_floor(&mut self) {
         if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);

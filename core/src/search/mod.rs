@@ -1,7 +1,8 @@
-//! The search: scores the offsets of a window and returns the **peak** and the **runner-up** (steps 1 and 4 of the method).
+//! The search: scores the offsets of a window and returns the **peak** and the **runner-up** (steps 1 and 4 of the
+//! method).
 //!
-//! Ties: of equal scores the offset closest to the centre of the window wins (least dx^2 + dy^2), then the smaller y, then
-//! the smaller x. A target without texture therefore stays where it was.
+//! Ties: of equal scores the offset closest to the centre of the window wins (least dx^2 + dy^2), then the smaller y,
+//! then the smaller x. A target without texture therefore stays where it was.
 //!
 //! | file | what it does |
 //! |---|---|

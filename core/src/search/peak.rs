@@ -15,21 +15,21 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// Whether this offset is the peak rather than `other`: by the score, then by the tie rule.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// True if this offset is the peak rather than `other`: by the score, then by the tie rule.
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub(super) fn beats(&self, other: &Self, window: &Window) -> bool {
         if self.score == other.score { self.order(window) < other.order(window) } else { self.score > other.score }
     }
 
-    /// The tie rule: the least of these is the peak.
+    /// The key of the tie rule: of equal scores the offset with the least key is the peak.
     fn order(&self, window: &Window) -> (u64, i32, i32) {
         let (x, y) = window.centre();
         let (dx, dy) = (u64::from(self.x.abs_diff(x)), u64::from(self.y.abs_diff(y)));
         (dx * dx + dy * dy, self.y, self.x)
     }
 
-    /// Whether `other` is more than `distance` pixels away in x or in y.
+    /// True if `other` is more than `distance` pixels away in x or in y.
     pub(super) fn is_further_than(&self, distance: u32, other: &Self) -> bool {
         self.x.abs_diff(other.x).max(self.y.abs_diff(other.y)) > distance
     }
@@ -40,7 +40,8 @@ impl Peak {
 pub(crate) enum Wanted {
     /// The peak alone.
     Peak,
-    /// The peak, and whether an offset outside its neighbourhood has the same score. Costs little more than the peak alone.
+    /// The peak, and whether an offset outside its neighbourhood has the same score. Costs little more than the peak
+    /// alone.
     Equals(u16),
     /// The peak and the runner-up.
     RunnerUp(u16),
@@ -52,7 +53,7 @@ pub(crate) enum Wanted {
 pub struct Found {
     /// The offset with the largest score.
     pub peak: Peak,
-    /// The largest score outside the peak's neighbourhood; 0 if the neighbourhood covers the window. `None` if the decision
-    /// did not depend on it: see [`RunnerUp`](crate::paper::RunnerUp).
+    /// The largest score outside the peak's neighbourhood; 0 if the neighbourhood covers the window. `None` if the
+    /// decision did not depend on it: see [`RunnerUp`](crate::paper::RunnerUp).
     pub runner_up: Option<u32>,
 }

@@ -1,14 +1,14 @@
 //! Excludes groups of 4x4 offsets at once, by the ranges (minimum and maximum) of blocks of 4x4 pixels.
 //!
-//! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of its
-//!    differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
-//! 2. The similarity p does not rise with the difference. So sum p(d(t)) is an upper bound of the score of every offset of
-//!    the group. It stays one if some rows of the template are left out and counted as p = 1.
+//! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of
+//!    its differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
+//! 2. The similarity p does not rise with the difference. So sum p(d(t)) is an upper bound of the score of every offset
+//!    of the group. It stays one if some rows of the template are left out and counted as p = 1.
 //!
-//! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in 1, 2
-//! or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed score is
-//! skipped from then on. So is one whose bound falls so slowly that it will not be excluded: its offsets are scored. A pass computes only the ranges
-//! under the rectangle of the other groups.
+//! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in
+//! 1, 2 or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed
+//! score is skipped from then on. If the bound of a group falls so slowly that the group will not be excluded, it is no
+//! longer bounded and its offsets are scored. A pass computes only the ranges under the rectangle of the other groups.
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
@@ -23,7 +23,7 @@ pub(super) const SIDE: usize = 4;
 const WORD: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
-    /// First half: the minima of the blocks, row by row. Second half: the maxima.
+    /// The minima of the blocks in the first half, row by row. The maxima in the second half.
     bytes: Words<PIXELS>,
     /// The upper bound of each group of the tile; 0 if the group is excluded.
     bounds: [[u32; 3]; SPAN],
@@ -35,7 +35,7 @@ pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
 #[repr(align(4))]
 struct Words<const BYTES: usize>([u8; BYTES]);
 
-/// How a window is divided into tiles and passes, for one size of template and window.
+/// The division of a window into tiles and passes, for one size of template and window.
 #[derive(Clone, Copy)]
 struct Shape {
     /// Pixels of the template.
@@ -57,10 +57,10 @@ struct Remaining {
 
 impl Remaining {
     const NONE: Self = Self { columns: [u16::MAX, 0], rows: [u16::MAX, 0] };
-    /// Cut off at the end of the tile.
+    /// All groups of a tile: cut off at its end.
     const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
 
-    /// Adds the group that begins at an offset of the tile.
+    /// Includes the group that begins at an offset of the tile.
     #[allow(clippy::cast_possible_truncation)] // a window has at most 131071 offsets on an axis
     #[cfg_attr(smr_small, inline(never))] // keeps its registers out of its caller
     fn add(&mut self, (column, row): (usize, usize)) {
@@ -81,20 +81,20 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) const fn groups(&self) -> usize {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
-    /// The first offset of a group that no group before it contains, counted from the first of the tile.
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    /// The first offset of a group that no earlier group contains, counted from the first offset of the tile.
+    #[cfg_attr(smr_small, inline(never))]
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
     }
 
-    /// The first offset of a group, counted from the first of the tile. The last group of a row or column overlaps the one
-    /// before it, so that it ends with the tile.
+    /// The first offset of a group, counted from the first offset of the tile. The last group of a row or column
+    /// overlaps the one before it, so that it ends with the tile.
     pub(super) fn group(&self, group: usize) -> (usize, usize) {
         let (column, row) = self.new_in_group(group);
         (column.min(self.columns.saturating_sub(SIDE)), row.min(self.rows.saturating_sub(SIDE)))
@@ -102,7 +102,7 @@ impl Tile {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
         Self {
@@ -113,7 +113,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         }
     }
 
-    /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
+    /// Divides a window for a template. False if there can be no groups (fewer than 4 rows or columns) or they do not
+    /// pay.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
         let shape = Shape::of((template.width(), template.height()), window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
@@ -124,7 +125,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         1 << self.shape.halvings
     }
 
-    /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows are left.
+    /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows are
+    /// left.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
@@ -132,8 +134,9 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// The most comparisons for the groups of a window, without the offsets. Per tile: 2 for each range, the pixels of the
-    /// template for each group, and one word per group when the tile is begun, in each pass, and while offsets are scored.
+    /// The most comparisons for the groups of a window, without the offsets. Per tile: 2 for each range, the pixels of
+    /// the template for each group, and one word per group when the tile is begun, in each pass, and while offsets are
+    /// scored.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -155,7 +158,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.remaining = Remaining::ALL;
     }
 
-    /// Begins to bound the groups of a pass, whose ranges are known: so far none remains.
+    /// Begins to bound the groups of a pass, whose ranges are computed. No group remains yet.
     pub(super) const fn begin_groups(&mut self) {
         self.remaining = Remaining::NONE;
     }
@@ -182,7 +185,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     /// The pixels under the offsets of a tile or a part; `None` if some are outside the frame or not in memory.
     pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, part: &Tile) -> Option<Image<'a>> {
         if cfg!(all(target_os = "none", not(smr_helium))) {
-            return None; // each row finds its own: takes little time and less flash
+            return None; // each row finds its own pixels, which takes little time and less flash
         }
         let (x, y) = window.position(part.column, part.row);
         let side = |blocks: usize| u16::try_from(blocks + SIDE - 1).unwrap_or(u16::MAX);
@@ -190,8 +193,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         frame.patch(Rect::new(x, y, side(width), side(height)))
     }
 
-    /// Computes up to `most` rows of ranges for a `part` of `tile` from row `row` on, if the backend can do several at a time; returns the number of
-    /// rows. `pixels` are those of the part.
+    /// Computes up to `most` rows of ranges for a `part` of `tile` from row `row` on, if the backend can compute
+    /// several at a time. Returns the number of rows. `pixels` are those of the part.
     pub(super) fn compute_rows(
         &mut self,
         pixels: Image<'_>,
@@ -244,9 +247,9 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Lowers the bound of a group by the rows of this pass, and to 0 if it falls below `needed`, which is at least 1. Returns the number of pixels
-    /// compared, at most.
-    #[inline(always)] // into its one caller
+    /// Lowers the bound of a group by the rows of this pass, and sets it to 0 if it falls below `needed`, which is at
+    /// least 1. Returns the most pixels that were compared.
+    #[inline(always)]
     pub(super) fn bound_group(
         &mut self,
         template: Image<'_>,
@@ -257,7 +260,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer<'_>,
     ) -> u32 {
         let (column, row) = tile.group(group);
-        // The first row of the template that belongs to this pass, and the row of ranges it is compared with.
+        // The first row of the template that belongs to this pass, and the row of ranges that it is compared with.
         let passes = self.passes();
         let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.stride_of(tile.columns);
@@ -270,7 +273,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // These rows counted as fully similar so far: replace that by their own bound.
+            // So far these rows counted as fully similar. Replaces that by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -282,13 +285,13 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
     }
 
-    /// Whether to bound a group in this pass: it is not excluded, and [`is_promising`].
+    /// True if a group is to be bounded in this pass: it is not excluded, and it [`is_promising`].
     pub(super) fn may_fall_below(&self, group: usize, needed: u32, area: u32, pass: usize) -> bool {
         let bound = self.bounds.as_flattened().get(group);
         bound.is_some_and(|&bound| is_promising(bound, needed, area, pass, self.passes()))
     }
 
-    /// Whether the bound of a group is at least `needed`.
+    /// True if the bound of a group is at least `needed`.
     pub(super) fn reaches(&self, group: usize, needed: u32) -> bool {
         self.bounds.as_flattened().get(group).is_some_and(|&bound| bound >= needed)
     }
@@ -301,8 +304,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 }
 
 impl Shape {
-    /// The largest tiles whose ranges fit into `capacity` bytes and that have at most `groups` groups. `None` if there are none
-    /// or if they do not pay.
+    /// The largest tiles whose ranges fit into `capacity` bytes and that have at most `groups` groups. `None` if there
+    /// are none or if they do not pay.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, halvings: 0 };
@@ -332,7 +335,8 @@ impl Shape {
         ranges <= half(capacity) && tile.groups() <= groups
     }
 
-    /// Whether the ranges of a tile cost at most 1/16 of scoring its offsets. That is the loss if nothing can be excluded.
+    /// True if the ranges of a tile cost at most 1/16 of scoring its offsets. That is the loss if nothing can be
+    /// excluded.
     fn pays(&self) -> bool {
         let ranges = 2 * self.columns_of(self.columns) * self.rows_of(self.rows);
         16 * ranges <= self.columns * self.rows * self.width * self.height
@@ -343,7 +347,7 @@ impl Shape {
         (self.width + columns).saturating_sub(SIDE)
     }
 
-    /// Bytes of such a row.
+    /// Bytes of a row of ranges, in whole words.
     const fn stride_of(&self, columns: usize) -> usize {
         self.columns_of(columns).next_multiple_of(WORD)
     }
@@ -353,18 +357,20 @@ impl Shape {
     }
 }
 
-/// The first of `most` offsets from `from` on, and their number. If fewer than 4 of `all` are left, it starts earlier.
-#[cfg_attr(smr_small, inline(never))] // one copy
+/// The first of `most` offsets from `from` on, and their number. If fewer than 4 of `all` are left, the first one is
+/// earlier.
+#[cfg_attr(smr_small, inline(never))]
 fn part(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
     (from.min(all.saturating_sub(size)), size)
 }
 
-/// Whether a group with this bound after `done` of `passes` may still be excluded: it is not yet, and if each pass takes as much from its bound, and
-/// a quarter more, that falls below `needed`. Once a group is not promising it is no longer bounded, so a search in which nothing can be excluded ends
-/// its passes after the first one.
+/// True if a group with this bound after `done` of `passes` may still be excluded: it is not excluded yet, and its
+/// bound falls below `needed` if each pass left takes as much from it as those done, and a quarter more. A group that
+/// is not promising is no longer bounded. So a search in which nothing can be excluded ends its passes after the first
+/// one.
 fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
-    // In units in which 20 times a score fits.
+    // The unit is chosen so that 20 times a score fits.
     let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;
     #[allow(clippy::cast_possible_truncation)] // at most 4 passes
     let (taken, allowed) = (lost(bound) * 5 * passes as u32, lost(needed) * 4 * done as u32);
@@ -376,9 +382,9 @@ const fn half(capacity: usize) -> usize {
     capacity / 2 / WORD * WORD
 }
 
-/// The ranges of the `width` blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` are those from (`x`, `y`) on, if they
-/// are known. Pixels outside the frame are 0.
-#[inline(always)] // into its one caller
+/// Computes the ranges of the `width` blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels`
+/// are those from (`x`, `y`) on, if they are known. Pixels outside the frame are 0.
+#[inline(always)]
 fn ranges_at(
     frame: &Frame<'_>,
     pixels: Option<Image<'_>>,
@@ -395,8 +401,8 @@ fn ranges_at(
     }
 }
 
-/// The ranges of the first `width` blocks in the first four rows of `pixels`.
-#[cfg_attr(smr_small, inline(never))] // one copy
+/// Computes the ranges of the first `width` blocks in the first four rows of `pixels`.
+#[cfg_attr(smr_small, inline(never))]
 fn ranges_of(pixels: Image<'_>, width: usize, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let (pixels, stride) = pixels.parts();
     let mut rows = [&[][..]; SIDE];
@@ -408,7 +414,7 @@ fn ranges_of(pixels: Image<'_>, width: usize, scorer: &Scorer<'_>, low: &mut [u8
     scorer.ranges(&rows, low, high);
 }
 
-/// The same if some pixels lie outside the frame: from a padded copy, 16 blocks at a time.
+/// Computes the ranges if some pixels lie outside the frame: from a padded copy, 16 blocks at a time.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
 fn ranges_at_border(
@@ -424,7 +430,7 @@ fn ranges_at_border(
     let (mut x, mut at) = (x, 0);
     while at < width {
         let mut copy = [[0; COLUMNS as usize]; SIDE];
-        // Reads only the pixels needed: others may not be in memory.
+        // Reads only the pixels that are needed: others may not be in memory.
         let columns = u16::try_from((width - at).min(PART.into()) + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {

@@ -1,7 +1,7 @@
 //! The runner-up from one maximum per row and one per column of the window.
 //!
-//! 1. The neighbourhood of the peak is a square. The offsets outside it are whole rows (above and below) and whole columns
-//!    (left and right).
+//! 1. The neighbourhood of the peak is a square. The offsets outside it are whole rows (above and below) and whole
+//!    columns (left and right).
 //! 2. So the largest score outside is exactly the largest of the maxima of those rows and columns.
 //! 3. The maxima can be collected before the peak is known. They take width + height words instead of width * height.
 
@@ -18,7 +18,7 @@ pub(super) struct Maxima<const SPAN: usize> {
 /// A maximum for each offset of the window on an axis.
 struct Row<const SPAN: usize> {
     maxima: [u32; SPAN],
-    /// How many there are.
+    /// The number of maxima.
     len: usize,
 }
 
@@ -29,14 +29,14 @@ impl<const SPAN: usize> Row<SPAN> {
         rolled(self.maxima.iter_mut().take(len)).for_each(|maximum| *maximum = 0);
     }
 
-    /// `lock` refuses a window of more than `SPAN` offsets on an axis.
+    /// The maxima in use. There is room for all: `lock` refuses a window of more than `SPAN` offsets on an axis.
     fn all(&self) -> &[u32] {
         self.maxima.get(..self.len).unwrap_or_default()
     }
 }
 
 impl<const SPAN: usize> Maxima<SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { columns: Row { maxima: [0; SPAN], len: 0 }, rows: Row { maxima: [0; SPAN], len: 0 } }
     }
@@ -53,8 +53,8 @@ impl<const SPAN: usize> Maxima<SPAN> {
         raise(&mut self.rows.maxima, *window.ys().start(), candidate.y, candidate.score);
     }
 
-    /// The largest score that two offsets more than `distance` apart (in x or in y) both reach, by the maxima of rows and of
-    /// columns; 0 if there is no such pair.
+    /// The largest score that two offsets more than `distance` apart (in x or in y) both reach, computed from the
+    /// maxima of rows and of columns; 0 if there is no such pair.
     pub(super) fn both_reach(&self, distance: usize) -> u32 {
         pair(self.columns.all(), distance).max(pair(self.rows.all(), distance))
     }
@@ -67,7 +67,7 @@ impl<const SPAN: usize> Maxima<SPAN> {
     }
 }
 
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     let index = usize::try_from(at.saturating_sub(first)).unwrap_or(usize::MAX);
     if let Some(maximum) = maxima.get_mut(index) {
@@ -77,9 +77,9 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
 
 /// max over i, j with j - i > distance of min(maxima[i], maxima[j]), in one pass.
 ///
-/// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair that
-/// uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
-#[cfg_attr(smr_small, inline(never))] // one copy
+/// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair
+/// that uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
+#[cfg_attr(smr_small, inline(never))]
 fn pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));
@@ -98,7 +98,7 @@ fn pair(maxima: &[u32], distance: usize) -> u32 {
     both
 }
 
-/// The largest entry more than `neighbourhood` away from the peak's.
+/// The largest entry more than `neighbourhood` away from the entry of the peak.
 fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     let peak = usize::try_from(peak.saturating_sub(first)).unwrap_or(0);
     let before = maxima.get(..peak.saturating_sub(neighbourhood.into()));
@@ -106,7 +106,7 @@ fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     [before, behind].map(|far| largest(far.unwrap_or_default())).into_iter().max().unwrap_or(0)
 }
 
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn largest(maxima: &[u32]) -> u32 {
     rolled(maxima.iter()).copied().max().unwrap_or(0)
 }

@@ -1,10 +1,10 @@
 //! The search: scores or excludes every offset of the window, in steps of bounded work.
 //!
 //! 1. A descent of the SAD from the last position, then the score where it ends: a good score early excludes more.
-//! 2. For the runner-up nine offsets far apart, the scouts.
+//! 2. For the runner-up: the scores of nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
-//! 4. The offsets of the remaining groups are scored; where a backend can, four at a time are bounded first. Scoring stops as soon as an
-//!    offset cannot reach the needed score.
+//! 4. The offsets of the remaining groups are scored. Where a backend can, four at a time are bounded first. Scoring
+//! stops as soon as an offset cannot reach the needed score.
 //!
 //! The result does not depend on the order, nor on how the work is divided into steps.
 
@@ -63,21 +63,21 @@ enum Stage {
     Offsets,
 }
 
-/// Where the present stage is.
+/// The place that the present stage has reached.
 struct Place {
     /// The first offset of the tile, or the present offset where there are no groups.
     column: usize,
     row: usize,
     /// The next neighbour, scout, row of ranges, or group.
     next: usize,
-    /// The next offset of that group.
+    /// The next offset of the present group.
     offset: u8,
     /// The pass over the tile.
     pass: u8,
 }
 
 impl Place {
-    /// The first place of a tile.
+    /// The place at the start of a tile.
     const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }
@@ -86,7 +86,7 @@ impl Place {
 /// The descent: moves to the least SAD among the centre and its 8 neighbours at distance `step`, then halves `step`.
 #[derive(Clone, Copy)]
 struct Descent {
-    /// The centre.
+    /// The position around which the descent looks.
     x: i32,
     y: i32,
     /// The position with the least SAD so far, and that SAD.
@@ -95,8 +95,8 @@ struct Descent {
     step: u8,
 }
 
-/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 2 offsets (8 SADs of every fourth row). All
-/// steps together cost at most 1/64 of the window.
+/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 2 offsets (8 SADs of every fourth
+/// row). All steps together cost at most 1/64 of the window.
 fn first_step(window: &Window) -> u8 {
     first_step_of(window.size())
 }
@@ -108,14 +108,15 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
     }
 }
 
-/// A SAD reads every fourth row.
+/// Rows from one row that a SAD reads to the next.
 pub(super) const SAD_STEP: u16 = 4;
 
-/// The first step is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that the ranges are faster.
+/// The most steps of a descent. The first one is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that
+/// the ranges are faster.
 pub(super) const MOST_STEPS: usize = 4;
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
-    #[inline(always)] // built in place
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self {
             leaders: Leaders::new(),
@@ -140,7 +141,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = if pruning { Stage::LastPosition } else { Stage::Offsets };
     }
 
-    /// Searches the window again for the runner-up. The peak is known.
+    /// Starts a second search of the window, for the runner-up. The peak is known.
     pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
         let peak = self.leaders.best();
         self.leaders.reset(&scene.window, Wanted::RunnerUp(neighbourhood));
@@ -150,15 +151,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.begin_scouts();
     }
 
-    /// Continues for about `work` comparisons (at least 1) and returns how many were made. Counted are:
+    /// Continues for about `work` comparisons (at least 1) and returns how many were made. These are counted:
     ///
-    /// - 1 for a byte of the template against a byte of the frame, even if scoring stopped before it, or a bound excluded the offset;
+    /// - 1 for a byte of the template against a byte of the frame, even if scoring stopped before it, or a bound
+    ///   excluded the offset;
     /// - 2 for each range;
     /// - 1 for each word of working memory read in a pass over groups or maxima.
     ///
-    /// A step exceeds `work` by at most one offset, group or row of ranges, and 7 * `SPAN` words: a pass over the groups (3), one
-    /// over the maxima to raise the floor (2), one for the runner-up (2).
-    #[inline(never)] // one copy in flash
+    /// A step exceeds `work` by at most one offset, group or row of ranges, and 7 * `SPAN` words: a pass over the
+    /// groups (3), one over the maxima to raise the floor (2), one for the runner-up (2).
+    #[inline(never)]
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
         self.since_floor = self.since_floor.wrapping_add(self.work);
         (self.work, self.granted) = (0, work.max(1));
@@ -189,7 +191,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage == Stage::Done
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     fn spend(&mut self, comparisons: u32) {
         self.work = self.work.saturating_add(comparisons);
     }
@@ -199,7 +201,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         if self.is_done() { self.leaders.found(window) } else { None }
     }
 
-    /// Begins the descent at the last position. Where there is none, its end is the last position.
+    /// Begins the descent at the last position. If there is no descent, it ends at the last position at once.
     fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
         self.descent = Descent { x, y, best: (x, y), distance: u32::MAX, step: 0 };
@@ -212,14 +214,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The next neighbour, row by row. After the last one the next step of the descent begins, or the descent ends.
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    /// Compares the next neighbour, row by row. After the last one the next step of the descent begins, or the descent
+    /// ends.
+    #[cfg_attr(smr_small, inline(never))]
     fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, distance: least, step } = self.descent;
         if step == 0 {
             self.score(scene, x, y);
             if self.leaders.needed() == 0 {
-                // If all offsets score 0, the last position is the peak. Groups that can score no more are excluded below.
+                // If all offsets score 0, the last position is the peak. Groups that cannot score more are excluded
+                // below.
                 let (x, y) = scene.window.centre();
                 self.score(scene, x, y);
             }
@@ -242,8 +246,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The SAD of every fourth row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds `enough`.
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    /// The SAD of every fourth row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds
+    /// `enough`.
+    #[cfg_attr(smr_small, inline(never))]
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
         self.spend(u32::from(scene.template.width()) * u32::from(scene.template.height().div_ceil(SAD_STEP)));
@@ -255,8 +260,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Scouts;
     }
 
-    /// Scores a scout: one of nine offsets, the corners, the middles of the edges and the centre. If two of them are far enough apart, they
-    /// give the runner-up a floor. Only in windows of at least 288 offsets: nine scouts are 1/32 of them.
+    /// Scores a scout: one of nine offsets, the corners, the middles of the edges and the centre. If two of them are
+    /// far enough apart, they give the runner-up a floor. Only in windows of at least 288 offsets: nine scouts are 1/32
+    /// of them.
     fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let number = self.place.next;
@@ -286,7 +292,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         };
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn compute_ranges(&mut self, scene: &Scene<'_>) {
         let Place { column, row, next, .. } = self.place;
         let pass = self.place.pass.into();
@@ -317,7 +323,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Exclude;
     }
 
-    /// Computes as many rows of ranges as were granted at once, if the backend can; returns their number.
+    /// Computes several rows of ranges at once, as many as the grant allows, if the backend can. Returns their number.
     fn compute_several(
         &mut self,
         scene: &Scene<'_>,
@@ -335,7 +341,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         rows
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn exclude(&mut self, scene: &Scene<'_>) {
         let needed = self.leaders.needed().max(1);
         let (pass, groups) = (self.place.pass.into(), self.tile.groups());
@@ -365,7 +371,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         group
     }
 
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     fn refine(&mut self, scene: &Scene<'_>) {
         while let Some(group) = self.next_group(self.leaders.needed()) {
             let from = self.place.next;
@@ -373,7 +379,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 (self.place.next, self.place.offset) = (group, 0);
             }
             let new = self.tile.new_in_group(group);
-            // Raise the floor at the first remaining group of each row, unless that costs more than 1/32 of the work since.
+            // Raise the floor at the first remaining group of each row, unless that costs more than 1/32 of the work
+            // since.
             let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.new_in_group(from - 1).1);
             if is_first && self.since_floor.wrapping_add(self.work) / 32 >= axes(scene) {
                 self.raise_floor(scene);
@@ -392,8 +399,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.next_tile(scene);
     }
 
-    /// Scores the present offset of a group, unless an earlier group or tile contains it. The first offset of each row of four asks which of
-    /// them may matter.
+    /// Scores the present offset of a group, unless an earlier group or tile contains it. At the first offset of each
+    /// row of four, finds out which of them may matter.
     fn score_in_group(&mut self, scene: &Scene<'_>, group: (usize, usize), new: (usize, usize)) {
         let Place { column: first_column, row: first_row, offset, .. } = self.place;
         let new = (
@@ -417,14 +424,15 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Which of the `wanted` offsets from (`x`, `y`) to the right may matter: see [`Scorer::candidates`]. The leading one is known.
+    /// The offsets among the `wanted` from (`x`, `y`) to the right that may matter: see [`Scorer::candidates`]. The
+    /// best offset so far is known and left out.
     fn candidates(&self, scene: &Scene<'_>, (x, y): (i32, i32), mut wanted: u8) -> u8 {
         if let Some(best) = self.leaders.best()
             && best.y == y
         {
             wanted &= !1u8.checked_shl(best.x.wrapping_sub(x).cast_unsigned()).unwrap_or(0);
         }
-        // To score one offset is faster than to bound four.
+        // Scoring one offset is faster than bounding four.
         if Scorer::BOUNDS_FOUR && wanted & wanted.wrapping_sub(1) != 0 {
             wanted = candidates(scene, (x, y), self.leaders.needed(), wanted).unwrap_or(wanted);
         }
@@ -458,7 +466,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    #[cfg_attr(smr_small, inline(never))] // one copy in flash
+    #[cfg_attr(smr_small, inline(never))]
     fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
         if self.leaders.best().is_some_and(|best| (best.x, best.y) == (x, y)) {
             return; // noted already
@@ -472,8 +480,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// Which of the `wanted` offsets from (`x`, `y`) to the right may score `needed`. Bounded are the pixels that lie inside the frame at each of
-/// the four. Those outside at each are compared with the padding; the others count as fully similar. `None` if there is nothing to bound.
+/// The offsets among the `wanted` from (`x`, `y`) to the right that may score `needed`. The pixels inside the frame at
+/// each of the four are bounded. Those outside at each are compared with the padding. The others count as fully
+/// similar. `None` if there is nothing to bound.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
@@ -494,7 +503,7 @@ fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) ->
 /// Offsets of a group.
 const OFFSETS: u8 = 16;
 
-/// -`step`, 0 or `step`: the `number`-th.
+/// The `number`-th of -`step`, 0 and `step`.
 fn third(number: usize, step: u8) -> i32 {
     match number {
         0 => -i32::from(step),

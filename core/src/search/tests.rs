@@ -1,4 +1,4 @@
-//! The search against a map of all scores: the result must be the same with any pruning, backend and step size.
+//! Tests the search against a map of all scores: the result must be the same with any pruning, backend and step size.
 
 use super::floor::Leaders;
 use super::*;
@@ -46,7 +46,7 @@ impl Kind {
     }
 }
 
-/// A frame, and a template that occurs in it or does not.
+/// A frame, and a template that may occur in it.
 #[derive(Clone, Debug)]
 struct Case {
     kind: Kind,
@@ -66,7 +66,7 @@ static STEEP: Table = match Table::new(20) {
     Err(_) => panic!("20 is in range"),
 };
 
-/// A template that fills the search's working memory exactly or nearly, so that tiles are small.
+/// Pixels of a template that fills the search's working memory exactly or nearly, so that tiles are small.
 const PIXELS: usize = 24 * 20;
 
 prop_compose! {
@@ -133,7 +133,7 @@ impl Case {
     }
 }
 
-/// How a search is run.
+/// The way in which a search is run.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     pruning: bool,
@@ -201,7 +201,7 @@ proptest! {
         let (columns, rows) = case.window.size();
         let offsets = (columns * rows) as u64;
         let pixels = u64::from(case.template.0) * u64::from(case.template.1);
-        // 1/16 for ranges, 1/32 each for the descent and the scouts; the groups; the start.
+        // 1/16 for ranges, 1/32 each for the descent and the scouts; then the groups and the start.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
         // Words of working memory: the maxima twice, and each group in each pass.
         let words = 2 * (columns + rows) as u64 + 8 * groups;

@@ -68,7 +68,7 @@ impl Window {
 
     /// Positions on the x axis and on the y axis.
     #[must_use]
-    #[cfg_attr(smr_small, inline(never))] // one copy
+    #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub fn size(&self) -> (usize, usize) {
         (count(self.left, self.right), count(self.top, self.bottom))
@@ -100,8 +100,8 @@ impl Window {
         (most(radius.x, bounds.width, target.width), most(radius.y, bounds.height, target.height))
     }
 
-    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: if no
-    /// position reaches the frame on an axis, it is the row or column at the frame's edge.
+    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: if
+    /// no position reaches the frame on an axis, it is the row or column at the frame's edge.
     pub(crate) fn pixels(&self, width: u16, height: u16, bounds: Rect) -> Rect {
         let (x, width) = pixels(self.left, self.right, width, bounds.width);
         let (y, height) = pixels(self.top, self.bottom, height, bounds.height);
@@ -110,7 +110,7 @@ impl Window {
 }
 
 /// First pixel and number of pixels on one axis; at least one.
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     let frame = i32::from(frame);
     let from = first.min(frame - 1).max(0);
@@ -119,7 +119,7 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
 }
 
 /// First and last position on one axis, for any `at`: never empty, never beyond the padding.
-#[cfg_attr(smr_small, inline(never))] // one copy
+#[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);
     let last = (i32::from(frame) + i32::from(padding) - i32::from(size)).max(first);

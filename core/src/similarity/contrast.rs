@@ -1,4 +1,5 @@
-//! Contrast: can a patch show the target at all? The picture of a covered lens cannot, even if its ratio is high.
+//! Contrast: decides whether a patch can show the target at all. The picture of a covered lens cannot, even if its
+//! ratio is high.
 
 use crate::image::Image;
 use crate::kernels::deviation;
@@ -19,7 +20,7 @@ impl Contrast {
     pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, cut_off: 0 };
 
     /// The contrast of at most 65537 pixels: 256 times their sum is less than 2^32.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     pub(crate) fn of(pixels: Image<'_>) -> Self {
         let from = |level| {
             let rows = (0..pixels.height()).map(|y| deviation(pixels.row(y), level));
@@ -32,8 +33,8 @@ impl Contrast {
         Self { pixels: count, mean, deviation, cut_off }
     }
 
-    /// True if the patch has enough contrast beside any target of as many pixels, and not too many clipped pixels beside any: no pixel of a
-    /// target deviates by more than half the range, and no target has fewer clipped pixels than none.
+    /// True if the patch has enough contrast and not too many clipped pixels for any target of as many pixels: no
+    /// target deviates by more than half the range on average, and none has fewer than 0 clipped pixels.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
         SHOWN * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.cut_off <= self.pixels
     }
@@ -49,7 +50,7 @@ impl Contrast {
     }
 }
 
-/// The mean absolute deviation of a picture is at most this: half its pixels are 0, the others 255.
+/// The largest mean absolute deviation that a picture can have: half its pixels are 0, the others 255.
 const MOST_DEVIATION: u32 = 128;
 /// The target may have at most this many times the contrast of the patch.
 const SHOWN: u32 = 4;
@@ -81,7 +82,7 @@ mod tests {
         assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (127, 32768 * 127 + 32767 * 128, 65535));
         let contrast = of(&board[..65536], 256, 256);
         assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (128, 32768 * 255, 65536));
-        // In the first part each pixel deviates by nearly as much as possible.
+        // In the first half each pixel deviates by nearly as much as possible.
         let mut rows = [255; 257 * 255];
         rows[..257].fill(0);
         let contrast = of(&rows, 257, 255);

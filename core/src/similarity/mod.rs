@@ -1,7 +1,8 @@
-//! SMR's measure: how similar a patch is to the template.
+//! The measure of SMR: the similarity of a patch to the template.
 //!
-//! A [`Table`] specifies the similarity of two pixels, `kernels/plain/scores.rs` the score of two pictures. A [`Backend`] computes
-//! the same score faster. [`score_at`] scores any offset in a frame, also if the box reaches beyond the frame into the padding.
+//! A [`Table`] specifies the similarity of two pixels, `kernels/plain/scores.rs` the score of two pictures. A
+//! [`Backend`] computes the same score faster. [`score_at`] scores any offset in a frame, also if the box reaches
+//! beyond the frame into the padding.
 
 mod contrast;
 mod table;
@@ -16,8 +17,8 @@ use crate::image::{Frame, Image, Rect};
 
 /// The score of `template` with its top left corner at (`x`, `y`) of the frame. Pixels outside the frame are zero.
 ///
-/// `None` if a pixel of the frame is needed that is not in memory, or if the template has more than [`Table::MAX_PIXELS`] pixels.
-/// Cost: one comparison for each pixel of the template.
+/// `None` if a pixel of the frame is needed that is not in memory, or if the template has more than
+/// [`Table::MAX_PIXELS`] pixels. Cost: one comparison for each pixel of the template.
 ///
 /// ```
 /// use smr_core::{Frame, Image, similarity::{Backend, CutTable, Scorer, Table, score_at}};
@@ -40,7 +41,7 @@ pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: 
     score_at_least(frame, template, x, y, scorer, 0)
 }
 
-/// The same score if it is at least `floor` and all pixels that are needed are in memory.
+/// The score if it is at least `floor` and all pixels that are needed are in memory.
 pub(crate) fn score_at_least(
     frame: &Frame<'_>,
     template: Image<'_>,
@@ -56,7 +57,7 @@ pub(crate) fn score_at_least(
     }
 }
 
-/// The same for a box that reaches outside the frame.
+/// The score for a box that reaches outside the frame.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
 fn score_at_border(

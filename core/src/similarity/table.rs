@@ -1,7 +1,7 @@
 //! The exp table: the specification of p, the similarity of two pixels (step 3 of the method).
 //!
-//! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform. Every entry is correctly
-//! rounded, which the tests show.
+//! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform. Every entry is
+//! correctly rounded, which the tests show.
 
 use crate::kernels::{self, CutTable};
 use core::fmt;
@@ -40,10 +40,11 @@ impl Table {
     /// The most pixels whose similarities a score can sum: 65537.
     pub const MAX_PIXELS: usize = kernels::MAX_PIXELS;
 
-    /// The steepest and the flattest scale of [`Table::new`].
+    /// The scales that [`Table::new`] takes, from the steepest to the flattest.
     pub const SCALES: core::ops::RangeInclusive<u16> = 1..=4096;
 
-    /// The paper's table: intensities run from 0 to 1, so a difference of d gray levels has the similarity exp(-d / 255).
+    /// The paper's table: intensities run from 0 to 1, so a difference of d gray levels has the similarity exp(-d /
+    /// 255).
     pub const PAPER: Self = Self::exponential(255);
 
     /// The table of exp(-d / scale), for a scale of 1 (almost only equal pixels are similar) to 4096 (almost all are).
@@ -99,9 +100,9 @@ impl Table {
 
     /// Entry d is 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits, by one multiplication after the other.
     ///
-    /// Each multiplication adds a loss of less than 2^-64 to the loss before it. So r^255 is too small by less than 2^-55, and 65535 * r^255
-    /// by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a test tries all of them). So
-    /// the rounding is correct.
+    /// Each multiplication adds a loss of less than 2^-64 to the loss before it. So r^255 is too small by less than
+    /// 2^-55, and 65535 * r^255 by less than 2^-39. No exact value for any scale lies that close to the middle between
+    /// two integers (a test tries all of them). So the rounding is correct.
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
     const fn fill(&mut self, scale: u16) {
         const HALF: u128 = 1 << 63;
@@ -120,15 +121,15 @@ impl Table {
 impl CutTable {
     /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
     #[must_use]
-    #[inline] // built in place
+    #[inline]
     pub fn new(table: &Table, threshold: u16) -> Self {
         let mut cut = Self::EMPTY;
         cut.set(table, threshold);
         cut
     }
 
-    /// The same in place.
-    #[inline(always)] // only forwards
+    /// Changes the table in place, to the entries of `table` below `threshold`.
+    #[inline(always)]
     pub(crate) fn set(&mut self, table: &Table, threshold: u16) {
         self.cut(table.entries(), threshold);
     }
@@ -155,7 +156,7 @@ const fn exp_of_minus_one_over(scale: u16) -> u128 {
     sum >> 56
 }
 
-/// Why a table was refused.
+/// The reason why a table was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
@@ -210,9 +211,9 @@ mod tests {
         }
     }
 
-    /// All scales. An f64 is off by less than 2^-33 here, so it settles an entry unless the exact value is that close to
-    /// the middle of two integers; those few are computed in 160 bits, and none may be within the 2^-39 that
-    /// `exponential` can be off by.
+    /// Tests all scales. An f64 is off by less than 2^-33 here, so it settles an entry unless the exact value is that
+    /// close to the middle of two integers. Those few are computed in 160 bits, and none may be within the 2^-39 by
+    /// which `fill` can be off.
     #[test]
     fn no_scale_has_an_entry_too_close_to_the_middle() {
         let mut close = Vec::new();

@@ -9,14 +9,14 @@ use rp2040_hal::pio::{
     Buffers, PIO, PIOBuilder, PinDir, Rx, SM0, ShiftDirection, StateMachine, Stopped, UninitStateMachine,
 };
 
-/// QVGA, halved in both directions by the sensor.
+/// Width of the picture: QVGA, halved in both directions by the sensor.
 pub const WIDTH: u16 = 162;
 pub const HEIGHT: u16 = 122;
 pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
 
 const ADDRESS: u8 = 0x24;
 const D0_PIN: u8 = 6;
-/// Registers and values, in the order of writing.
+/// Registers and their values, in the order in which they are written.
 const SETTINGS: [(u16, u8); 12] = [
     (0x3059, 0x22), // one bit per clock
     (0x0383, 0x03), // every second column
@@ -32,7 +32,7 @@ const SETTINGS: [(u16, u8); 12] = [
     (0x0100, 0x01), // stream
 ];
 const RESET: (u16, u8) = (0x0103, 0x01);
-/// Longer than any frame.
+/// The longest wait for a frame: longer than any frame takes.
 const PATIENCE_MICROSECONDS: u64 = 300_000;
 
 /// A streaming camera. VSYNC can be any pin; D0, PCLK and HREF are the pins in the PIO program.
@@ -45,7 +45,7 @@ pub struct Camera<V> {
 }
 
 impl<V: InputPin> Camera<V> {
-    /// Configures the sensor. `None` if it does not answer.
+    /// Configures the sensor and starts the stream. `None` if the sensor does not answer.
     pub fn start(
         mut bus: impl I2c,
         vsync: V,
@@ -58,7 +58,7 @@ impl<V: InputPin> Camera<V> {
         for setting in SETTINGS {
             write(&mut bus, setting)?;
         }
-        // While HREF (GP15) is high, one bit at each rising edge of PCLK (GP14).
+        // PIO program: while HREF (GP15) is high, reads one bit at each rising edge of PCLK (GP14).
         let program =
             pio::pio_asm!(".wrap_target", "wait 1 gpio 15", "wait 1 gpio 14", "in pins, 1", "wait 0 gpio 14", ".wrap",);
         let (mut machine, received, _) = PIOBuilder::from_installed_program(pio.install(&program.program).ok()?)

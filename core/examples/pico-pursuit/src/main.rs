@@ -18,23 +18,25 @@ use smr_core::paper::{Config, Fraction, Radius};
 use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
 use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 
-/// The second stage of the boot loader. (The attribute is `unsafe` because it can name any section; `memory.x` places this one.)
+/// The second stage of the boot loader. (The attribute is `unsafe` because it can name any section; `memory.x` places
+/// this one.)
 #[unsafe(link_section = ".boot2")]
 #[unsafe(no_mangle)]
 #[used]
 pub static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_GENERIC_03H;
 
 const CRYSTAL_HERTZ: u32 = 12_000_000;
-/// 125 MHz / 40 counts to 62500 in 20 milliseconds.
+/// Divides the clock of the PWM: 125 MHz / 40 counts to 62500 in 20 milliseconds.
 const PWM_DIVIDER: u8 = 40;
 const PWM_TOP: u16 = 62_499;
 
-/// Depends on the lens. To measure it, look at an object of width w at distance d: if it covers n pixels, this is n * d / w.
+/// Depends on the lens. To measure it, look at an object of width w at distance d: if it covers n pixels, the focal
+/// length is n * d / w.
 const FOCAL_LENGTH_PIXELS: f32 = 160.0;
-/// Width and height of the target in pixels. It is in the middle of the frame when the button is pressed.
+/// Width and height of the target in pixels. The target must be in the middle of the frame when the button is pressed.
 const TARGET_PIXELS: u16 = 24;
 
-/// 60 degrees to each side, from 900 to 2100 microseconds. Measure those of your servos.
+/// The limits of an axis: 60 degrees to each side, from 900 to 2100 microseconds. Measure those of your servos.
 const AXIS: Axis = Axis {
     min_radians: -1.05,
     max_radians: 1.05,
@@ -47,13 +49,13 @@ const AXIS: Axis = Axis {
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
 
-/// On a chip with enough memory and speed, use the robust tracker, `smr_core::Robust`. Apart from this, only the configuration
-/// changes.
+/// The target's type. On a chip with enough memory and speed use the robust tracker, `smr_core::Robust`: then only the
+/// configuration changes besides.
 type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]
 fn main() -> ! {
-    // It returns only if a part is missing. The LED is off then.
+    // `run` returns only if a part is missing. The LED is off then.
     let _ = run();
     loop {
         core::hint::spin_loop();
@@ -125,7 +127,8 @@ fn run() -> Option<Infallible> {
     }
 }
 
-/// While the button is pressed, locks on the middle of the frame. Otherwise returns the frame for an update; `None` without a target.
+/// The frame for an update. While the button is pressed, locks on the middle of the frame instead. `None` without a
+/// target.
 fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pressed: bool) -> Option<Frame<'a>> {
     let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
     if pressed {
@@ -140,7 +143,8 @@ fn tracker_config() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 10, y: 10 };
     config.window_limit = Radius { x: 16, y: 16 };
-    // Do not follow what passes in front of the target.
+    // A low ratio of peak and runner-up is refused, so that the head does not follow an object that passes in front of
+    // the target.
     config.gate.tracking = Fraction::new(5, 4);
     config
 }

@@ -1,7 +1,7 @@
 //! Scores by NEON, which every AArch64 with floating point has: 16 pixels at a time, for any threshold.
 //!
-//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So the lookup is also
-//!    the test d < threshold. Larger thresholds take up to four lookups.
+//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So
+//!    the lookup is also the test d < threshold. Larger thresholds take up to four lookups.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
@@ -61,14 +61,14 @@ pub(crate) struct Lookup {
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
-    /// How often candidates are worth their time.
+    /// Decides how often bounding candidates is worth its time.
     candidates: Effort,
 }
 
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
 
 impl Lookup {
-    /// Always possible: this file is compiled only if the target has NEON.
+    /// Always succeeds: this file is compiled only if the target has NEON.
     pub(crate) fn new(table: &CutTable) -> Self {
         let threshold = table.threshold();
         let segments = usize::from(threshold).div_ceil(SEGMENT).max(1);
@@ -135,7 +135,7 @@ impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
     }
 }
 
-/// The bytes of one plane.
+/// Looks up the bytes of one plane.
 ///
 /// # Safety
 /// The processor has NEON.
@@ -149,7 +149,7 @@ unsafe fn entries<const SEGMENTS: usize>(
         let mut index = difference;
         let mut entries = vqtbl4q_u8(*first, index);
         for segment in others.iter().take(SEGMENTS - 1) {
-            // An index of another segment is too large, perhaps because it wrapped, and keeps its value.
+            // An index of another segment is too large (or wrapped to a large one), and keeps its value in the lookup.
             index = vsubq_u8(index, vdupq_n_u8(64));
             entries = vqtbx4q_u8(entries, *segment, index);
         }

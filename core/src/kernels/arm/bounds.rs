@@ -1,9 +1,10 @@
-//! The bounds of scores on Arm's microcontrollers. `candidates.rs` and `groups.rs` of each instruction set compute two of them. The third
-//! one, of all that lies between two pictures, is the least loss of pixels compared with a full score:
+//! The bounds of scores on Arm's microcontrollers. `candidates.rs` and `groups.rs` of each instruction set compute two
+//! of them. The third one bounds the score of every patch between two pictures: a full score less the least loss of its
+//! pixels.
 //!
-//! A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel that does not count loses all.
-//! So the bound needs two sums of bytes: the number of pixels that do not count, and the differences of the others. These instruction sets
-//! sum bytes fast, but look up a table pixel by pixel.
+//! A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel that does
+//! not count loses all. So the bound needs two sums of bytes: the number of pixels that do not count, and the
+//! differences of the others. These instruction sets sum bytes fast, but look up a table pixel by pixel.
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
@@ -13,21 +14,21 @@ use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::Blocks;
 
-/// A table as these kernels look it up, pixel by pixel.
+/// A table that these kernels look up pixel by pixel.
 pub(crate) struct Lookup<'a> {
     pub(crate) plain: Plain<'a>,
 }
 
-/// A patch is excluded once its pixels have lost more than `allowed`.
+/// The limits of a loss. A patch is excluded once its pixels have lost more than `allowed`.
 pub(crate) struct Limit {
-    /// A pixel counts if it differs by less: 1..=255.
+    /// A pixel counts if its difference is less than this: 1..=255.
     pub(crate) threshold: u8,
     /// The loss of a pixel that counts, for each gray level of difference. A pixel that does not count loses 65535.
     pub(crate) chord: u32,
     pub(crate) allowed: u32,
 }
 
-/// Computes the least loss of two pictures. Once that is more than allowed, it may stop.
+/// A function that computes the least loss of two pictures. Once that is more than allowed, it may stop.
 pub(crate) type Loss = fn(&Rows, &Limit) -> u32;
 
 impl<'a> Lookup<'a> {
@@ -45,8 +46,8 @@ impl<'a> Lookup<'a> {
         u8::try_from(self.plain.table.threshold().saturating_sub(1)).unwrap_or(u8::MAX)
     }
 
-    /// An upper bound of the score of a group, if it is at least `floor`. `misses` is called only for at least `NARROWEST` columns. It counts the
-    /// pixels that cannot count.
+    /// An upper bound of the score of a group, if it is at least `floor`. Calls `misses`, which counts the
+    /// pixels that cannot count, only if there are at least `NARROWEST` columns.
     #[inline(always)]
     pub(crate) fn bound<const NARROWEST: usize>(
         &self,
@@ -67,8 +68,8 @@ impl<'a> Lookup<'a> {
         (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
     }
 
-    /// Which of the `wanted` of four offsets may score at least `floor`; all of them if the bound is not worth its time. `spare` is called only
-    /// for at least `NARROWEST` columns.
+    /// The offsets among the `wanted` of four that may score at least `floor`; all of them if the bound is not worth
+    /// its time. It calls `spare` only if there are at least `NARROWEST` columns.
     #[inline(always)]
     pub(crate) fn candidates<const NARROWEST: usize>(
         &self,
@@ -89,13 +90,14 @@ impl<'a> Lookup<'a> {
         candidates
     }
 
-    /// An upper bound of the score of `rows`, if it is at least `floor`. `loss` is called only for at least `NARROWEST` columns.
+    /// An upper bound of the score of `rows`, if it is at least `floor`. It calls `loss` only if there are at least
+    /// `NARROWEST` columns.
     #[inline(always)] // into the one function of a backend that calls it
     pub(crate) fn most<const NARROWEST: usize>(&self, rows: &Rows, floor: u32, loss: Loss) -> Option<u32> {
         let full = rows.full_after(0);
         let allowed = full.checked_sub(floor)?;
         let threshold = u8::try_from(self.plain.table.threshold()).unwrap_or(0);
-        // There is no bound for rows too narrow for the loop, nor if all pixels count or none does.
+        // No bound is computed for rows too narrow for the loop, or if all pixels count or none does.
         if threshold == 0 || rows.width < NARROWEST || rows.patch_stride != rows.high_stride {
             return Some(full);
         }

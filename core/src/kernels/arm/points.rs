@@ -1,27 +1,28 @@
-//! A bound of scores by one sum of bytes: points.
+//! A bound of scores by a single sum of bytes: the points.
 //!
-//! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference almost as similarities do. So a
-//! score is at most the number of points divided by a fixed rate, and an offset with too few points is excluded without looking up a table.
+//! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference
+//! almost as similarities do. So a score is at most the number of points divided by a fixed rate. An offset with too
+//! few points is excluded without a lookup in a table.
 
 use crate::kernels::cut_table::ONE;
 use crate::kernels::unrolling::rolled;
 
-/// How points bound the score by a table that is cut off at a threshold.
+/// The bound that points give for the scores by a table that is cut off at a threshold.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     /// The largest difference of a pixel that counts.
     pub(super) largest: u8,
-    /// A pixel that scores p has at least p * `rate` / 2^24 points. 0: points bound nothing.
+    /// A pixel that scores p has at least p * `rate` / 2^24 points. If it is 0, points bound nothing.
     rate: u32,
 }
 
 impl Points {
-    /// The points of an equal pixel, the most.
+    /// The points of an equal pixel. No pixel has more.
     pub(super) const MOST: u8 = u8::MAX;
 
     pub(crate) const NONE: Self = Self { largest: 0, rate: 0 };
 
-    /// For `entries` cut off at `threshold`. Points bound nothing if no pixel counts or every pixel does.
+    /// The points for `entries` cut off at `threshold`. They bound nothing if no pixel counts or every pixel does.
     pub(crate) fn of(entries: &[u16; 256], threshold: u16) -> Self {
         let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) else {
             return Self::NONE;
@@ -31,12 +32,13 @@ impl Points {
         Self { largest, rate: rates.min().unwrap_or(0) }
     }
 
-    /// The fewest points of an offset with `pixels` pixels that scores at least `floor`; 0 if points bound nothing. Two bounds, the second one tight
-    /// where most pixels are similar:
+    /// The fewest points of an offset with `pixels` pixels that scores at least `floor`; 0 if points bound nothing. It
+    /// is the larger of two bounds, the second one tight where most pixels are similar:
     ///
-    /// - A score has at least `rate` points.
-    /// - A pixel loses at least `chord` for each point that it lacks: see [`CutTable::chord`](crate::kernels::CutTable::chord). One that does not
-    ///   count lacks 255 and loses 65535, that is 257 for each.
+    /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
+    /// - A pixel loses at least `chord` for each point that it lacks: see
+    ///   [`CutTable::chord`](crate::kernels::CutTable::chord). One that does not count lacks 255 and loses 65535, that
+    ///   is 257 for each.
     pub(super) fn needed(&self, floor: u32, pixels: u32, chord: u32) -> u32 {
         if self.rate == 0 {
             return 0;
@@ -49,5 +51,5 @@ impl Points {
     }
 }
 
-/// The offsets that are compared at once: the next ones to the right.
+/// Offsets that are compared at once: one, and the next ones to its right.
 pub(super) const OFFSETS: usize = 4;

@@ -1,19 +1,19 @@
 //! Columns of a resampled row: each is interpolated from two neighbouring numbers of the row.
 
-/// The first number of a column is one of this many of a row.
+/// The number of places in a row where the first number of a column may be.
 pub(crate) const PLACES: u16 = 512;
 
-/// A row for interpolation: 256 times a gray level, less [`BIAS`] (in two's complement). One number may follow the last
+/// A row to interpolate: 256 times a gray level, less [`BIAS`] (in two's complement). One number may follow the last
 /// place.
 pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
-/// Each number of a [`MixedRow`] row is lower by this: the DSP extension multiplies signed numbers.
+/// The number that is subtracted from each number of a [`MixedRow`]: the DSP extension multiplies signed numbers.
 pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 
-/// The rounded level of each column. `from` is the byte in the row where its first number begins; `parts` are the parts of the
-/// first and of the second number, 256 in sum.
+/// Computes the rounded gray level of each column. `from` is the byte in the row where the column's first number
+/// begins. `parts` are the weights of the first and of the second number, 256 in sum.
 #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
         let pair = row.get(usize::from(from / 2)..).and_then(|row| row.first_chunk()).copied().unwrap_or([0; 2]);

@@ -1,4 +1,4 @@
-//! A layer of a small network, the plain loop. It specifies what a backend computes.
+//! A layer of a small network, the plain loop. It specifies the result of every backend.
 //!
 //! ```text
 //! out[n, o] = min(max((bias[o] + sum over k of  w[o, k] * x[n, k]) >> shift, 0), 127)

@@ -1,20 +1,22 @@
 //! Cells of gradient orientations (HOG, Dalal and Triggs), the plain loops.
 //!
-//! A cell has 4x4 pixels. The gradient of a pixel is (x, y) = (right - left, below - above). It votes for the two directions next to it, of
-//! nine directions 20 degrees apart; opposite directions count alike. The votes are the components of the gradient along the two
-//! directions: g = a u + b v. That is linear, so it needs no root, no angle and no division.
+//! A cell has 4x4 pixels. The gradient of a pixel is (x, y) = (right - left, below - above). It votes for the two
+//! directions next to it, of nine directions 20 degrees apart; opposite directions count alike. The votes are the
+//! components of the gradient along the two directions: g = a u + b v. That is linear, so it needs no root, no angle
+//! and no division.
 
 use super::super::cells::{CELL, CHANNELS, SIDE};
 #[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, feature = "verify")))]
 use super::super::unrolling::rolled;
 
-/// Directions of gradients.
+/// The number of directions of gradients.
 const BINS: usize = 9;
 
 /// (cos, sin) / sin 20 degrees of 0, 20, ... 100 degrees, in units of 1/256. The other directions mirror these.
 pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
 
-/// The sums of a cell, channel by channel: nine directions in units of 1/4 gray level, and the sum of gray levels.
+/// The sums of a cell, channel by channel: those of nine directions in units of 1/4 gray level, and the sum of gray
+/// levels.
 pub(crate) struct Sums(pub(crate) [u16; CHANNELS]);
 
 impl Sums {
@@ -24,8 +26,8 @@ impl Sums {
     }
 }
 
-/// The votes of a cell: for each of the five sectors between the directions of 0 to 100 degrees, and for each mirrored sector. The low
-/// 16 bits are the votes for the first direction of the sector, the high 16 bits those for the second.
+/// The votes of a cell: for each of the five sectors between the directions of 0 to 100 degrees, and for each mirrored
+/// sector. The low 16 bits are the votes for the first direction of the sector, the high 16 bits those for the second.
 pub(crate) struct Votes(pub(crate) [[u32; 5]; 2]);
 
 impl Votes {
@@ -34,12 +36,13 @@ impl Votes {
     #[inline(always)]
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
-        // Opposite gradients count alike; directions beyond 90 degrees mirror the others.
+        // Opposite gradients count alike. Directions beyond 90 degrees mirror the others.
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // How far the gradient is beyond a direction: at most 361 * 256 / sin 20 degrees. That is its vote for the next direction, if the
-        // gradient lies between the two. It is always beyond 0 degrees and never beyond 100.
+        // The distance of the gradient beyond a direction: at most 361 * 256 / sin 20 degrees. That is its vote for the
+        // next direction, if the gradient lies between the two. The gradient is always beyond 0 degrees and never
+        // beyond 100.
         let beyond = |(cos, sin): (i32, i32)| cos * up - sin * right;
         let [zero, one, two, three, four, five] = DIRECTIONS;
         let (number, short, over);
@@ -56,7 +59,7 @@ impl Votes {
                 (number, short, over) = if four < 0 { (3, four, three) } else { (4, beyond(five), four) };
             }
         }
-        // In units of 1/4. No sum of a cell reaches 2^16.
+        // The votes are in units of 1/4. No sum of a cell reaches 2^16.
         if let Some(sector) = sectors.get_mut(number) {
             *sector += (short.wrapping_neg().cast_unsigned() >> 6) + (over.cast_unsigned() >> 6 << 16);
         }
@@ -80,9 +83,9 @@ impl Votes {
     }
 }
 
-/// The sums of a cell, of its pixels and their neighbours.
+/// The sums of a cell. They depend on its pixels and their neighbours.
 #[cfg(any(not(smr_dsp), feature = "verify"))]
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     votes(lines, at).sums(gray(lines, at))
 }
@@ -94,7 +97,7 @@ pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
     for line in lines.iter().skip(1).take(CELL.into()) {
         let pixels = line.get(at + 1..).and_then(|line| line.first_chunk());
         let pixels = u32::from_le_bytes(pixels.copied().unwrap_or_default());
-        // Two pixels at a time.
+        // Adds two pixels at a time.
         gray += (pixels & 0x00FF_00FF) + (pixels >> 8 & 0x00FF_00FF);
     }
     low(gray) + low(gray >> 16)
@@ -125,19 +128,20 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray level less 128.
+/// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
+/// level less 128.
 #[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, feature = "verify")))]
-#[inline(always)] // into its one caller
+#[inline(always)]
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
         let [parts @ .., level] = out;
         let mut of_cell = sums.iter().map(|row| row.get(number).copied().unwrap_or(0));
         for (part, sum) in parts.iter_mut().zip(&mut of_cell) {
-            // Below 23,600 * 162,560 < 2^32.
+            // The product is below 23,600 * 162,560 < 2^32.
             let value = (u32::from(sum) * inverse) >> 16;
             *part = i8::try_from(value).unwrap_or(i8::MAX);
         }
-        // 0..=255, so -128..=127.
+        // The mean is 0..=255, so the feature is -128..=127.
         let [gray, _] = (of_cell.next().unwrap_or(0) >> 4).to_le_bytes();
         *level = (gray ^ 128).cast_signed();
     }

@@ -1,4 +1,5 @@
-//! Sums of products, the plain loops: the responses of a filter, and the gradient of its error. They specify what a backend computes.
+//! Sums of products, the plain loops: the responses of a filter, and the gradient of its error. They specify the
+//! results of every backend.
 //!
 //! | symbol | what | type |
 //! |---|---|---|
@@ -10,7 +11,7 @@ use super::super::layout::Layout;
 use super::super::unrolling::rolled_if_spare;
 use core::ops::Range;
 
-/// The responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
+/// Computes the responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
 ///
 /// A part is a row of offsets. No sum may leave an `i32`: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
 #[inline(always)] // a backend compiles it for its own instruction set
@@ -40,9 +41,11 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// The gradient: adds `e * x` over all offsets to the sum of each weight, where x is the feature under the weight at that offset.
+/// Adds the gradient: for each weight the sum of `e * x` over all offsets, where x is the feature under the weight at
+/// that offset.
 ///
-/// A part is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
+/// A part is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 <
+/// 2^31.
 #[inline(always)]
 pub(crate) fn gather_inline<const N: usize>(
     parts: Range<usize>,
@@ -67,7 +70,7 @@ pub(crate) fn gather_inline<const N: usize>(
     }
 }
 
-/// [`responses_inline`], with one copy in flash.
+/// Calls [`responses_inline`], in one copy.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
@@ -79,7 +82,7 @@ pub(crate) fn responses<const N: usize>(
     responses_inline(parts, cells, layout, weights, out);
 }
 
-/// [`gather_inline`], with one copy in flash.
+/// Calls [`gather_inline`], in one copy.
 #[inline(never)]
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,

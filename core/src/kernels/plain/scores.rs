@@ -1,5 +1,5 @@
-//! Scores, the plain loops: the specification of a score (steps 2 to 4 of the method), and of the distances and bounds by which the
-//! search excludes offsets. Every backend gives the same scores and distances.
+//! Scores, the plain loops: the specification of a score (steps 2 to 4 of the method), and of the distances and bounds
+//! by which the search excludes offsets. Every backend gives the same scores and distances.
 
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::Scores;
@@ -17,23 +17,23 @@ pub(crate) struct Plain<'a> {
 }
 
 impl Scores for Plain<'_> {
-    #[cfg_attr(smr_swar, inline(never))] // one copy for all callers
+    #[cfg_attr(smr_swar, inline(never))]
     #[cfg_attr(not(smr_swar), inline)]
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_at_least(patch, template, self.table, floor)
     }
 
-    #[inline] // into other crates, too
+    #[inline]
     fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         score_between_at_least(low, high, template, self.table, floor)
     }
 
-    #[inline] // into other crates, too
+    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         distance(patch, template, enough)
     }
 
-    #[inline] // into other crates, too
+    #[inline]
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         spread(rows, low, high);
     }
@@ -49,11 +49,12 @@ pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> 
     patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table)).sum()
 }
 
-/// The same score if it is at least `floor`. `None` as soon as the remaining pixels cannot reach that.
+/// The score if it is at least `floor`. `None` as soon as the remaining pixels cannot reach that.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
-        // Spare here, so one loop is enough: if the two bounds are the patch, the bound of the score is the score.
+        // On this target the plain loop hardly ever runs, so one loop is enough: if both bounds are the patch, the
+        // bound of the score is the score.
         return score_between_at_least(patch, patch, template, table, floor);
     }
     let mut reachable = most(patch, template);
@@ -78,7 +79,7 @@ pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
 }
 
-/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS).
+/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) of them.
 pub(crate) fn full(pixels: usize) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(ONE))
 }
@@ -87,16 +88,16 @@ fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
     rolled_if_spare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
 }
 
-/// The similarity of two pixels, 0 if they do not count.
+/// The similarity of two pixels; 0 if their difference reaches the threshold.
 #[inline]
 fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
     u32::from(table.similarity(f.abs_diff(g)))
 }
 
-/// The sum of absolute differences (SAD). Once it exceeds `enough`, the remaining rows may be left out: the result is then more than
-/// `enough` and at most the SAD.
+/// The sum of absolute differences (SAD). Once it exceeds `enough`, the remaining rows may be left out. The result is
+/// then more than `enough` and at most the SAD.
 #[must_use]
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     let mut sum = 0;
     for y in 0..patch.height().min(template.height()) {
@@ -109,12 +110,13 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     sum
 }
 
-/// An upper bound of the score of every patch between `low` and `high`, if it is at least `floor`. `None` as soon as it cannot be.
+/// An upper bound of the score of every patch between `low` and `high`, if it is at least `floor`. `None` as soon as it
+/// cannot reach that.
 ///
-/// `low` is nowhere above `high`. The difference of a pixel is its distance to the range between the two: no patch in the range is closer.
-/// If `low` equals `high`, the bound is the score.
+/// No pixel of `low` is above that of `high`. The difference of a pixel is its distance to the range between the two:
+/// no patch in the range is closer. If `low` equals `high`, the bound is the score.
 #[must_use]
-#[cfg_attr(any(smr_dsp, smr_helium), inline(never))] // one copy for all callers
+#[cfg_attr(any(smr_dsp, smr_helium), inline(never))]
 pub(crate) fn score_between_at_least(
     low: Image<'_>,
     high: Image<'_>,
@@ -135,9 +137,9 @@ pub(crate) fn score_between_at_least(
     Some(reachable)
 }
 
-/// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three more pixels than
-/// `low` and `high`.
-#[inline(never)] // one copy in flash
+/// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three
+/// more pixels than `low` and `high`.
+#[inline(never)]
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     for (column, (to_low, to_high)) in low.iter_mut().zip(high).enumerate() {
         let (mut low, mut high) = (u8::MAX, 0);
@@ -151,9 +153,10 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the part of `template` that lies on the padding, which is all zeroes.
+/// The score of the pixels of `template` that lie on the padding, which is all zeroes.
 ///
-/// `seen` is the part that lies on the frame, in coordinates of the template. It is empty if the whole template lies on the padding.
+/// `seen` is the rectangle that lies on the frame, in coordinates of the template. It is empty if the whole template
+/// lies on the padding.
 #[cfg(any(smr_swar, test, feature = "verify"))]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))] // keeps its registers out of those of its caller
@@ -175,7 +178,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
 }
 
 #[cfg(any(smr_swar, test, feature = "verify"))]
-#[inline(never)] // one copy in flash
+#[inline(never)]
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
     rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
 }

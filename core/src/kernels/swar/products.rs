@@ -1,8 +1,9 @@
-//! Sums of products for processors without DSP or SIMD: several offsets at a time, which share the loads of weights and of sums.
+//! Sums of products for processors without DSP or SIMD: several offsets at a time, which share the loads of weights and
+//! of sums.
 //!
-//! Armv6-M has no loads of signed numbers from a place relative to an address. So each row of cells is copied as x + 128, without a sign, and
-//! 128 times the sum of the other factors is subtracted; for the differences of cells that responses take (`three_sums.rs`), 256 times. Sums may
-//! wrap before that.
+//! Armv6-M cannot load a signed number from a place relative to an address. So each row of cells is copied as x + 128,
+//! without a sign, and 128 times the sum of the other factors is subtracted. For the differences of cells that
+//! responses take (`three_sums.rs`), it is 256 times. Sums may wrap before the subtraction.
 
 use crate::kernels::cells::CHANNELS;
 use crate::kernels::layout::{Layout, PACKED, Packed};
@@ -13,17 +14,17 @@ use core::ops::Range;
 
 const STEP: usize = CHANNELS;
 
-/// Offsets at a time: more would not leave a register of Armv6-M for each sum.
+/// Offsets that are computed at a time. With more, Armv6-M would not have a register for each sum.
 const AT_ONCE: usize = 3;
 
-/// What is added to a cell: its top bit is inverted.
+/// The number added to a cell: it inverts the top bit.
 const BIAS: i32 = 128;
 const TOP: u8 = 0x80;
 
-/// What is added to a difference of two cells.
+/// The number added to a difference of two cells.
 const MIDDLE: i32 = 256;
 
-/// The code for each channel, one after the other: the compiler does not unroll a loop with assembly, as [`in_order`] has it.
+/// Repeats the code for each channel. The compiler does not unroll a loop with assembly, which [`in_order`] contains.
 macro_rules! for_each_channel {
     ($channel:ident => $code:block) => {
         for_each_channel! { $channel $code 0 1 2 3 4 5 6 7 8 9 }
@@ -34,7 +35,8 @@ macro_rules! for_each_channel {
     })*};
 }
 
-/// True if the filter of `weights` weights has whole rows of whole cells, and at every offset lies wholly on the `cells` bytes of cells.
+/// True if the filter of `weights` weights has whole rows of whole cells, and at every offset lies wholly on the
+/// `cells` bytes of cells.
 fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
     let Layout { row, stride, step, span } = layout;
     let (Some(down), Some(most)) = (weights.checked_div(row), span.checked_sub(1)) else { return false };
@@ -46,7 +48,7 @@ fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
     is_whole && has_room && end.is_some_and(|end| end <= cells)
 }
 
-/// See [`plain::responses`]. A part is two rows of cells. `spare` is memory that stays as it is between parts.
+/// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
@@ -93,12 +95,13 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(parts, &mut rows, both, out);
 }
 
-/// A row of cells, or of differences of two, each plus [`MIDDLE`]. `fits` has checked that all rows of cells are there.
+/// A row of cells, or of differences of two rows, each plus [`MIDDLE`]. `fits` has checked that all rows of cells are
+/// there.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,
     differences: *mut u16,
-    /// Numbers in it.
+    /// Numbers in the row.
     width: usize,
     factors: *const [i16; STEP],
     /// [`MIDDLE`] times the sum of a row of factors, for each row.
@@ -123,7 +126,8 @@ impl Rows for Differences<'_> {
         // SAFETY: there is a row of factors, and at every offset it lies on the row of differences.
         unsafe {
             let factors = core::slice::from_raw_parts(factors.wrapping_add(number * across), across);
-            // Three at a time, and two if that leaves none or two: `responses` has checked that there is not one alone.
+            // Takes three offsets at a time, but two if two or four are left: `responses` has checked that there is not
+            // only one.
             while sums.len() > 1 {
                 let count = if matches!(sums.len(), 2 | 4) { 2 } else { AT_ONCE };
                 let Some((now, later)) = sums.split_at_mut_checked(count) else { return };
@@ -138,11 +142,12 @@ impl Rows for Differences<'_> {
     }
 }
 
-/// The numbers of `across` cells from `first`, less those from `second` if there are any, each plus [`MIDDLE`].
+/// Computes the numbers of `across` cells from `first`, less those from `second` if there are any, each plus
+/// [`MIDDLE`].
 ///
 /// # Safety
-/// These numbers can be read and written.
-#[inline(never)] // one copy in flash
+/// The numbers of these cells can be read, and as many numbers written.
+#[inline(never)]
 unsafe fn subtract(mut to: *mut u16, across: usize, mut first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
     let step = if second.is_some() { STEP } else { 0 };
@@ -169,7 +174,7 @@ fn low(number: i32) -> u16 {
 ///
 /// # Safety
 /// At each offset as many numbers as factors can be read.
-#[inline(never)] // so that nothing else needs a register
+#[inline(never)] // so that no other code needs a register
 unsafe fn add_responses<const COUNT: usize>(
     mut numbers: *const u16,
     factors: &[[i16; STEP]],
@@ -211,7 +216,7 @@ pub(crate) fn gather<const N: usize>(
         // SAFETY: `fits` has checked that there is room for a row.
         let copy = unsafe { core::slice::from_raw_parts_mut(biased, width) };
         rolled(copy.iter_mut().zip(of_row)).for_each(|(to, from)| *to = from.cast_unsigned() ^ TOP);
-        // Each row of sums that meets this row of cells at some offset.
+        // Visits each row of sums that lies on this row of cells at some offset.
         for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
             let Some(errors) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y)?.get(..span))
             else {
@@ -220,7 +225,7 @@ pub(crate) fn gather<const N: usize>(
             let (mut cells, (sums, _)) = (biased.cast_const(), sums.as_chunks_mut::<STEP>());
             let bias = BIAS * rolled(errors.iter()).map(|&error| i32::from(error)).sum::<i32>();
             let mut errors = errors;
-            // Three errors at a time, but two at the end; only there the bias is subtracted.
+            // Takes three errors at a time, but two at the end. Only there the bias is subtracted.
             while let [one, two, later @ ..] = errors {
                 // SAFETY: a row of the filter lies on the copied cells at every offset.
                 unsafe {
@@ -240,7 +245,7 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// The parts of the plain loop that replace these parts: all for the first one, none for the others.
+/// The parts of the plain loop that replace these parts: all of them for the first part, none for the others.
 fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
     if parts.start == 0 { 0..span } else { 0..0 }
 }
@@ -271,7 +276,7 @@ unsafe fn gather_at<const COUNT: usize>(
     }
 }
 
-/// The first cells of neighbouring offsets.
+/// The places of the first cells at neighbouring offsets.
 fn offsets<const COUNT: usize>() -> [usize; COUNT] {
     core::array::from_fn(|x| x * STEP)
 }

@@ -1,5 +1,5 @@
-//! Scores, distances, ranges and bounds for processors without DSP or SIMD: words of four pixels in ordinary 32-bit registers (SWAR),
-//! and unrolled loops over bytes.
+//! Scores, distances, ranges and bounds for processors without DSP or SIMD: words of four pixels in ordinary 32-bit
+//! registers (SWAR), and unrolled loops over bytes.
 //!
 //! A byte of a word holds the upper seven bits of a pixel. Its top bit is free for the result of a comparison:
 //!
@@ -7,10 +7,11 @@
 //! x + (127 - y) has the top bit set if x > y
 //! ```
 //!
-//! Ranges and bounds need no more than that: a bound may be too large. Scores and distances need all eight bits, so they take bytes.
+//! Ranges and bounds need no more than that: a bound may be too large. Scores and distances need all eight bits, so
+//! they take bytes.
 //!
-//! These processors load words from multiples of four only. The search stores ranges there. Words of frames and templates are put together
-//! from two aligned words.
+//! These processors load words from multiples of four only. The search stores ranges there. Words of frames and
+//! templates are put together from two aligned words.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -152,8 +153,8 @@ unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) 
 #[cfg(target_arch = "riscv32")]
 const OFFSETS: usize = 4;
 
-/// The scores of `width` pixels at four offsets. A pixel of the frame meets four of the template, and its address in the table is computed
-/// once.
+/// The scores of `width` pixels at four offsets. A pixel of the frame meets four of the template, and its address in
+/// the table is computed once.
 ///
 /// # Safety
 /// So many can be read at `g`, and three more at `f`.
@@ -161,7 +162,8 @@ const OFFSETS: usize = 4;
 #[inline(never)] // so that nothing else needs a register
 unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
     let mut sums = [0; OFFSETS];
-    // SAFETY: as the caller guarantees. A signed difference is -255 to 255, and entry 255 of 511 is that of no difference.
+    // SAFETY: as the caller guarantees. A signed difference is -255 to 255, and entry 255 of 511 is that of no
+    // difference.
     unsafe {
         let equal = table.entries().as_ptr().add(255);
         // The bytes of so many entries: a pixel of the frame is doubled once.
@@ -228,7 +230,8 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
     sum
 }
 
-/// For each 4x4 block the upper seven bits of the lowest pixel, and 127 less those of the highest, both less the threshold but not below 0.
+/// For each 4x4 block the upper seven bits of the lowest pixel, and 127 less those of the highest, both less the
+/// threshold but not below 0.
 ///
 /// Column by column the least and the most of four rows, then of two and of four columns.
 #[inline(never)]
@@ -351,8 +354,9 @@ fn joined(bytes: &[u8]) -> u32 {
     rolled(bytes.iter().rev()).fold(0, |word, &byte| word << 8 | u32::from(byte))
 }
 
-/// An upper bound of the score of every patch between `blocks`, if it is at least `floor`. Pixels that count are taken as fully similar, and so
-/// are rows whose words reach beyond the template: at most the first and the last one of templates that have at least seven columns.
+/// An upper bound of the score of every patch between `blocks`, if it is at least `floor`. Pixels that count are taken
+/// as fully similar, and so are rows whose words reach beyond the template: at most the first and the last one of
+/// templates that have at least seven columns.
 #[inline(never)]
 fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
     let (width, height) = (usize::from(template.width()), usize::from(template.height()));

@@ -1,6 +1,7 @@
-//! The same tests for every backend, by one macro.
+//! Runs the same tests for every backend, by one macro.
 
-/// A module of tests for each backend; `$test` is a function that takes it. A backend that the machine does not have is skipped by name.
+/// Defines a module of tests for each backend; `$test` is a function that takes it. A backend that the machine does not
+/// have is skipped by name.
 macro_rules! for_each_backend {
     ($($test:ident),*) => {
         for_each_backend! { @modules ($($test),*) scalar_loop: Scalar, sse2: Sse2, avx2: Avx2, neon: Neon, simd128: Simd128, swar: Swar }

@@ -1,4 +1,4 @@
-//! Every backend against a loop in `i64`.
+//! Tests every backend against a loop in `i64`.
 
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
@@ -26,11 +26,11 @@ fn small(number: i32) -> i8 {
     i8::try_from(number).unwrap()
 }
 
-/// Numbers next to a forbidden page.
+/// Copies numbers next to a forbidden page.
 fn guarded<'a>(memory: &'a mut Guarded, numbers: &[i8], side: Side) -> &'a [i8] {
     let bytes: Vec<u8> = numbers.iter().map(|number| number.cast_unsigned()).collect();
     let bytes = memory.copy(&bytes, side);
-    // The same bytes, with a sign.
+    // The bytes are read as numbers with a sign.
     // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
     unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
 }
@@ -54,7 +54,7 @@ fn same(backend: Backend, layer: Layer<'_>, patches: &[i8]) {
     let count = patches.len() / layer.inputs;
     let mut memories = [(); 2].map(|()| Guarded::with_room(1 << 14));
     let [for_weights, for_patches] = &mut memories;
-    // Any place of the scratch memory, and none.
+    // The scratch memory begins at any place, or there is none.
     let mut spare = std::vec![77; SPARE + 1];
     for (side, room) in [(Side::After, 0..SPARE), (Side::Before, 1..SPARE + 1), (Side::After, 0..0)] {
         let weights = guarded(for_weights, layer.weights, side);
@@ -105,7 +105,8 @@ fn odd_shapes(backend: Backend) {
     }
 }
 
-/// Missing weights, a part of a patch, no inputs: the same outputs as those of the plain loop, and nothing else is read.
+/// With missing weights, an incomplete patch or no inputs the outputs are those of the plain loop, and nothing else is
+/// read.
 fn wrong_lengths(backend: Backend) {
     let numbers = [100; 64];
     let mut memory = Guarded::with_room(64);

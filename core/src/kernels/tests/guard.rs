@@ -1,7 +1,7 @@
 //! Memory for tests of kernels: reading or writing a byte before or after a slice ends the test.
 //!
-//! On Unix the slice touches a page that may not be accessed. Elsewhere, and under Miri, which checks every access itself, the slice is a separate
-//! allocation.
+//! On Unix the slice touches a page that may not be accessed. Elsewhere, and under Miri, which checks every access
+//! itself, the slice is a separate allocation.
 
 /// The end of a slice that touches the forbidden page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Every backend against `plain/products.rs`.
+//! Tests every backend against `plain/products.rs`.
 
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
@@ -28,7 +28,7 @@ fn small(number: i32) -> i16 {
 fn guarded(memory: &mut Guarded, count: usize, side: Side, seed: u32) -> &[i8] {
     let bytes: Vec<u8> = noise(count, seed, 127).map(|cell| i8::try_from(cell).unwrap().cast_unsigned()).collect();
     let bytes = memory.copy(&bytes, side);
-    // The same bytes, with a sign.
+    // The bytes are read as numbers with a sign.
     // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
     unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
 }
@@ -56,7 +56,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
 }
 
-/// Filters of all shapes, with no more cells than they need.
+/// Tests filters of all shapes, with no more cells than they need.
 fn all_shapes(backend: Backend) {
     let mut memory = Guarded::with_room(1 << 14);
     for (across, down) in (4..=32).map(|across| (across, 200 / across)).chain([(1, 1), (4, 4), (5, 7), (14, 14)]) {
@@ -74,7 +74,7 @@ fn all_shapes(backend: Backend) {
     }
 }
 
-/// Odd layouts and missing cells: the results equal those of the plain loops, and nothing else is read.
+/// With odd layouts and missing cells the results equal those of the plain loops, and nothing else is read.
 fn odd_shapes(backend: Backend) {
     let mut memory = Guarded::with_room(1 << 14);
     for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]

@@ -1,4 +1,4 @@
-//! Every backend against `plain/scores.rs`.
+//! Tests every backend against `plain/scores.rs`.
 
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
@@ -11,7 +11,8 @@ use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges};
 use std::boxed::Box;
 use std::vec::Vec;
 
-/// All sizes up to this edge are tried. Miri is thousands of times slower: there it is a little more than the narrowest vector.
+/// The largest side of a picture: all sizes up to this are tried. Miri is thousands of times slower, so there it is a
+/// little more than the narrowest vector.
 const EDGE: u16 = if cfg!(miri) { 18 } else { 70 };
 
 /// Step of loops that go through all values.
@@ -29,7 +30,7 @@ fn noise(length: usize, seed: u32) -> Box<[u8]> {
     core::iter::repeat_with(next).take(length).collect()
 }
 
-/// A template for `patch`: close to it, so that differences lie on both sides of any threshold.
+/// A template for `patch`. It is close to the patch, so that differences lie on both sides of any threshold.
 fn close_to(patch: &[u8], seed: u32) -> Box<[u8]> {
     let noise = noise(patch.len(), seed);
     patch.iter().zip(&noise).map(|(&pixel, &noise)| pixel.wrapping_add(noise % 80)).collect()
@@ -57,7 +58,8 @@ fn same(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
     }
 }
 
-/// All sizes up to 70 by 70 next to a forbidden page: after both pictures, before both, and with a stride larger than the width.
+/// Tests all sizes up to 70 by 70 next to a forbidden page: after both pictures, before both, and with a stride larger
+/// than the width.
 fn all_sizes(backend: Backend) {
     let (mut one, mut other) = (Guarded::with_room(70 * 73), Guarded::with_room(70 * 73));
     for width in 1..=EDGE {
@@ -76,7 +78,7 @@ fn all_sizes(backend: Backend) {
     }
 }
 
-/// All thresholds, with both pictures at all positions within larger ones.
+/// Tests all thresholds, with both pictures at all positions within larger ones.
 fn all_thresholds_and_alignments(backend: Backend) {
     let (pixels, other) = (noise(200 * 12, 3), noise(200 * 12, 4));
     for threshold in (0..=256u16).step_by(STEP) {
@@ -94,7 +96,7 @@ fn all_thresholds_and_alignments(backend: Backend) {
     }
 }
 
-/// Every difference, at the thresholds around it.
+/// Tests every difference, at the thresholds around it.
 fn all_differences(backend: Backend) {
     for difference in (0..=255u8).step_by(STEP) {
         let (patch, template) = ([difference; 33], [0; 33]);
@@ -106,7 +108,7 @@ fn all_differences(backend: Backend) {
     }
 }
 
-/// The largest possible scores and distances.
+/// Tests the largest possible scores and distances.
 fn extremes(backend: Backend) {
     if cfg!(miri) {
         return;
@@ -124,8 +126,9 @@ fn extremes(backend: Backend) {
     same(backend, column(&white), column(&white), 1);
 }
 
-/// Pictures with as many pixels as a sum can hold, equal or as different as possible, score as in the plain loops. Larger ones have no
-/// score. 65537 is prime and a side is a `u16`, so the largest allowed picture has 65536 pixels and the smallest beyond 65538.
+/// Pictures with as many pixels as a sum can hold, equal or as different as possible, score as in the plain loops.
+/// Larger ones have no score. 65537 is prime and a side is a `u16`, so the largest allowed picture has 65536 pixels and
+/// the smallest beyond 65538.
 fn bound(backend: Backend) {
     let (white, black) = (std::vec![255; 2 * 65535], std::vec![0; 2 * 65535]);
     let table = cut(256);
@@ -153,7 +156,7 @@ fn bound(backend: Backend) {
     }
 }
 
-/// Ranges of all lengths next to a forbidden page. If rows differ in length, the shortest counts.
+/// Tests ranges of all lengths next to a forbidden page. If rows differ in length, the shortest decides.
 fn all_lengths_of_ranges(backend: Backend) {
     let table = cut(16);
     let scorer = Scorer::new(backend, &table);
@@ -180,7 +183,7 @@ fn all_lengths_of_ranges(backend: Backend) {
     }
 }
 
-/// Ranges of several rows are those of each row, next to a forbidden page, for all widths and steps.
+/// The ranges of several rows are those of each row, next to a forbidden page, for all widths and steps.
 fn ranges_of_rows(backend: Backend) {
     let table = cut(16);
     let scorer = Scorer::new(backend, &table);
@@ -270,7 +273,7 @@ fn all_ranges(backend: Backend) {
             let reached = scorer.score_between_at_least(low, high, template, floor);
             assert!(reached >= least, "{backend:?}: {reached:?} reached instead of {least:?}, floor {floor}");
             assert!(reached.is_none_or(|reached| floor <= reached && reached <= most), "{backend:?}: {reached:?}");
-            // Between a picture and itself lies only the picture.
+            // The only picture between a picture and itself is the picture.
             let score = plain::score(low, template, &table);
             let itself = scorer.score_between_at_least(low, low, template, floor);
             assert!(itself >= Some(score).filter(|&score| score >= floor), "{backend:?}: {itself:?}, {score}");
@@ -282,8 +285,8 @@ fn all_ranges(backend: Backend) {
 #[repr(align(4))]
 struct Aligned([u8; 4096]);
 
-/// Templates within the ranges of a group, at every column: the bound is at least the score of each of the group's 16 offsets. The rows of
-/// the frame and the template touch a forbidden page.
+/// Templates within the ranges of a group, at every column: the bound is at least the score of each of the group's 16
+/// offsets. The rows of the frame and the template touch a forbidden page.
 fn all_groups(backend: Backend) {
     let mut guarded: [Guarded; 5] = core::array::from_fn(|_| Guarded::with_room(12 << 10));
     for width in 1..=EDGE {
@@ -333,7 +336,7 @@ fn all_groups(backend: Backend) {
     }
 }
 
-/// Neighbouring bytes are close to each other.
+/// Bytes of which neighbours are close to each other.
 fn calm(length: usize, seed: u32) -> Vec<u8> {
     let mut level = 100u8;
     noise(length, seed)
@@ -363,7 +366,7 @@ fn far_groups(backend: Backend) {
             let template = std::vec![level; usize::from(width) * height];
             let template = Image::new(&template, width, 9).unwrap();
             let most = plain::most(template, template);
-            // Up to two rows may be left out.
+            // The bound may leave out up to two rows.
             let bound = scorer.bound(&blocks, template, most / 4);
             assert_eq!(bound.is_some(), counts, "{backend:?}: {width}x{height} at column {column}, level {level}");
         }

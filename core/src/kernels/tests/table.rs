@@ -1,4 +1,4 @@
-//! The paper's table for tests of kernels, which must not use `similarity`.
+//! The paper's table for tests of kernels, which must not depend on `similarity`.
 
 use crate::kernels::cut_table::{CutTable, ONE};
 
@@ -7,7 +7,7 @@ pub(in crate::kernels) fn similarity(difference: u8) -> u16 {
     (f64::from(ONE) * (-f64::from(difference) / 255.0).exp()).round() as u16
 }
 
-/// The same, cut off at a threshold.
+/// The paper's table, cut off at a threshold.
 pub(in crate::kernels) fn cut(threshold: u16) -> CutTable {
     let mut cut = CutTable::EMPTY;
     cut.cut(&core::array::from_fn(|difference| similarity(difference as u8)), threshold);

@@ -1,4 +1,5 @@
-//! The kernels of a filter at extreme values and in all shapes (feature `verify`): sums of products, weights, bilinear sampling.
+//! The kernels of a filter at extreme values and in all shapes (feature `verify`): sums of products, weights, bilinear
+//! sampling.
 //!
 //! The unit tests of the crate do not run on a microcontroller. There `examples/conformance_robust` calls this.
 
@@ -15,7 +16,7 @@ const STEP: usize = 10;
 const SPAN: usize = 17;
 /// The most weights.
 const WEIGHTS: usize = 2000;
-/// Numbers around all bounds.
+/// Numbers at and beside the bounds of all types.
 const EXTREMES: [i32; 12] =
     [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
 
@@ -55,7 +56,7 @@ pub fn verify_filter() {
     super::dense::layers(&mut noise);
 }
 
-/// Sums of products; the largest possible ones if `extreme`.
+/// Compares sums of products; with the largest possible ones if `extreme`.
 #[inline(never)] // keeps its stack out of the caller's frame
 fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut Noise) {
     let products = Products::new(Backend::best());
@@ -76,7 +77,7 @@ fn products(across: usize, down: usize, span: usize, extreme: bool, noise: &mut 
     products.gather(0..parts, &mut room, &mut spare, &cells, layout, &errors, &mut sums);
 }
 
-/// Weights, in numbers that fill the last vector differently.
+/// Compares weights, in counts that fill the last vector differently.
 #[inline(never)] // keeps its stack out of the caller's frame
 fn weights(noise: &mut Noise) {
     for count in 0..21 {
@@ -116,7 +117,7 @@ fn low(number: i32) -> i16 {
     i16::try_from(number).unwrap_or(0)
 }
 
-/// Columns of a resampled row.
+/// Compares columns of a resampled row.
 #[inline(never)] // keeps its stack out of the caller's frame
 fn columns(noise: &mut Noise) {
     let mut columns = Interpolation::<40>::new();

@@ -108,7 +108,7 @@ pub(crate) fn spans(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]
     }
 }
 
-/// Checks such ranges of several rows.
+/// Checks the ranges of several rows of `generic.rs`.
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
 #[track_caller]
 pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to: &RowsOfRanges<'_>) {
@@ -119,7 +119,7 @@ pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to
     }
 }
 
-/// Checks a bound by such ranges: at least the number of pixels within them.
+/// Checks a bound by the ranges of `generic.rs`: at least the number of pixels within them.
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
 #[track_caller]
 pub(crate) fn bound_of_spans(
@@ -133,7 +133,7 @@ pub(crate) fn bound_of_spans(
     bound_of_pixels(answer, blocks, template, table, floor, counts);
 }
 
-/// Checks a bound by such ranges: at least the number of pixels within them.
+/// Checks a bound by the ranges of `swar/scores.rs`: at least the number of pixels within them.
 #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
 #[track_caller]
 pub(crate) fn bound_of_widened(

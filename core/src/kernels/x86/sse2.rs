@@ -1,16 +1,18 @@
 //! Distances, ranges and bounds of scores by SSE2, which every x86-64 has: 16 pixels at a time.
 //!
-//! SSE2 cannot look up bytes in a table, so the plain loop computes the score. But the search asks for most scores with a floor, which most of
-//! them do not reach. Let N pixels count and S be the sum of their differences. Then
+//! SSE2 cannot look up bytes in a table, so the plain loop computes the score. But the search asks for most scores with
+//! a floor, which most of them do not reach. Let N pixels count and S be the sum of their differences. Then
 //!
 //! ```text
 //! score <= N * 65535 - c * S        with c from CutTable::chord
 //! ```
 //!
-//! If this bound is below the floor, the plain loop does not run. The bound costs 8 to 15 % of the plain loop: 16 instructions for 16
-//! pixels, instead of eight or more for each. For a patch between two pictures the bound is the answer.
+//! If this bound is below the floor, the plain loop does not run. The bound costs 8 to 15 % of the plain loop: 16
+//! instructions for 16 pixels, instead of eight or more for each. For a patch between two pictures the bound is the
+//! answer.
 //!
-//! Groups, and four offsets at a time, are excluded by N alone: `generic.rs` counts pixels in a third of the instructions.
+//! Groups, and four offsets at a time, are excluded by N alone: `generic.rs` counts pixels in a third of the
+//! instructions.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -59,8 +61,8 @@ impl Neighbours for __m128i {
     }
 }
 
-/// Up to this width the bound reads only the first vector of a row and takes the rest as fully similar. A second vector, at most half
-/// full, would cost a fifth of the plain loop.
+/// Up to this width the bound reads only the first vector of a row and takes the rest as fully similar. A second
+/// vector, at most half full, would cost a fifth of the plain loop.
 const NARROW: usize = 24;
 
 /// Rows between two checks whether the floor is still within reach.
@@ -87,7 +89,8 @@ impl Scores for Bound<'_> {
         let looked_at = rows.first(if rows.width <= NARROW { __m128i::LANES } else { rows.width });
         let floor_there = floor.saturating_sub(rows.full_after(0) - looked_at.full_after(0));
         if floor_there > 0 && rows.width >= __m128i::LANES {
-            // SAFETY: a `Bound` exists only if SSE2 does, the pictures are borrowed, and rows are at least a vector wide.
+            // SAFETY: a `Bound` exists only if SSE2 does, the pictures are borrowed, and rows are at least a vector
+            // wide.
             unsafe { self.reach::<false>(&looked_at, floor_there) }?;
         }
         plain::score_at_least(patch, template, self.table, floor)

@@ -11,7 +11,7 @@ use embassy_time::TICK_HZ;
 use embassy_time_driver::{Driver, time_driver_impl};
 use embassy_time_queue_utils::Queue;
 
-/// Cycles of the board in a tick of Embassy's.
+/// Cycles of the board in one tick of Embassy.
 pub const CYCLES_A_TICK: u64 = 25_000_000 / TICK_HZ;
 
 /// A CMSDK timer: it counts down from `reload` to 0, requests an interrupt, and starts again.
@@ -28,10 +28,10 @@ const ALARM: Timer = Timer { address: 0x4000_1000, interrupt: 9 };
 const CONTROL: usize = 0;
 const VALUE: usize = 1;
 const RELOAD: usize = 2;
-/// Read: whether an interrupt is requested. Written: 1 ends the request.
+/// Read: 1 if an interrupt is requested. Written: 1 ends the request.
 const REQUEST: usize = 3;
 
-/// Value of CONTROL: counts, and requests interrupts.
+/// Value of CONTROL: the timer counts and requests interrupts.
 const RUN: u32 = 1 << 3 | 1;
 
 impl Timer {
@@ -65,7 +65,7 @@ unsafe impl cortex_m::interrupt::InterruptNumber for Timer {
 }
 
 struct Clock {
-    /// How often the counter has started again.
+    /// How many times the counter has started again.
     rounds: Mutex<Cell<u32>>,
     waiting: Mutex<RefCell<Queue>>,
 }
@@ -89,7 +89,7 @@ pub fn cycles() -> u64 {
     critical_section::with(|section| CLOCK.cycles(section))
 }
 
-/// Handles the interrupts of both timers. False if the number is of another one.
+/// Handles the interrupts of both timers. Returns false for any other interrupt number.
 pub fn interrupt(number: i16) -> bool {
     critical_section::with(|section| {
         if number == COUNTER.interrupt.cast_signed() {
@@ -121,7 +121,7 @@ impl Clock {
             let now = self.cycles(section);
             let next = self.waiting.borrow_ref_mut(section).next_expiration(now / CYCLES_A_TICK);
             if next == u64::MAX {
-                return; // nobody waits
+                return; // no task waits
             }
             if let Some(wait) = next.saturating_mul(CYCLES_A_TICK).checked_sub(now).filter(|&wait| wait > 0) {
                 // If the alarm comes too early, this function runs again.

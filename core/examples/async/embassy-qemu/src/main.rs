@@ -1,7 +1,8 @@
 //! The robust tracker beside a task with a deadline, on one executor of Embassy. Runs in QEMU.
 //!
-//! `track` follows a drawn target and yields after each step; `blink` toggles a counter at an exact period. The program measures the
-//! longest turn of `track` and the largest delay of `blink`, and compares the answers with those of whole updates.
+//! `track` follows a drawn target and yields after each step; `blink` toggles a counter at an exact period. The program
+//! measures the longest turn of `track` and the largest delay of `blink`, and compares the answers with those of whole
+//! updates.
 
 #![no_std]
 #![no_main]
@@ -24,15 +25,15 @@ use smr_core::{Answer, Frame, Rect, Robust, State, Target};
 use static_cell::ConstStaticCell;
 use turns::{Turns, instructions_a_cycle};
 
-/// The work of a step, in about the instructions of a Cortex-M4.
+/// The work of a step: about as many instructions of a Cortex-M4.
 const WORK: u32 = 100_000;
-/// Shorter than an update, longer than a step.
+/// The period of `blink`: shorter than an update, longer than a step.
 const PERIOD: Duration = Duration::from_micros(500);
 const CONFIG: Config = Config::robust();
 
-// The memory of the tracker and of the pixels that it reads. All is built at compile time, and `take` gives out a reference: nothing is
-// copied through the stack. The workspace is all zeros and apart from the target, so it takes no flash. `main` takes these, and
-// hands them to `track`, which keeps them.
+// The memory of the tracker and of the pixels that it reads. It is built at compile time and `take` gives out a
+// reference, so nothing is copied through the stack. The workspace is all zeros and separate from the target, so it
+// takes no flash. `main` takes these and hands them to `track`, which keeps them.
 static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::const_new(CONFIG));
 static WORKSPACE: ConstStaticCell<Workspace> = ConstStaticCell::new(Workspace::new());
 static WINDOW: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
@@ -55,15 +56,15 @@ async fn main(spawner: Spawner) {
     clock::start();
     let tracking =
         Tracking { target: TARGET.take(), workspace: WORKSPACE.take(), window: WINDOW.take(), sweep: SWEEP.take() };
-    // Both fail only if the task runs already.
+    // Both fail only if the task is already running.
     let (Ok(blink), Ok(track)) = (blink(), track(tracking)) else { exit(1) };
-    // When both are ready, blink runs first: it waits for one turn of track and no more.
+    // When both are ready, `blink` runs first. So it waits for at most one turn of `track`.
     blink.metadata().set_priority(1);
     spawner.spawn(track);
     spawner.spawn(blink);
 }
 
-/// Wakes at an exact period, as a task with a deadline does, and notes how late it was.
+/// Wakes at an exact period, like a task with a deadline, and notes how late it was.
 #[embassy_executor::task]
 async fn blink() {
     let mut at = Instant::now();
@@ -119,7 +120,7 @@ async fn compare(tracking: &mut Tracking) -> Result<(), &'static str> {
 }
 
 impl Tracking {
-    /// Locks and follows the target through all frames: in steps of so much work, or with whole updates.
+    /// Locks and follows the target through all frames: in steps of the given work, or with whole updates.
     async fn follow(&mut self, steps: Option<u32>, turns: &mut Turns) -> Result<Answers, &'static str> {
         let mut answers = [None; FRAMES as usize];
         let frame = Rect::new(0, 0, WIDTH, HEIGHT);
@@ -198,7 +199,8 @@ async fn update(
         turns.yield_now().await;
         return Ok(answer);
     };
-    // Also between the update's start and its first step, and before its end: each of them may take as much as a step.
+    // Yields between the start of the update and its first step, and before its end, too: each of them may take as long
+    // as a step.
     let mut update = target.begin(workspace, frame).map_err(refused)?;
     turns.yield_now().await;
     while !update.step(work) {
@@ -210,7 +212,7 @@ async fn update(
     Ok(answer)
 }
 
-/// All interrupts of the board: cortex-m-rt does not know their names.
+/// Handles all interrupts of the board, because cortex-m-rt does not know their names.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     assert!(clock::interrupt(number), "interrupt {number} was not expected");

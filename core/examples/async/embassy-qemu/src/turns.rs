@@ -25,7 +25,7 @@ impl Turns {
     }
 }
 
-/// In QEMU with `-icount` a cycle of the board's clock is a fixed number of instructions. Measures how many.
+/// Measures the instructions of a cycle of the board's clock. In QEMU with `-icount` this number is fixed.
 pub fn instructions_a_cycle() -> u32 {
     const INSTRUCTIONS: u32 = 2_000_000;
     let start = cycles();
@@ -33,7 +33,7 @@ pub fn instructions_a_cycle() -> u32 {
     unsafe {
         asm!("2:", "subs {rounds}, #1", "bne 2b", rounds = inout(reg) INSTRUCTIONS / 2 => _, options(nomem, nostack));
     }
-    // A little less than a whole number, because the measurement has instructions of its own.
+    // Rounded: the measurement has instructions of its own, so the quotient is a little too small.
     let cycles = u32::try_from(cycles() - start).unwrap_or(u32::MAX);
     (INSTRUCTIONS + cycles / 2) / cycles.max(1)
 }

@@ -1,8 +1,9 @@
-//! The robust tracker on a RP2350 with a camera of 320x240 pixels at the PIO, with Embassy. Built, but not yet run on a board.
+//! The robust tracker on a RP2350 with a camera of 320x240 pixels at the PIO, with Embassy. Built, but not yet run on a
+//! board.
 //!
-//! The frame is never in memory as a whole. Two buffers of one line each take turns: the DMA fills one, while the read-out converts the
-//! window's part of the other to gray. The update comes after the window's last line and has the processor for itself; frames that
-//! pass meanwhile are left out.
+//! The frame is never in memory as a whole. There are two buffers of one line. The DMA fills one while the read-out
+//! converts the window's part of the other to gray. The update comes after the window's last line and has the processor
+//! for itself. Frames that pass in the meantime are left out.
 //!
 //! | pin | connects to |
 //! |---|---|
@@ -11,7 +12,8 @@
 //! | GP22 | button; its other side to GND |
 //! | GP25 | lock indicator: the Pico 2's own LED |
 //!
-//! Set your sensor's registers first (I2C, see its data sheet): 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between frames.
+//! Set your sensor's registers first (I2C, see its data sheet): 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between
+//! frames.
 
 #![no_std]
 #![no_main]
@@ -35,7 +37,7 @@ const FORMAT: Format = Format::Yuyv;
 const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
 const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
 
-/// The target is here when the button is pressed: 64x64 pixels in the middle.
+/// The place of the target when the button is pressed: 64x64 pixels in the middle.
 const START: Rect = Rect::new(128, 88, 64, 64);
 
 type Line = [u8; LINE_BYTES];
@@ -70,7 +72,7 @@ async fn main(_spawner: Spawner) {
         pio.common.make_pio_pin(chip.PIN_13),
     ];
     let clocks = [pio.common.make_pio_pin(chip.PIN_14), pio.common.make_pio_pin(chip.PIN_15)];
-    // While HREF (GP15) is high, a byte at each rising edge of PCLK (GP14).
+    // PIO program: while HREF (GP15) is high, reads a byte at each rising edge of PCLK (GP14).
     let program = pio_asm!(".wrap_target", "wait 1 gpio 15", "wait 1 gpio 14", "in pins, 8", "wait 0 gpio 14", ".wrap");
     let mut config = pio::Config::default();
     config.use_program(&pio.common.load_program(&program.program), &[]);
@@ -97,7 +99,7 @@ async fn main(_spawner: Spawner) {
             _ => target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START),
         };
         let sweep = target.sweep_window().filter(|_| !is_lock);
-        // Until the end of this round the gray pixels belong to the read-out and its frame.
+        // The gray pixels belong to the read-out and its frame until the end of this round.
         let readout = Readout::new(FORMAT, (WIDTH, HEIGHT), window, &mut *window_pixels);
         let readout = match sweep {
             Some(window) => readout.and_then(|readout| readout.and_window(window, &mut *sweep_pixels)),
@@ -115,7 +117,7 @@ async fn main(_spawner: Spawner) {
     }
 }
 
-/// A streaming camera.
+/// A camera that streams.
 struct Camera {
     machine: StateMachine<'static, PIO0, 0>,
     dma: dma::Channel<'static>,
@@ -124,13 +126,13 @@ struct Camera {
 }
 
 impl Camera {
-    /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a line, the frame stays
-    /// incomplete.
+    /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a
+    /// line, the frame stays incomplete.
     async fn read(&mut self, readout: &mut Readout<'_>) {
         let [mut filling, mut full] = self.lines.each_mut();
         self.machine.set_enable(false);
         self.vsync.wait_for_falling_edge().await;
-        // Forgets the rest of the last frame.
+        // Drops the rest of the last frame.
         self.machine.clear_fifos();
         self.machine.restart();
         self.machine.set_enable(true);
@@ -138,7 +140,8 @@ impl Camera {
             if readout.frame().is_ok() {
                 break;
             }
-            // `filling` is borrowed by the DMA until both are done. `full` is line y - 1: its pixels go to the window meanwhile.
+            // The DMA borrows `filling` until both are done. `full` holds line y - 1, whose pixels go to the window in
+            // the meantime.
             let fill = async {
                 if y < HEIGHT {
                     self.machine.rx().dma_pull(&mut self.dma, &mut filling[..], false).await;

@@ -1,15 +1,17 @@
-//! The robust tracker on a STM32H743 with a camera of 320x240 pixels at the DCMI, with Embassy. Built, but not yet run on a board.
+//! The robust tracker on a STM32H743 with a camera of 320x240 pixels at the DCMI, with Embassy. Built, but not yet run
+//! on a board.
 //!
 //! Two buffers go round between two tasks, through a channel that hands out references and copies nothing:
 //!
 //! 1. `camera` gets an empty buffer. Until the frame is complete it belongs to the DMA, which fills it.
-//! 2. `track` gets the full buffer and converts the window that the tracker reads to gray. Then it gives the buffer back, before the
-//!    update. So the DMA fills one buffer while `track` reads the other one or updates.
+//! 2. `track` gets the full buffer and converts the window that the tracker reads to gray. Then it gives the buffer
+//!    back, before the update. So the DMA fills one buffer while `track` reads the other one or updates.
 //!
 //! The gray pixels, the target and the workspace always belong to `track`.
 //!
-//! Set your sensor's registers before the first capture (I2C, see its data sheet): 320x240, YUYV, and its clock from PA8. The data cache is
-//! off, as after a reset. If you turn it on, clean and invalidate a buffer's lines before the DMA fills it and before `track` reads it.
+//! Set your sensor's registers before the first capture (I2C, see its data sheet): 320x240, YUYV, and its clock from
+//! PA8. The data cache is off, as after a reset. If you turn it on, clean and invalidate a buffer's lines before the
+//! DMA fills it and before `track` reads it.
 
 #![no_std]
 #![no_main]
@@ -38,14 +40,15 @@ const HEIGHT: u16 = 240;
 const FORMAT: Format = Format::Yuyv;
 const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
 const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
-/// The DMA writes words.
+/// Words of a frame: the DMA writes words.
 const WORDS: usize = LINE_BYTES * HEIGHT as usize / 4;
 
-/// The target is here when the button is pressed: 64x64 pixels in the middle.
+/// The place of the target when the button is pressed: 64x64 pixels in the middle.
 const START: Rect = Rect::new(128, 88, 64, 64);
-/// About the instructions from yield to yield. The DMA needs no help in a frame, so this may be large.
+/// The work from yield to yield: about as many instructions. The DMA needs no help within a frame, so this may be
+/// large.
 const WORK: u32 = 200_000;
-/// Longer than any frame.
+/// The longest wait for a frame: longer than any frame takes.
 const PATIENCE: Duration = Duration::from_millis(300);
 
 type Buffer = [u32; WORDS];
@@ -66,7 +69,7 @@ bind_interrupts!(struct Interrupts {
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let chip = embassy_stm32::init(clocks());
-    // 16 MHz for the sensor.
+    // A clock of 16 MHz for the sensor.
     let mut output = McoConfig::default();
     output.prescaler = McoPrescaler::DIV4;
     let _sensor_clock = Mco::new(chip.MCO1, chip.PA8, Mco1Source::HSI, output);
@@ -91,7 +94,7 @@ async fn main(spawner: Spawner) {
     let led = Output::new(chip.PB0, Level::Low, Speed::Low);
 
     let (empty, full) = CHANNEL.init(Channel::new(BUFFERS.take())).split();
-    // Both fail only if the task runs already.
+    // Both fail only if the task is already running.
     if let (Ok(camera), Ok(track)) = (camera(sensor, empty), track(full, button, led)) {
         spawner.spawn(camera);
         spawner.spawn(track);
@@ -102,16 +105,17 @@ async fn main(spawner: Spawner) {
 #[embassy_executor::task]
 async fn camera(mut sensor: Dcmi<'static, DCMI>, mut empty: Sender<'static, NoopRawMutex, Buffer>) {
     loop {
-        // Waits while `track` reads one buffer and the other is full: then frames are left out.
+        // Waits while `track` reads one buffer and the other is full. Frames that come in this time are left out.
         let buffer = empty.send().await;
-        // The buffer is borrowed by the DMA until the frame is complete. The timeout takes it back if the frame was disturbed.
+        // The DMA borrows the buffer until the frame is complete. If the frame was disturbed, the timeout takes the
+        // buffer back.
         if let Ok(Ok(())) = with_timeout(PATIENCE, sensor.capture(buffer)).await {
             empty.send_done(); // `track` may read it
         }
     }
 }
 
-/// Follows the target in full buffers. Memory of its own: target, workspace and gray pixels.
+/// Follows the target in full buffers. It has memory of its own: target, workspace and gray pixels.
 #[embassy_executor::task]
 async fn track(mut full: Receiver<'static, NoopRawMutex, Buffer>, button: Input<'static>, mut led: Output<'static>) {
     let (target, workspace) = (TARGET.take(), WORKSPACE.take());
@@ -179,7 +183,7 @@ fn bytes(words: &Buffer) -> &[u8] {
     bytes
 }
 
-/// 400 MHz from the internal oscillator of 64 MHz.
+/// Clocks of 400 MHz from the internal oscillator of 64 MHz.
 fn clocks() -> embassy_stm32::Config {
     let mut config = embassy_stm32::Config::default();
     config.rcc.hsi = Some(HSIPrescaler::DIV1);

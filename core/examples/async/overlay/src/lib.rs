@@ -1,4 +1,5 @@
-//! Draws what a tracker answers on any display of embedded-graphics: the box, in a color for the state, and the state's name.
+//! Draws the answer of a tracker on any display of embedded-graphics: the box, in a color for the state, and the name
+//! of the state.
 //!
 //! ```
 //! use embedded_graphics::mock_display::MockDisplay;
@@ -31,14 +32,14 @@ use smr_core::{Rect, State};
 /// Space between the box and the name, in pixels.
 const GAP: i32 = 2;
 
-/// A color for each state. A target that is leaving the frame has the color of `tracking`.
+/// A color for each state. A target that is leaving the frame is drawn in the color of `tracking`.
 #[derive(Clone, Copy, Debug)]
 pub struct Colors<C> {
     /// The target is in the box.
     pub tracking: C,
-    /// It may be something else.
+    /// The box may hold something else.
     pub uncertain: C,
-    /// It is not visible.
+    /// The target is not visible.
     pub lost: C,
 }
 
@@ -52,8 +53,8 @@ impl<C: Copy> Colors<C> {
     }
 }
 
-/// Draws the box and, above it, the name of the state; below it if there is no room above. What is outside the display is left out; a
-/// box that is wholly outside has no name either.
+/// Draws the box and the name of the state: above it, or below it if there is no room above. Pixels outside the display
+/// are left out; a box that is wholly outside has no name either.
 ///
 /// # Errors
 /// Those of the display.
@@ -66,7 +67,7 @@ pub fn draw<D: DrawTarget>(
     let area = display.bounding_box();
     let Some(corner) = area.bottom_right() else { return Ok(()) };
     let left_or_above = bbox.right() <= area.top_left.x || bbox.bottom() <= area.top_left.y;
-    // Far outside, the sums of embedded-graphics would overflow.
+    // With coordinates far outside, the sums of embedded-graphics would overflow.
     if left_or_above || bbox.x > corner.x || bbox.y > corner.y {
         return Ok(());
     }

@@ -1,7 +1,9 @@
-//! The paper's tracker with RTIC: an interrupt takes each line of the camera at once, a task of low priority updates. Runs in QEMU.
+//! The paper's tracker with RTIC: an interrupt takes each line of the camera at once, and a task of low priority
+//! updates. Runs in QEMU.
 //!
-//! There is one buffer for pixels. It goes round: the task hands an [`Order`] for the next window to the interrupt, the interrupt fills
-//! it line by line and hands it back as a [`Picture`]. So the tracker never waits for a lock, and no pixel is copied.
+//! There is one buffer for pixels. The task hands it to the interrupt in an [`Order`] for the next window. The
+//! interrupt fills it line by line and hands it back as a [`Picture`]. So the tracker never waits for a lock, and no
+//! pixel is copied.
 
 #![no_std]
 #![no_main]
@@ -14,12 +16,13 @@ use smr_core::Rect;
 use smr_core::paper::{self, Config};
 use smr_core::readout::{Format, Readout, ReadoutError};
 
-/// Room for a template of 256 pixels and a window of +-12.
+/// A target with room for a template of 256 pixels and a window of +-12.
 type Target = smr_core::Paper<256, 25>;
 type Workspace = paper::Workspace<256, 25>;
 const CONFIG: Config = Config::camera_within(12);
 
-/// What the tracker reads of the next frame, and the buffer for it. Belongs to the task, then to the interrupt.
+/// The window that the tracker reads of the next frame, and the buffer for it. It belongs to the task, then to the
+/// interrupt.
 pub struct Order {
     window: Rect,
     pixels: &'static mut [u8; PIXELS],
@@ -32,7 +35,7 @@ impl Order {
     }
 }
 
-/// An order that the interrupt is filling, or has filled.
+/// An order while the interrupt fills it, and after that.
 pub struct Picture {
     order: Order,
     frame: u16,
@@ -50,7 +53,7 @@ mod app {
     use semihosting::process::exit;
     use smr_core::{Answer, Frame, Image, Rect, Target as _};
 
-    /// Cycles of the core from line to line. An update takes those of several lines.
+    /// Cycles of the core from line to line. An update takes as long as several lines.
     const LINE_CYCLES: u32 = 2000;
 
     type Answers = [Option<Answer>; FRAMES as usize];
@@ -61,17 +64,17 @@ mod app {
 
     #[shared]
     struct Shared {
-        /// On its way from the task to the interrupt.
+        /// An order on its way from the task to the interrupt.
         order: Option<Order>,
     }
 
     #[local]
     struct Local {
-        // Of the interrupt:
+        // Used by the interrupt:
         frame: u16,
         y: u16,
         picture: Option<Picture>,
-        // Of the task:
+        // Used by the task:
         target: &'static mut Target,
         workspace: &'static mut Workspace,
         whole: Answers,
@@ -92,7 +95,7 @@ mod app {
         let Some(whole) = whole_frames(target, workspace, pixels) else {
             fail("cannot follow the target in whole frames")
         };
-        // The first order: what a lock reads.
+        // The first order is the window of the lock.
         let window = target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START);
         start(&mut timer, LINE_CYCLES);
         timer.enable_interrupt();
@@ -110,16 +113,16 @@ mod app {
         (Shared { order: Some(Order { window, pixels }) }, local)
     }
 
-    /// A line has come: here from a timer, on a board when the DMA has completed a line.
+    /// Takes a line of the camera: here on a timer, on a board when the DMA has completed a line.
     #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y, picture])]
     fn line(mut context: line::Context) {
-        let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // it counts down, and requests at 0
+        let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // counts down to the interrupt at 0
         LARGEST_DELAY_CYCLES.fetch_max(late, Ordering::Relaxed);
         if IS_UPDATING.load(Ordering::Relaxed) {
             LINES_WHILE_UPDATING.fetch_add(1, Ordering::Relaxed);
         }
         let line::LocalResources { frame, y, picture, .. } = context.local;
-        // An order that comes in the middle of a frame is taken if its first line is still to come.
+        // An order that comes in the middle of a frame is taken only if its first line is still to come.
         let is_ahead = |order: &mut Order| order.window.y >= i32::from(*y);
         if let Some(order) = context.shared.order.lock(|order| order.take_if(is_ahead)) {
             *picture = Some(Picture { order, frame: *frame, next_line: *y });
@@ -142,7 +145,7 @@ mod app {
         *frame += u16::from(*y == 0);
     }
 
-    /// The window is complete, and the pixels belong to this task until it orders the next one.
+    /// Updates with a complete window. The pixels belong to this task until it orders the next window.
     #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
     async fn update(mut context: update::Context, mut picture: Picture) {
         let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } =
@@ -176,7 +179,7 @@ mod app {
         context.shared.order.lock(|next| *next = Some(order));
     }
 
-    /// The answers for whole frames, without interrupts: what those of `update` must be.
+    /// The answers for whole frames, without interrupts. Those of `update` must equal them.
     fn whole_frames(target: &mut Target, workspace: &mut Workspace, pixels: &mut [u8; PIXELS]) -> Option<Answers> {
         let mut answers = [None; FRAMES as usize];
         for (number, answer) in (0..).zip(&mut answers) {
@@ -193,7 +196,7 @@ mod app {
         Some(answers)
     }
 
-    /// In QEMU with `-icount` a cycle of the timer is a fixed number of instructions. Measures how many.
+    /// Measures the instructions of a cycle of the timer. In QEMU with `-icount` this number is fixed.
     fn instructions_a_cycle(timer: &mut SYST) -> u32 {
         const INSTRUCTIONS: u32 = 2_000_000;
         start(timer, 1 << 24);

@@ -1,10 +1,10 @@
-//! Columns of a resampled row by the DSP extension: `smlad` mixes two numbers in one instruction. It takes signed numbers, so the numbers
-//! of a row are lower by 2^15. The plain loop is in `plain/bilinear.rs`.
+//! Columns of a resampled row by the DSP extension: `smlad` mixes two numbers in one instruction. It takes signed
+//! numbers, so 2^15 is subtracted from the numbers of a row. The plain loop is in `plain/bilinear.rs`.
 
 use crate::kernels::plain::bilinear::MixedRow;
 use core::arch::asm;
 
-/// One column.
+/// Computes one column.
 macro_rules! column {
     () => {
         concat!(
@@ -18,17 +18,18 @@ macro_rules! column {
     };
 }
 
-/// The levels of columns, as `plain::levels` gives them.
+/// Computes the gray levels of columns, as `plain::levels` specifies them.
 ///
 /// # Safety
-/// Each of `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
-#[inline(always)] // into its one caller
+/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
+#[inline(always)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     if count == 0 {
         return;
     }
-    // SAFETY: each slice has `count` numbers. Each of `from` leads to a pair in the row, which need not be aligned.
+    // SAFETY: each slice has `count` numbers. Each number in `from` is the place of a pair in the row, which need not
+    // be aligned.
     unsafe {
         asm!(
             "tst {count}, #1",

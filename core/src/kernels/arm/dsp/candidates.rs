@@ -1,4 +1,5 @@
-//! Which of four neighbouring offsets may reach a score, by the DSP extension: counts the points of four offsets at a time.
+//! Excludes offsets that cannot reach a score, by the DSP extension: counts the points of four neighbouring offsets at
+//! a time.
 //!
 //! Four pixels of an offset take seven instructions:
 //!
@@ -9,22 +10,22 @@
 //! | `usub8`, `sel` | 255 instead of d if the pixel does not count |
 //! | `usada8` | adds the distances to 255: the points |
 //!
-//! The score itself takes 17: two loads, three for the difference, four bytes taken out of it, four loads from the table and four
-//! additions.
+//! The score itself takes 17: two loads, three for the difference, four bytes taken out of it, four loads from the
+//! table and four additions.
 
 use super::super::points::{OFFSETS, Points};
 use super::scores::LANES;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// What the loop over rows reads from memory. The assembly knows the offsets.
+/// The numbers that the loop over rows reads from memory. The assembly knows their offsets.
 #[repr(C)]
 struct Row {
     f_stride: usize,
     g_stride: usize,
     /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// 255 in each byte of that word that belongs to an earlier column: it has no points again.
+    /// 255 in each byte of that word that belongs to an earlier column, so that the column does not get points again.
     earlier: u32,
     /// The address where the rows of the template end.
     end: *const u8,
@@ -50,7 +51,8 @@ macro_rules! add {
     };
 }
 
-/// For each of the `wanted` of four offsets a number that is negative only if its points are fewer than `needed`; for the others it is negative.
+/// For each of the `wanted` of four offsets a number that is negative only if the offset has fewer than `needed`
+/// points. For the other offsets it is negative.
 ///
 /// # Safety
 /// The template has at least four columns, the patch as many and three more.
@@ -70,12 +72,13 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
         words,
         full,
     };
-    // The points so far and the most that are still to come, less those needed. The offset is excluded once that is negative.
+    // The points so far, plus the most that the rows left can give, less those needed. The offset is excluded once this
+    // is negative.
     let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
     let mut spare = [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start });
     let [a, b, c, d] = &mut spare;
-    // SAFETY: only words within a row are read, in the patch up to three columns further. The stack is as before at the end; nothing
-    // else is written.
+    // SAFETY: only words within a row are read, in the patch up to three columns further. The stack pointer is restored
+    // at the end; only the stack is written.
     unsafe {
         asm!(
             "push {{{x}}}",
@@ -97,7 +100,7 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             "ldr {end}, [{x}, #20]",
             "tst {end}, #4",
             "add {end}, {end}, {g}",
-            "bne 7f", // an odd number of words: begins in the middle of a round
+            "bne 7f", // an odd number of words: starts in the middle of a round
             "4:",
             "ldr {w}, [{g}], #4",
             add!("[{f}], #4", "{a}"),

@@ -1,15 +1,16 @@
 //! A layer of a small network by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! Four bytes become two pairs of 16-bit numbers: bytes 0 and 2, and bytes 1 and 3. The inputs of two patches are unpacked once for all outputs.
-//! Two outputs of two patches are computed at a time, so each weight is loaded and unpacked once for two products. A single patch is unpacked
-//! again for every two outputs: that needs no room.
+//! Four bytes become two pairs of 16-bit numbers: bytes 0 and 2, and bytes 1 and 3. The inputs of two patches are
+//! unpacked once for all outputs. Two outputs of two patches are computed at a time, so each weight is loaded and
+//! unpacked once for two products. The inputs of a single patch are unpacked again for every two outputs, which needs
+//! no scratch memory.
 
 use crate::kernels::plain::dense as plain;
 use crate::kernels::plain::dense::Layer;
 use core::arch::asm;
 use core::ptr;
 
-/// Outputs at a time.
+/// Outputs that are computed at a time.
 const OUTPUTS: usize = 2;
 
 /// See [`plain::outputs`].
@@ -22,8 +23,8 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
         return plain::outputs(layer, patches, out);
     }
-    // Two patches, unpacked: four words for four inputs of both.
-    // SAFETY: any bytes are words.
+    // Two patches are unpacked: four words for four inputs of both.
+    // SAFETY: all bit patterns are valid words.
     let (_, room, _) = unsafe { spare.align_to_mut::<[u32; 4]>() };
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
     while left > 0 {
@@ -34,8 +35,8 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
             unsafe { unpack(from, inputs, room.as_mut_ptr().cast()) };
             (run.from, run.apart) = (room.as_ptr().cast(), count);
         }
-        // SAFETY: `left` patches begin at `from`, and as many times `count` outputs at `to`. There are `count` biases, and `inputs` weights for
-        // each of them. If `apart` is not 0, two patches are unpacked.
+        // SAFETY: `left` patches begin at `from`, and `left` times `count` outputs at `to`. There are `count` biases,
+        // and `inputs` weights for each of them. If `apart` is not 0, two patches are unpacked.
         unsafe { run.all(weights.as_ptr(), inputs) };
         let done = if run.apart == 0 { 1 } else { 2 };
         from = from.wrapping_add(done * inputs);
@@ -76,13 +77,13 @@ unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
     }
 }
 
-/// What remains to be computed for one patch or two. The assembly reads and changes this.
+/// The outputs that remain to be computed for one patch or two. The assembly reads and changes this.
 #[repr(C)]
 struct Run {
     biases: *const [u8; 4],
-    /// The room, or the only patch.
+    /// The unpacked patches, or the only patch.
     from: *const i8,
-    /// From an output of the first patch to that of the second; 0 for one patch.
+    /// Bytes from an output of the first patch to that of the second; 0 for one patch.
     apart: usize,
     /// The next output of the first patch.
     out: *mut i8,
@@ -116,12 +117,13 @@ impl Run {
     /// Computes all outputs, two at a time. The last two may overlap those before them.
     ///
     /// # Safety
-    /// There are at least two outputs. For each, `inputs` weights and a bias can be read and an output written, and one more `apart` bytes
-    /// later. `inputs` is a multiple of 4 and not 0. `from` is followed by `inputs` inputs of two patches, unpacked, or of one if `apart` is 0.
+    /// There are at least two outputs. For each of them `inputs` weights and a bias can be read, and an output can be
+    /// written, also `apart` bytes later. `inputs` is a multiple of 4 and not 0. At `from` there are `inputs` unpacked
+    /// inputs of two patches, or those of one patch if `apart` is 0.
     #[inline(always)]
     unsafe fn all(&mut self, weights: *const i8, inputs: usize) {
-        // SAFETY: as the caller guarantees. Each round reads weights of two outputs and the inputs under them. r6 and r7, which
-        // `asm!` may not name, are saved on the stack, and so is the address of `self`.
+        // SAFETY: as the caller guarantees. Each round reads weights of two outputs and the inputs under them. r6 and
+        // r7, which `asm!` may not name, are saved on the stack, and so is the address of `self`.
         unsafe {
             asm!(
                 "push {{r6, r7, r10}}",
@@ -136,7 +138,7 @@ impl Run {
                 "ldrd r10, r4, [r6, #4]",
                 "add lr, r11, r12",
                 "cbnz r4, 3f",
-                // One patch: no sums in r2 and r3.
+                // One patch, so r2 and r3 hold no sums.
                 "2:",
                 "ldr r4, [r10], #4",
                 "ldr r6, [r11, r12]",
@@ -154,7 +156,7 @@ impl Run {
                 "cmp r11, lr",
                 "bne 2b",
                 "b 6f",
-                // Two patches: eight inputs a round. If four are left over, the first round begins in its middle.
+                // Two patches: eight inputs a round. If only four are left over, the first round starts in its middle.
                 "3:",
                 "lsls r4, r12, #29",
                 "bmi 5f",
@@ -187,7 +189,7 @@ impl Run {
                 "ble 1b",
                 "cmp r4, #2",
                 "beq 7f",
-                // One output is left: go back to the last two.
+                // One output is left: goes back to the last two.
                 "ldr r7, [r6]",
                 "subs r7, #4",
                 "str r7, [r6]",

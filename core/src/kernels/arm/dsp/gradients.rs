@@ -1,5 +1,5 @@
-//! Gradients of a cell by the DSP extension. It takes the differences of four pixels at a time, and `smusd` computes in one instruction how
-//! far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
+//! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
+//! how far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
 use crate::kernels::cells::{CHANNELS, SIDE};
 use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sums, Votes};
@@ -12,10 +12,10 @@ const fn pair(cos: i32, sin: i32) -> u32 {
     cos as u16 as u32 | (sin as u16 as u32) << 16
 }
 
-/// Directions as the assembly reads them.
+/// The directions in the form that the assembly reads.
 #[repr(C)]
 struct Directions {
-    /// For each of the sectors 0 to 4 its first direction and the opposite of its second.
+    /// For each of the sectors 0 to 4: its first direction, and the negative of its second.
     sectors: [[u32; 2]; 5],
     /// The second to the fifth direction. A gradient that is beyond n of them lies in sector n.
     between: [u32; 4],
@@ -40,11 +40,11 @@ struct Memory {
     end: u32,
     directions: [[u32; 2]; 5],
     unused: [u32; 16],
-    /// The votes in the mirrored sectors: 128 bytes further, which is the top bit of a byte.
+    /// The votes in the mirrored sectors. They are 128 bytes further on: 128 is the top bit of a byte.
     mirrored: [u32; 5],
 }
 
-/// A feature: the sum times the inverse, divided by 2^16, and at most 127.
+/// Computes a feature: the sum times the inverse, divided by 2^16, and at most 127.
 macro_rules! feature {
     () => {
         concat!(
@@ -56,8 +56,8 @@ macro_rules! feature {
     };
 }
 
-/// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of byte `byte` of r8 says
-/// whether the gradient is mirrored. r11 becomes the sector minus 4.
+/// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of
+/// byte `byte` of r8 says whether the gradient is mirrored. r11 becomes the sector minus 4.
 macro_rules! vote {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -105,14 +105,16 @@ macro_rules! vote {
     };
 }
 
-/// The features of a row of cells, as [`plain::scale`] gives them. Does nothing if there are not as many sums and inverses.
-#[inline(always)] // into its one caller
+/// Computes the features of a row of cells, as [`plain::scale`] specifies them. Does nothing if there are fewer sums or
+/// inverses than cells.
+#[inline(always)]
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     const { assert!(2 * ROW < 256) };
     if sums.len() < CHANNELS || out.is_empty() || out.len() > ROW {
         return;
     }
-    // SAFETY: ten sums and an inverse are read for each cell in `out`, and ten features written. No product of 16 and 32 bits overflows.
+    // SAFETY: ten sums and an inverse are read for each cell in `out`, and ten features written. No product of 16 and
+    // 32 bits overflows.
     unsafe {
         asm!(
             "2:",
@@ -152,8 +154,8 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW]
     }
 }
 
-/// The sums of a cell, of its pixels and their neighbours.
-#[inline(always)] // into its one caller
+/// The sums of a cell. They depend on its pixels and their neighbours.
+#[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     static SECTORS: Directions = Directions::new(DIRECTIONS);
     let sums = Votes(sectors(lines, at, &SECTORS)).sums(plain::gray(lines, at));
@@ -162,8 +164,9 @@ pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
     sums
 }
 
-/// The votes of the pixels of the cell at the column `at`, by sector, and those of the mirrored sectors (see [`Votes`]). A gradient along
-/// an axis may be in either of the two: it is split alike. Zeroes if the cell is not on the lines.
+/// The votes of the pixels of the cell at the column `at`, by sector, and those of the mirrored sectors (see
+/// [`Votes`]). A gradient along an axis may be in either of the two, because it gives the same votes. Zeroes if the
+/// cell is not on the lines.
 #[inline(always)]
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directions: &Directions) -> [[u32; 5]; 2] {
     const { assert!(COLUMNS > 8 && COLUMNS < 256) };
@@ -171,8 +174,8 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
         return [[0; 5]; 2];
     }
     let mut memory = MaybeUninit::<Memory>::uninit();
-    // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields of `memory` are
-    // written except `unused`. r6 and r7, which `asm!` may not name, are saved on the stack.
+    // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields
+    // of `memory` are written except `unused`. r6 and r7, which `asm!` may not name, are saved on the stack.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -206,7 +209,7 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
             "eor r8, r8, lr",
             "and r8, r8, #0x80808080",
             "add r1, r1, #{columns}",
-            // The first and the third pixel; below, the second and the fourth.
+            // The first and the third pixel. The second and the fourth follow below.
             "uxtb16 r9, r6",
             "uxtb16 r10, r7",
             "pkhbt r12, r9, r10, lsl #16",

@@ -1,28 +1,30 @@
-//! The bound of a group of offsets by the DSP extension: counts the pixels of the template that cannot count at any offset of the group.
+//! Bounds a group of offsets by the DSP extension: counts the pixels of the template that cannot count at any offset of
+//! the group.
 //!
-//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are stored as that
-//! test needs them: the lower end, and the length. Four pixels take seven instructions: three `ldr`, `usub8` (the distance above the lower end,
-//! modulo 256), `usub8` (sets a flag where that is at most the length), `sel` and `usada8`, which adds one for each pixel outside.
+//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are
+//! stored as that test needs them: the lower end, and the length. Four pixels take seven instructions: three `ldr`,
+//! `usub8` (the distance above the lower end, modulo 256), `usub8` (sets a flag where that is at most the length),
+//! `sel` and `usada8`, which adds one for each pixel outside.
 
 use super::scores::LANES;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// What the loop over rows reads from memory. The assembly knows the offsets.
+/// The numbers that the loop over rows reads from memory. The assembly knows their offsets.
 #[repr(C)]
 struct Row {
-    /// From the end of the whole words of a row to the next row.
+    /// Bytes from the end of the whole words of a row to the next row.
     low_stride: usize,
     g_stride: usize,
     /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// The number of lower bits of that word that belong to earlier columns.
+    /// The number of low bits of that word that belong to earlier columns.
     none: usize,
     /// The address where the rows of the template end.
     end: *const u8,
     /// Bytes in the whole words of a row.
     words: usize,
-    /// Where the code for the first words of a row begins.
+    /// The place in the code where the first words of a row are taken.
     entry: usize,
 }
 
@@ -42,8 +44,8 @@ macro_rules! add_word {
     };
 }
 
-/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its upper bound. Stops once
-/// the number exceeds `allowed`.
+/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its
+/// upper bound. Stops once the number exceeds `allowed`.
 ///
 /// # Safety
 /// The pictures have at least four columns. Patch and upper bound have the same stride.
@@ -61,7 +63,7 @@ pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
         // The first round takes 1 to 4 words, all others 4.
         entry: (words / LANES).wrapping_neg() % 4 * WORD,
     };
-    // Negative until there are more than allowed. There are at most 65537 pixels.
+    // Negative until more than `allowed` pixels are outside. There are at most 65537 pixels.
     let start = !allowed.cast_signed();
     let mut sum = start;
     // SAFETY: only words within a row are read. Nothing but `row` is written.
@@ -79,7 +81,7 @@ pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
             "ldr {g}, [{template}, {end}]",
             "ldr {l}, [{low}, {end}]",
             "ldr {s}, [{span}, {end}]",
-            "lsr {g}, {g}, {one}", // shifted in everywhere: within the range
+            "lsr {g}, {g}, {one}", // zeroes shifted in everywhere: within the range
             "lsr {l}, {l}, {one}",
             "lsr {s}, {s}, {one}",
             "mov {one}, #0x01010101",

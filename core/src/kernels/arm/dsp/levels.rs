@@ -1,12 +1,12 @@
-//! Sums over the gray levels of a row, and the replacement of a row, by the DSP extension: four pixels at a time. The plain loops are in
-//! `plain/levels.rs`.
+//! Sums over the gray levels of a row, and the replacement of a row, by the DSP extension: four pixels at a time. The
+//! plain loops are in `plain/levels.rs`.
 
 use super::scores::LANES;
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
-/// As `plain::deviation`.
-#[inline(always)] // into its one caller
+/// See `plain::deviation`.
+#[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let words = pixels.chunks_exact(LANES);
     let (mut deviation, mut clipped) = (0, 0);
@@ -15,7 +15,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
         clipped += u32::from(matches!(pixel, 0 | u8::MAX));
     }
     for word in words.filter_map(|word| word.first_chunk()) {
-        // SAFETY: works on registers only. A pixel is at 0 or 255 where pixel + 1 is 0 or 1, that is less than 2.
+        // SAFETY: works on registers only. A pixel is 0 or 255 exactly if pixel + 1, modulo 256, is less than 2.
         unsafe {
             asm!(
                 "usada8 {deviation}, {word}, {level}, {deviation}",
@@ -37,8 +37,8 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// As `plain::replace`.
-#[inline(always)] // into its one caller
+/// See `plain::replace`.
+#[inline(always)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     let (mut old, new) = (old.chunks_exact_mut(LANES), new.chunks_exact(LANES));
     let rest = new.remainder();

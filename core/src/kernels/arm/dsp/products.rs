@@ -1,10 +1,13 @@
 //! Sums of products by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! Both loops slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. The numbers under it pass from
-//! the register of one sum to that of the next, so each number is loaded once for all of them. A factor is a pair of 16-bit numbers:
+//! Both loops slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. The numbers
+//! under it pass from the register of one sum to that of the next, so each number is loaded once for all of them. A
+//! factor is a pair of 16-bit numbers:
 //!
-//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side, and paired as in `three_sums.rs`.
-//! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two rows of cells.
+//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side, and paired as in
+//!   `three_sums.rs`.
+//! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two
+//!   rows of cells.
 
 use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
@@ -21,8 +24,9 @@ const LEAST: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
 
-#[inline(never)] // one copy in flash
-/// The rows of a filter of `weights` weights, if it has whole cells and the cells suffice at all offsets.
+#[inline(never)]
+/// The weights in a row of the filter, if the filter of `weights` weights has whole cells, and enough cells lie under
+/// it at all offsets.
 fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
     let Layout { row, stride, step, span } = layout;
     let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
@@ -31,7 +35,7 @@ fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
     (cells.len() >= needed).then_some(down)
 }
 
-/// See [`plain::responses`]. A part is two rows of cells. `spare` is memory that stays as it is between parts.
+/// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
@@ -74,7 +78,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(parts, &mut rows, both, out);
 }
 
-/// A row of cells on rows of factors. `fits` has checked that all rows of cells are there.
+/// A row of cells, unpacked, under rows of factors. `fits` has checked that all rows of cells are there.
 struct Unpacked {
     cells: *const i8,
     stride: usize,
@@ -98,20 +102,23 @@ impl Rows for Unpacked {
     fn add(&mut self, number: usize, sums: &mut [i32]) {
         let Self { unpacked, width, of_row, .. } = *self;
         let factors = self.factors.wrapping_add(number * of_row);
-        // SAFETY: five rows of factors lie on five rows of numbers, at each offset.
+        // SAFETY: at each offset five rows of factors lie on five rows of numbers.
         unsafe { Slide { factors, count: of_row / PAIRS, numbers: unpacked, width, rows: PAIRS }.add(sums) };
     }
 }
 
-/// Pairs of channels of `width` cells from `first`, less those from `second` if there are any: the pair of each cell, then the next pair of each
-/// cell. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
+/// Unpacks pairs of channels of `width` cells from `first`, less those from `second` if there are any: first one pair
+/// of all cells, then the next pair of all cells. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and
+/// 9.
 ///
 /// # Safety
-/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is not 0.
-#[inline(never)] // one copy in flash
+/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is
+/// not 0.
+#[inline(never)]
 unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
-    // SAFETY: as the caller guarantees; without `second` zeroes are read again and again. Words need not be aligned.
+    // SAFETY: as the caller guarantees. Without `second` the same zeroes are read in each round. Words need not be
+    // aligned.
     unsafe {
         asm!(
             "2:",
@@ -163,11 +170,12 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
     }
 }
 
-/// The same pairs of the weights from `first`, plus those from `second` unless both are the same.
+/// Unpacks the same pairs of the weights from `first`, plus those from `second` unless both are the same row.
 ///
 /// # Safety
-/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is not 0.
-#[inline(never)] // one copy in flash
+/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is
+/// not 0.
+#[inline(never)]
 unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
     // SAFETY: as the caller guarantees. Words need not be aligned.
     unsafe {
@@ -214,11 +222,11 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Pairs of a byte of `width` cells from `upper` and from `lower`.
+/// Unpacks one byte each of `width` cells from `upper` and from `lower` as pairs.
 ///
 /// # Safety
 /// These bytes can be read, and as many words written. `width` is not 0.
-#[inline(always)] // into its one caller
+#[inline(always)]
 unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *const i8) {
     // SAFETY: as the caller guarantees.
     unsafe {
@@ -241,10 +249,11 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
     }
 }
 
-/// Parts of [`gather`]: channels.
+/// The number of parts of [`gather`]: the channels.
 pub(crate) const GATHER_PARTS: usize = STEP;
 
-/// See [`plain::gather`]. A part is a channel. `room` stays as it is between parts; `spare` holds the sums of a channel.
+/// See [`plain::gather`]. A part is a channel. The caller leaves `room` as it is between parts; `spare` holds the sums
+/// of a channel.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
@@ -255,10 +264,11 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     let Layout { row, stride, span, .. } = layout;
-    // Rows of pairs of errors. At an even row of the filter the first row of a pair of rows of cells meets an even row of errors.
+    // Rows of pairs of errors. At an even row of the filter the first row of a pair of rows of cells lies under an even
+    // row of errors.
     let (across, width, high) = (row / STEP, row / STEP + span.saturating_sub(1), span / 2 + 1);
     let (pairs, numbers) = room.words().split_at_mut_checked(2 * high * span).unwrap_or_default();
-    // Pairs of rows of cells at a time.
+    // The pairs of rows of cells that are unpacked at a time.
     let most = numbers.len() / width.max(1);
     let has_room = |_: &usize| span >= LEAST && span <= N && errors.len() >= span && most > 0;
     let fitting = fits(cells, layout, sums.len()).filter(has_room);
@@ -286,7 +296,7 @@ pub(crate) fn gather<const N: usize>(
             let last = both.min(first + most);
             for number in first..last {
                 let of = |row: usize| cells.as_ptr().wrapping_add(row * stride + channel);
-                // The row below the last one may hold anything: no error is multiplied with it.
+                // The row below the last one may hold anything: its factors are 0.
                 let (upper, lower) = (of(2 * number), of((2 * number + 1).min(rows - 1)));
                 // SAFETY: the cells have these rows, and there is room for `most` rows of numbers.
                 unsafe { bytes_of_rows(numbers.wrapping_add((number - first) * width), width, upper, lower) };
@@ -296,7 +306,7 @@ pub(crate) fn gather<const N: usize>(
                 if from < to {
                     let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
                     let numbers = numbers.wrapping_add((from - first) * width);
-                    // SAFETY: the rows of errors lie on as many rows of numbers, at each offset.
+                    // SAFETY: at each offset the rows of errors lie on as many rows of numbers.
                     unsafe { Slide { factors, count: span, numbers, width, rows: to - from }.add(sums) };
                 }
             }
@@ -310,18 +320,18 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Two numbers of 16 bits as `smlad` takes them.
+/// Two numbers of 16 bits in the form that `smlad` takes.
 #[inline(always)]
 fn pair(low: i32, high: i32) -> i32 {
     low & 0xFFFF | high << 16
 }
 
-/// The parts of the plain loop that replace these parts: all for the first one, none for the others.
+/// The parts of the plain loop that replace these parts: all of them for the first part, none for the others.
 fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
     if parts.start == 0 { 0..span } else { 0..0 }
 }
 
-/// Rows of `count` factors on rows of numbers, which are `width` numbers long.
+/// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
 #[derive(Clone, Copy)]
 struct Slide {
     factors: *const i32,
@@ -332,15 +342,18 @@ struct Slide {
 }
 
 impl Slide {
-    /// Adds to each sum the products of all factors and the numbers under them. From one sum to the next the factors move on by one number.
+    /// Adds to each sum the products of all factors with the numbers under them. From one sum to the next the factors
+    /// move on by one number.
     ///
     /// # Safety
-    /// The factors can be read, and `count + sums.len() - 1` numbers of each row. `count` is at least `LEAST`, and `rows` is not 0.
-    #[inline(never)] // one copy in flash
+    /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. `count` is at least
+    /// `LEAST`, and `rows` is not 0.
+    #[inline(never)]
     unsafe fn add(mut self, sums: &mut [i32]) {
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
         while left > 0 {
-            // SAFETY: as the caller guarantees: no function takes more than `left` sums. There is none for three: it would hardly ever run.
+            // SAFETY: as the caller guarantees: no function takes more than `left` sums. There is none for three sums,
+            // because it would hardly ever run.
             let done = unsafe {
                 match left {
                     1 => self.one(to),
@@ -362,8 +375,8 @@ macro_rules! add {
     };
 }
 
-/// A function for n sums. The loop over a row takes four factors at a time. One or two factors are taken before it; then the numbers are
-/// loaded again.
+/// Defines a function for n sums. The loop over a row takes four factors at a time. If one or two factors are left
+/// over, they are taken before it; then the numbers are loaded again.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide {
@@ -374,8 +387,9 @@ macro_rules! slide {
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
-                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums and the stack is written:
-                // it saves r6 and r7, which `asm!` may not name, and what is needed after each row.
+                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums
+                // and the stack is written: it saves r6 and r7, which `asm!` may not name, and what is needed after
+                // each row.
                 unsafe {
                     asm!(
                         "push {{r0, r5, r8, r11}}",
@@ -384,7 +398,7 @@ macro_rules! slide {
                         "2:",
                         "ldr r11, [sp, #20]",
                         $window,
-                        // The two lowest bits: the sign and the carry.
+                        // Moves the two lowest bits to the sign and the carry.
                         "lsls r7, r11, #31",
                         "bpl 3f",
                         $one,
@@ -406,10 +420,10 @@ macro_rules! slide {
                         $store,
                         "add sp, sp, #16",
                         inout("r0") sums => _,
-                        // From the end of a row to the next one.
+                        // Bytes from the end of a row to the next one.
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
                         inout("r8") factors.wrapping_add(rows * count) => _,
-                        // Not negative; its two lowest bits are those of the count.
+                        // Not negative. Its two lowest bits are those of the count.
                         inout("r11") count.wrapping_sub(LEAST) => _,
                         inout("r12") factors => _,
                         inout("lr") numbers => _,
@@ -427,7 +441,8 @@ macro_rules! slide {
     };
 }
 
-/// Two factors, r6 and r7, for two sums. The number under the first factor of the first sum is in r5; so is then the one after the next.
+/// Multiplies two factors, r6 and r7, for two sums. At the start r5 holds the number under the first factor of the
+/// first sum, at the end the number two places further.
 macro_rules! two {
     ($move:literal) => {
         concat!(
@@ -439,7 +454,7 @@ macro_rules! two {
     };
 }
 
-/// The same for four sums. The numbers are in the registers a, b and c, then in c, d and a.
+/// Multiplies two factors for four sums. The numbers are in the registers a, b and c, then in c, d and a.
 macro_rules! four {
     ($a:literal $b:literal $c:literal $d:literal $move:literal) => {
         concat!(
@@ -451,7 +466,7 @@ macro_rules! four {
     };
 }
 
-/// The same for five sums. The numbers are in the registers a, b, c and d, then in c, d, a and b.
+/// Multiplies two factors for five sums. The numbers are in the registers a, b, c and d, then in c, d, a and b.
 macro_rules! five {
     ($a:literal $b:literal $c:literal $d:literal $move:literal) => {
         concat!(

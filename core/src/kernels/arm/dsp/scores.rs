@@ -4,10 +4,10 @@
 //! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and how much of a threshold remains.
 //! - `usub8` compares, and `sel` then selects the larger or the smaller of each two pixels.
 //!
-//! The intrinsics need an unstable compiler, so these are `asm!`: whole loops, because the compiler would spill registers between pieces.
-//! Rows begin at any address, and words are loaded from there. That works in Normal memory, unless firmware sets `UNALIGN_TRP`. In Device
-//! memory it faults; external RAM (0xA000_0000 and up) is Device memory until the MPU says otherwise. See
-//! [`Backend`](crate::similarity::Backend).
+//! The intrinsics need an unstable compiler, so these are `asm!`: whole loops, because the compiler would spill
+//! registers between pieces. Rows begin at any address, and words are loaded from there. That works in Normal memory,
+//! unless firmware sets `UNALIGN_TRP`. In Device memory it faults; external RAM (0xA000_0000 and up) is Device memory
+//! until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
 
 use super::super::bounds::{Limit, Lookup, blocks};
 use super::candidates;
@@ -23,10 +23,10 @@ use core::arch::asm;
 /// Pixels in a register.
 pub(super) const LANES: usize = 4;
 
-/// Columns that `distance` takes at a time: its loop is unrolled for this many.
+/// Columns that `distance` takes at a time. Its loop is unrolled for this many.
 const STRIP: usize = 16 * LANES;
 
-/// Bytes of code of `loss` for a word.
+/// Bytes of code that `loss` has for one word.
 const LOSS_WORD: usize = 40;
 
 pub(crate) struct Dsp<'a> {
@@ -85,7 +85,7 @@ impl Scores for Dsp<'_> {
         let mut column = 0;
         while column < pair.width && sum < 0 {
             let width = STRIP.min(pair.width - column);
-            // SAFETY: the strip lies in the pair, which has at least four columns.
+            // SAFETY: the pair has at least four columns, and the strip lies in it.
             unsafe { sum = strip(&pair, column, width, sum) };
             column += STRIP;
         }
@@ -101,7 +101,7 @@ impl Scores for Dsp<'_> {
         low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
     }
 
-    /// The ranges as [`groups::misses`] reads them.
+    /// Computes the ranges in the form that [`groups::misses`] reads.
     #[inline(never)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         ranges(rows, self.lookup.margin(), low, high);
@@ -113,8 +113,9 @@ impl Scores for Dsp<'_> {
     }
 }
 
-/// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths. Nothing if there are fewer than four blocks: a
-/// row has at least as many as the template has columns, and no bound reads those of fewer than four.
+/// Computes the ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths. Does
+/// nothing if there are fewer than four blocks. A row has at least as many blocks as the template has columns, and no
+/// bound reads the ranges for a template of fewer than four.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
@@ -126,14 +127,14 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr()) }
 }
 
-/// What the loop over rows of `reachable` reads from memory. The assembly knows the offsets.
+/// The numbers that the loop over rows of `reachable` reads from memory. The assembly knows their offsets.
 #[repr(C)]
 struct Row {
     f_stride: usize,
     g_stride: usize,
     /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// The number of lower bits of that word that belong to earlier columns.
+    /// The number of low bits of that word that belong to earlier columns.
     none: usize,
     /// The address where the rows of the template end.
     end: *const u8,
@@ -188,13 +189,13 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             "ldr {w}, [{f}, r2]",
             "ldr r2, [{g}, r2]",
             "lsr {w}, {w}, r3",
-            "lsr r2, r2, r3", // shifted in on both sides: equal
+            "lsr r2, r2, r3", // shifts in zeroes on both sides: these pixels are equal
             "b 4f",
             "3:",
             "sub r2, {end}, {f}",
             "tst r2, #4",
             "beq 5f",
-            "ldr {w}, [{f}], #4", // one word, so that pairs are left
+            "ldr {w}, [{f}], #4", // takes one word, so that pairs are left
             "ldr r2, [{g}], #4",
             "4:",
             similarities!(),
@@ -231,7 +232,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             words = in(reg) words,
             row = in(reg) &raw const row,
             entries = in(reg) entries,
-            // Includes what the shifted-in zeroes add.
+            // The most that can be reached, including the score of the zeroes that are shifted in.
             full = in(reg) plain::full(pair.width.next_multiple_of(LANES)),
             floor = in(reg) floor,
             reachable = inout(reg) reachable,
@@ -241,14 +242,16 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// A separate function, so that the usual case need not save registers for it.
+/// The distance of pictures with few columns. A separate function, so that the usual case need not save registers for
+/// it.
 #[cold]
 #[inline(never)]
 fn few(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
-/// Unrolled in the text, not by `.irp`: the compiler counts lines to know how far its jumps reach.
+/// The text of the loop, unrolled. It is not made by `.irp`: the compiler counts lines of text to know how far its
+/// jumps reach.
 macro_rules! distance_of_words {
     ($($offset:literal)*) => {
         concat!($(
@@ -259,7 +262,8 @@ macro_rules! distance_of_words {
     };
 }
 
-/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, row by row until it is no longer negative.
+/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, row by row, until the sum is no
+/// longer negative.
 ///
 /// # Safety
 /// The pair has these columns, and at least four.
@@ -272,7 +276,7 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     unsafe {
         asm!(
             "adr.w {words}, 4f",
-            "sub {words}, {words}, r2, lsl #3", // eight bytes of code for each word
+            "sub {words}, {words}, r2, lsl #3", // each word has eight bytes of code
             "2:",
             "cbz r5, 3f",
             "ldr.n r2, [r0, r5]",
@@ -307,7 +311,7 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
-/// The smaller (`least`) or the larger (`most`) of each two pixels of two registers. Overwrites `free`.
+/// Selects the smaller (`least`) or the larger (`most`) of each two pixels of two registers. Overwrites `free`.
 macro_rules! of_two {
     (least, $to:literal, $x:literal, $y:literal, $free:literal) => {
         concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
@@ -317,7 +321,7 @@ macro_rules! of_two {
     };
 }
 
-/// The smallest and the largest pixel of four rows in each of four columns from `at` on.
+/// Selects the smallest and the largest pixel of four rows in each of four columns from `at` on.
 macro_rules! of_four_rows {
     ($low:literal, $high:literal) => {
         concat!(
@@ -336,7 +340,7 @@ macro_rules! of_four_rows {
     };
 }
 
-/// The smallest or the largest of four neighbours, for four columns; `next` holds the four columns after them.
+/// Selects the smallest or the largest of four neighbours, for four columns. `next` holds the four columns after them.
 macro_rules! of_four_columns {
     ($what:ident, $first:literal, $next:literal) => {
         concat!(
@@ -353,24 +357,26 @@ macro_rules! of_four_columns {
     };
 }
 
-/// What [`spread`] reads. The assembly knows the offsets.
+/// The numbers that [`spread`] reads. The assembly knows their offsets.
 #[repr(C)]
 struct Spread {
     rows: [*const u8; 4],
-    /// By how much each range is widened on both sides, in each lane.
+    /// The width of the margin on both sides of each range, in each lane.
     margin: u32,
     /// The first of the last four blocks.
     last: usize,
 }
 
-/// The smallest pixel less the margin, at least 0; and how far the largest pixel and the margin, at most 255, lie above that.
+/// Computes ranges: the smallest pixel less the margin, at least 0; and how far the largest pixel plus the margin, at
+/// most 255, lies above that.
 ///
 /// # Safety
 /// `last + 7` bytes can be read at each of the rows, and `last + 4` bytes written at `low` and `span`.
 #[inline(always)]
 unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
-    // SAFETY: a round takes four blocks: words at `at` and at `at + 4`. The last round takes the last four blocks, perhaps some of them again,
-    // and reads its second word at `last + 3`, the last word of a row, without the byte before that.
+    // SAFETY: a round takes four blocks and reads words at `at` and at `at + 4`. The last round takes the last four
+    // blocks, perhaps some of them again. It reads its second word at `last + 3`, the last word of a row, and drops the
+    // first byte of that.
     unsafe {
         asm!(
             "1:",
@@ -409,7 +415,7 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
             f = out(reg) _,
             g = out(reg) _,
             rows = in(reg) from,
-            // `at` is a word ahead when these are written.
+            // The loop has moved `at` on by a word when it writes these.
             low = in(reg) low.wrapping_sub(LANES),
             span = in(reg) span.wrapping_sub(LANES),
             at = inout(reg) 0 => _,
@@ -431,7 +437,7 @@ macro_rules! clipped {
     };
 }
 
-/// The same for the next word of a row.
+/// Adds the differences of the next word of a row to both sums.
 macro_rules! clipped_word {
     () => {
         concat!(
@@ -448,8 +454,9 @@ macro_rules! clipped_word {
 
 /// The least loss of the pictures, which have at least four columns. Stops once it is more than allowed.
 ///
-/// `uqsub8` gives max(threshold - d, 0), and the distance of that to the threshold, which `usada8` adds, is min(d, threshold). So there are two
-/// sums: of min(d, threshold) and of min(d, threshold - 1). They differ by the number of pixels that do not count.
+/// `uqsub8` gives max(threshold - d, 0). Its distance to the threshold, which `usada8` adds, is min(d, threshold). So
+/// there are two sums: of min(d, threshold) and of min(d, threshold - 1). They differ by the number of pixels that do
+/// not count.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
     let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
@@ -469,7 +476,8 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
         entry: (words / LANES).wrapping_neg() % 4 * LOSS_WORD,
     };
     let lost: u32;
-    // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round` is written.
+    // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round`
+    // is written.
     unsafe {
         asm!(
             "adr.w r2, 4f",
@@ -532,10 +540,10 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
     lost
 }
 
-/// What the loop over rows of [`loss`] reads from memory. The assembly knows the offsets.
+/// The numbers that the loop over rows of [`loss`] reads from memory. The assembly knows their offsets.
 #[repr(C)]
 struct Round {
-    /// From the end of the whole words of a row to the next row.
+    /// Bytes from the end of the whole words of a row to the next row.
     f_stride: usize,
     g_stride: usize,
     /// The loss for each unit of the first and of the second sum.
@@ -549,15 +557,15 @@ struct Round {
     last: usize,
     /// Bytes in the whole words of a row.
     words: usize,
-    /// Where the code for the first words of a row begins.
+    /// The place in the code where the first words of a row are taken.
     entry: usize,
 }
 
 impl Limit {
     /// The loss for each unit of the first sum.
     ///
-    /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences of the others sum to
-    /// M - (M - M') t. So
+    /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences
+    /// of the others sum to M - (M - M') t. So
     ///
     /// ```text
     /// loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'

@@ -1,8 +1,10 @@
-//! Weights of a filter by the DSP extension: `smmla` adds the upper half of a product of 32 bits. The plain loops are in `plain/weights.rs`.
+//! Weights of a filter by the DSP extension: `smmla` adds the upper half of a product of 32 bits. The plain loops are
+//! in `plain/weights.rs`.
 
 use core::arch::asm;
 
-/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`. A negative number is rounded down after its sign is taken away.
+/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`. Of a negative number the sign is removed
+/// first, then the number is rounded down.
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let count = weights.len().min(sums.len());
     let mut largest = 0;
@@ -46,7 +48,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     largest
 }
 
-/// Each `weight * factor / 2^32 + (sum << left)`, divided by `2^shift` and rounded.
+/// Codes each number `weight * factor / 2^32 + (sum << left)`: divides it by `2^shift` and rounds.
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let count = weights.len().min(sums.len()).min(out.len());
     if count == 0 {
@@ -85,8 +87,9 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight; a weight that would leave an `i32` stays. Returns false, and
-/// moves nothing, if this loop cannot take these numbers: it divides by 2^32, and each change must fit in an `i32`.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would leave the range of an `i32`
+/// stays. Returns false, and changes nothing, if this loop cannot take these numbers: it divides by 2^32, and each
+/// change must fit in an `i32`.
 pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) -> bool {
     let count = weights.len().min(slopes.len());
     if count == 0 || back > 32 || length.unsigned_abs() >> (15 + back) != 0 {
@@ -123,7 +126,7 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
     true
 }
 
-/// `lower + upper * 2^32` with a signed lower half.
+/// The two halves of `number = lower + upper * 2^32`. The lower half is signed.
 #[allow(clippy::cast_possible_truncation)] // the two halves
 fn halves(number: i64) -> [i32; 2] {
     let lower = number as i32;

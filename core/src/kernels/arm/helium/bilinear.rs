@@ -3,18 +3,18 @@
 use crate::kernels::plain::bilinear::MixedRow;
 use core::arch::asm;
 
-/// The levels of columns, as `plain::levels` gives them.
+/// Computes the gray levels of columns, as `plain::levels` specifies them.
 ///
 /// # Safety
-/// Each of `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
-#[inline(always)] // into its one caller
+/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
+#[inline(always)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     if count == 0 {
         return;
     }
-    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left. Each of
-    // `from` leads to a pair in the row, which need not be aligned.
+    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left. Each number in
+    // `from` is the place of a pair in the row, which need not be aligned.
     unsafe {
         asm!(
             "dlstp.32 lr, {count}",

@@ -1,4 +1,4 @@
-//! Which of four neighbouring offsets may reach a score, by Helium: counts the points of four offsets at a time.
+//! Excludes offsets that cannot reach a score, by Helium: counts the points of four neighbouring offsets at a time.
 
 use super::super::points::{OFFSETS, Points};
 use super::scores::LANES;
@@ -17,7 +17,8 @@ macro_rules! add {
     };
 }
 
-/// For each of the `wanted` of four offsets a number that is negative only if its points are fewer than `needed`; for the others it is negative.
+/// For each of the `wanted` of four offsets a number that is negative only if the offset has fewer than `needed`
+/// points. For the other offsets it is negative.
 ///
 /// # Safety
 /// The patch has three more columns than the template.
@@ -26,7 +27,8 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
     let advance = pair.width.next_multiple_of(LANES);
     #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
     let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
-    // The points so far and the most that are still to come, less those needed. The offset is excluded once that is negative.
+    // The points so far, plus the most that the rows left can give, less those needed. The offset is excluded once this
+    // is negative.
     let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
     let mut spare = [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start });
     let [a, b, c, d] = &mut spare;

@@ -1,14 +1,14 @@
 //! A layer of a small network by Helium: `vmladava` adds 16 products to a register.
 //!
-//! Three outputs of two patches are computed at a time, so five loads serve six sums. In a loop from `dlstp` to `letp` the last round uses only
-//! one lane for each input left: nothing else is read.
+//! Three outputs of two patches are computed at a time, so five loads serve six sums. In a loop from `dlstp` to `letp`
+//! the last round uses only one lane for each input left, so nothing else is read.
 
 use crate::kernels::plain::dense as plain;
 use crate::kernels::plain::dense::Layer;
 use core::arch::asm;
 use core::ptr;
 
-/// Outputs at a time.
+/// Outputs that are computed at a time.
 const OUTPUTS: usize = 3;
 
 /// See [`plain::outputs`].
@@ -23,7 +23,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     }
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
     while left > 0 {
-        // The second patch may be missing. It is then the first one again.
+        // Without a second patch the first one is computed twice.
         let second = usize::from(left > 1);
         let mut run = Run {
             biases: biases.as_ptr(),
@@ -34,8 +34,8 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
             apart: second * count,
             last: to.wrapping_add(count - OUTPUTS),
         };
-        // SAFETY: `left` patches begin at `from`, and as many times `count` outputs at `to`. There are `count` biases, and `inputs` weights for
-        // each of them.
+        // SAFETY: `left` patches begin at `from`, and `left` times `count` outputs at `to`. There are `count` biases,
+        // and `inputs` weights for each of them.
         unsafe { run.all(weights.as_ptr()) };
         from = from.wrapping_add(2 * inputs);
         to = to.wrapping_add(2 * count);
@@ -43,7 +43,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     }
 }
 
-/// What remains to be computed for two patches. The assembly reads and changes this.
+/// The outputs that remain to be computed for two patches. The assembly reads and changes this.
 #[repr(C)]
 struct Run {
     biases: *const [u8; 4],
@@ -52,7 +52,7 @@ struct Run {
     shift: u32,
     /// The next output of the first patch.
     out: *mut i8,
-    /// From an output of the first patch to that of the second; 0 if they are the same patch.
+    /// Bytes from an output of the first patch to that of the second; 0 if they are the same patch.
     apart: usize,
     /// The last three outputs of the first patch.
     last: *mut i8,
@@ -62,11 +62,12 @@ impl Run {
     /// Computes all outputs, three at a time. The last three may overlap those before them.
     ///
     /// # Safety
-    /// There are at least three outputs. For each, `inputs` weights and a bias can be read and an output written, and one more `apart` bytes
-    /// later. `inputs` bytes of each patch can be read. `inputs` is not 0.
+    /// There are at least three outputs. For each of them `inputs` weights and a bias can be read, and an output can be
+    /// written, also `apart` bytes later. `inputs` bytes of each patch can be read. `inputs` is not 0.
     #[inline(always)]
     unsafe fn all(&mut self, weights: *const i8) {
-        // SAFETY: as the caller guarantees. r6 and r7, which `asm!` may not name, are saved on the stack. The address of `self` passes to r6.
+        // SAFETY: as the caller guarantees. r6 and r7, which `asm!` may not name, are saved on the stack. The assembly
+        // moves the address of `self` to r6.
         unsafe {
             asm!(
                 "push {{r6, r7}}",
@@ -125,7 +126,7 @@ impl Run {
                 "ble 2b",
                 "cmp r9, #3",
                 "beq 4f",
-                // One output or two are left: go back to the last three.
+                // One or two outputs are left: goes back to the last three.
                 "ldrd r7, lr, [r6]",
                 "sub r7, r7, r9, lsl #2",
                 "str r7, [r6]",

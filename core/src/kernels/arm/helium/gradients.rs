@@ -1,4 +1,5 @@
-//! Cells of gradient orientations by Helium: eight cells at a time, each in a lane. The plain loops are in `plain/gradients.rs`.
+//! Cells of gradient orientations by Helium: eight cells at a time, each in a lane. The plain loops are in
+//! `plain/gradients.rs`.
 
 #[cfg(feature = "verify")]
 use crate::kernels::cells::CELL;
@@ -10,31 +11,31 @@ use core::mem::MaybeUninit;
 
 /// Cells at a time.
 const LANES: usize = 8;
-/// For each pixel in a row of four cells: the index in [`Sectors`] of the votes of its cell for the first direction of sector 0, and the
-/// offset of its bytes in [`Pixels`].
+/// For each pixel in a row of four cells: the index in [`Sectors`] of the votes of its cell for the first direction of
+/// sector 0, and the offset of its bytes in [`Pixels`].
 static PLACES: [[u8; 16]; 2] = [
     [32, 32, 32, 32, 33, 33, 33, 33, 34, 34, 34, 34, 35, 35, 35, 35],
     [0, 24, 48, 72, 1, 25, 49, 73, 2, 26, 50, 74, 3, 27, 51, 75],
 ];
-/// Factors of gradients and other constants of the search for a sector, for the registers r3 to r12.
+/// Factors of gradients and other constants for the search of a sector: the registers r3 to r12.
 static NUMBERS: [i32; 10] = [-4, 31, -12, 1, -8, -10, 9, 6, 11, -3];
-/// Offsets of the features of eight cells.
+/// The offsets of the features of eight cells.
 static FEATURES: [u16; LANES] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// The votes of eight cells: for the first direction of the sectors 4 to 0, then of the mirrored sectors; then the same for the second
-/// direction.
+/// The votes of eight cells: for the first direction of the sectors 4 to 0, then of the mirrored sectors; then the same
+/// for the second direction.
 #[repr(align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Sectors(MaybeUninit<[[u16; LANES]; 20]>);
 
-/// Gradients of eight cells. For the first pixel of each cell in a row |y|, then |x|, then the index of its votes; then the same for the
-/// next pixels in that row.
+/// Gradients of eight cells. For the first pixel of each cell in a row |y|, then |x|, then the index of its votes; then
+/// the same for the next pixels in that row.
 #[repr(align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Pixels(MaybeUninit<[[[u8; LANES]; 3]; 4]>);
 
-/// Gradients of 16 pixels in a row. r0 points to the left neighbour of the first pixel, r4 to the one above, r5 to the one below. q1
-/// becomes the index of the votes.
+/// Computes the gradients of 16 pixels in a row. r0 points to the left neighbour of the first pixel, r4 to the one
+/// above, r5 to the one below. q1 becomes the index of the votes.
 macro_rules! pixels {
     ($from:literal, $place:literal, $places:literal) => {
         concat!(
@@ -54,7 +55,7 @@ macro_rules! pixels {
             "vabd.u8 q0, q0, q1\n",
             "vhsub.u8 q1, q3, q2\n",
             "vabd.u8 q2, q2, q3\n",
-            // Mirrored if the signs differ. If x or y is 0, both ways give the same votes.
+            // A gradient is mirrored if the signs differ. If x or y is 0, both ways give the same votes.
             "veor q4, q4, q1\n",
             $place,
             "\n",
@@ -73,8 +74,8 @@ macro_rules! pixels {
     };
 }
 
-/// Steps to the next direction in the lanes where F of the last one (q6) is not negative, and notes that one as the first direction of the
-/// sector. Computes t of the next direction in q5 and F in q6.
+/// Steps to the next direction in the lanes where F of the last one (q6) is not negative, and notes the last one there
+/// as the first direction of the sector. Computes t of the next direction in q5 and F in q6.
 macro_rules! next {
     ($first:literal, $second:literal; $third:literal, $fourth:literal) => {
         concat!(
@@ -102,7 +103,8 @@ macro_rules! zero {
     };
 }
 
-/// Adds up the votes for a direction, stores the sum, and adds its square to the energies: q2 for even cells, q3 for odd ones.
+/// Adds up the votes for a direction, stores the sum, and adds its square to the energies: q2 for even cells, q3 for
+/// odd ones.
 macro_rules! sum {
     ($first:literal $($other:literal)*) => {
         concat!(
@@ -118,8 +120,9 @@ macro_rules! sum {
     };
 }
 
-/// The sums of a row of cells and their energies, as in the plain loop. Rows and lines have room for a multiple of eight cells.
-#[inline(never)] // one copy in flash
+/// Computes the sums of a row of cells and their energies, as the plain loop does. Rows and lines have room for a
+/// multiple of eight cells.
+#[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],
@@ -141,19 +144,20 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The nine gradient sums, the sum of gray levels and the energy of each of the eight cells of block `block`. Does nothing if they are not
-/// on the lines or have no room in the rows.
+/// Computes the nine gradient sums, the sum of gray levels and the energy of each of the eight cells of block `block`.
+/// Does nothing if the cells are not on the lines or have no room in the rows.
 ///
-/// How far a gradient is beyond a direction, v = cos * |y| - sin * |x|, has 19 bits and a sign. The votes need only v / 64 and -v / 64,
-/// both rounded down. Let v = 64 f + t. Then
+/// How far a gradient is beyond a direction, v = cos * |y| - sin * |x|, has 19 bits and a sign. The votes need only v /
+/// 64 and -v / 64, both rounded down. Let v = 64 f + t. Then
 ///
 /// ```text
 /// floor(v / 64)  = F = f + (t >> 6)
 /// floor(-v / 64) = -F, less 1 unless v is a multiple of 64
 /// ```
 ///
-/// and all of it fits in 16 bits. F never grows from one direction to the next. So the last direction with F >= 0 is the first of the
-/// sector, and the next one, whose t is needed too, is the second. In the table, up = |y| and right = |x|.
+/// and all of it fits in 16 bits. F never grows from one direction to the next. So the last direction with F >= 0 is
+/// the first of the sector, and the next one, whose t is needed too, is the second. In the table, up = |y| and right =
+/// |x|.
 ///
 /// | direction | cos | sin | t | f |
 /// |---|---|---|---|---|
@@ -191,8 +195,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
     let (mut line, end) = (pixels.wrapping_add(COLUMNS), pixels.wrapping_add(5 * COLUMNS));
     while line != end {
-        // SAFETY: 34 pixels of each of six lines are read, and the check above leaves room for them. All of `gradients` is written, 16 bytes at
-        // a time.
+        // SAFETY: 34 pixels of each of six lines are read, and the check above leaves room for them. All of `gradients`
+        // is written, 16 bytes at a time.
         unsafe {
             asm!(
                 "vldrb.u8 q6, [r4]",
@@ -223,8 +227,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 options(nostack),
             );
         }
-        // SAFETY: `gradients` and `sectors` were written. r1 leads to the votes 0 to 79 and r2 to those from 80 on. r6 and r7, which `asm!`
-        // may not name, are saved in q3.
+        // SAFETY: `gradients` and `sectors` were written. r1 leads to the votes 0 to 79 and r2 to those from 80 on. r6
+        // and r7, which `asm!` may not name, are saved in q3.
         unsafe {
             asm!(
                 "vmov d6, r6, r7",
@@ -295,8 +299,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
             );
         }
     }
-    // SAFETY: `sectors` was written. Eight sums of each row and eight energies are written from `first` on: `first + LANES <= ROW`. 32 pixels
-    // of the four inner lines are read.
+    // SAFETY: `sectors` was written. Eight sums of each row and eight energies are written from `first` on: `first +
+    // LANES <= ROW`. 32 pixels of the four inner lines are read.
     unsafe {
         asm!(
             "vmov.i32 q2, #0",
@@ -353,16 +357,16 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >> 16, 127)`, and
-/// `(gray >> 4) - 128`. No product reaches 2^32.
+/// The features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >> 16, 127)`,
+/// and `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };
     const { assert!(ROW.is_multiple_of(LANES)) };
     if out.is_empty() || out.len() > ROW {
         return;
     }
-    // SAFETY: sums and inverses are read for eight cells at a time, and ROW is a multiple of eight. Features are written only for the cells
-    // in `out`.
+    // SAFETY: sums and inverses are read for eight cells at a time, and ROW is a multiple of eight. Features are
+    // written only for the cells in `out`.
     unsafe {
         asm!(
             "vldrh.u16 q7, [r3]",

@@ -1,14 +1,14 @@
-//! The bound of a group of offsets by Helium: counts the pixels of the template that cannot count at any offset of the group.
+//! Bounds a group of offsets by Helium: counts the pixels of the template that cannot count at any offset of the group.
 //!
-//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are stored as that
-//! test needs them: the lower end, and the length.
+//! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are
+//! stored as that test needs them: the lower end, and the length.
 
 use super::scores::LANES;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its upper bound. Stops once
-/// the number exceeds `allowed`.
+/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its
+/// upper bound. Stops once the number exceeds `allowed`.
 ///
 /// # Safety
 /// Patch and upper bound have the same stride.

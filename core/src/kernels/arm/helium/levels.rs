@@ -1,12 +1,14 @@
-//! Sums over the gray levels of a row, and the replacement of a row, by Helium. The plain loops are in `plain/levels.rs`.
+//! Sums over the gray levels of a row, and the replacement of a row, by Helium. The plain loops are in
+//! `plain/levels.rs`.
 
 use core::arch::asm;
 
-/// As `plain::deviation`.
-#[inline(always)] // into its one caller
+/// See `plain::deviation`.
+#[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let (mut deviation, mut clipped) = (0, 0);
-    // SAFETY: only `pixels` are read. Nothing is written. A pixel is at 0 or 255 where pixel + 1 is 0 or 1.
+    // SAFETY: only `pixels` are read. Nothing is written. A pixel is 0 or 255 exactly if pixel + 1, modulo 256, is 0 or
+    // 1.
     unsafe {
         asm!(
             "vdup.8 q1, {level}",
@@ -24,7 +26,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
             count = in(reg) pixels.len(),
             level = in(reg) u32::from(level),
             deviation = inout(reg) deviation,
-            inout("r2") clipped, // even, as the sum of `vaddva` must be
+            inout("r2") clipped, // in an even register, which `vaddva` requires for its sum
             out("lr") _,
             out("q0") _,
             out("q1") _,
@@ -35,8 +37,8 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// As `plain::replace`.
-#[inline(always)] // into its one caller
+/// See `plain::replace`.
+#[inline(always)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     let mut largest = u32::from(largest);
     // SAFETY: only the first `count` pixels of each are read, and those of `old` written.

@@ -1,9 +1,10 @@
-//! Sums of products by Helium: eight products an instruction.
+//! Sums of products by Helium: eight products in one instruction.
 //!
-//! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the loaded weights. In a loop
-//!   from `dlstp` to `letp` the last round uses only one lane for each weight left: nothing else is read.
-//! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a filter of errors, at
-//!   the offset of each weight.
+//! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the
+//!   loaded weights. In a loop from `dlstp` to `letp` the last round uses only one lane for each weight left: nothing
+//!   else is read.
+//! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a
+//!   filter of errors, at the offset of each weight.
 
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
@@ -12,10 +13,11 @@ use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = 10;
-/// The most neighbouring sums at a time.
+/// The most neighbouring sums that are computed at a time.
 const MOST: usize = 7;
 
-/// The rows of a filter of `weights` weights, if it has whole cells and the cells suffice at all offsets.
+/// The weights in a row of the filter, if the filter of `weights` weights has whole cells, and enough cells lie under
+/// it at all offsets.
 fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
     let Layout { row, stride, step, span } = layout;
     let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
@@ -45,7 +47,7 @@ pub(crate) fn responses<const N: usize>(
         let from = cells.as_ptr().wrapping_add(y * stride);
         let mut x = 0;
         while x < span {
-            // As few blocks as possible, of similar size. The last one may overlap the one before it.
+            // As few blocks as possible, of similar size. The last block may overlap the one before it.
             let width = match span - x {
                 0..=3 => 3,
                 4 | 5 | 8..=10 | 15 => 5,
@@ -76,8 +78,8 @@ struct Rows {
     weights: usize,
 }
 
-/// A function for the sums at neighbouring offsets, `APART` bytes apart: the first in r0, the others in the registers given. `asm!` may not
-/// name r6, so the lines that use it are arguments of their own.
+/// Defines a function for the sums at neighbouring offsets, `APART` bytes apart: the first sum in r0, the others in the
+/// registers given. `asm!` may not name r6, so the lines that use it are arguments of their own.
 macro_rules! sums {
     (
         $name:ident: $sums:expr;
@@ -85,7 +87,8 @@ macro_rules! sums {
         $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
     ) => {
         /// # Safety
-        /// `down` rows of `width` weights, at least one each, can be read, and the cells under them at all these offsets.
+        /// `down` rows of `width` weights, at least one each, can be read, and the cells under them at all these
+        /// offsets.
         #[inline(never)]
         unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
             let ($first, $nine): (_, i32);
@@ -153,7 +156,7 @@ impl Rows {
     }
 }
 
-/// Eight errors of a row times the bytes at six offsets, or at seven.
+/// Multiplies eight errors of a row by the bytes at six offsets, or at seven.
 macro_rules! eight {
     () => {
         "vldrh.u16 q0, [r3], #16
@@ -177,12 +180,13 @@ macro_rules! eight {
 }
 
 impl Rows {
-    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for a square of errors. Its rows are `N` numbers apart, those of the bytes
-    /// `apart`. A row of 9 or 17 errors is one or two vectors and one error; those last errors are taken as a column, which fills lanes better.
+    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for a square of errors. The rows of errors are `N` numbers
+    /// apart, those of the bytes `apart`. A row of 9 or 17 errors is one or two vectors and one error more. The last
+    /// errors of all rows are taken together as a column, which fills lanes better.
     ///
     /// # Safety
     /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.
-    #[inline(never)] // one copy in flash
+    #[inline(never)]
     unsafe fn errors_at<const N: usize, const SEVEN: usize>(
         &self,
         bytes: *const i8,
@@ -200,8 +204,8 @@ impl Rows {
             return;
         }
         let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
-        // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is written; it saves r6, which
-        // `asm!` may not name.
+        // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is
+        // written; it saves r6, which `asm!` may not name.
         unsafe {
             asm!(
                 "push {{r6}}",
@@ -299,9 +303,9 @@ impl Rows {
     }
 }
 
-/// Parts of [`gather`]: channels.
+/// The number of parts of [`gather`]: the channels.
 pub(crate) const GATHER_PARTS: usize = STEP;
-/// Offsets of a channel in eight neighbouring cells.
+/// The offsets of a channel in eight neighbouring cells.
 static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
 /// See [`plain::gather`]. A part is a channel. `spare` holds its sums.
@@ -323,26 +327,28 @@ pub(crate) fn gather<const N: usize>(
     let fitting = fits(cells, layout, sums.len()).filter(room_for);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
-        // In the plain loop a part is a row of errors. The first part here replaces all of them.
+        // In the plain loop a part is a row of errors. The first part here replaces all of those.
         let parts = if parts.start == 0 { 0..span } else { 0..0 };
         return plain::gather(parts, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
-    // The choice with fewer instructions: a block of seven sums costs 9/8 of a block of six.
+    // Chooses six or seven sums, whichever takes fewer instructions: a block of seven sums costs 9/8 of a block of six.
     let across = row / STEP;
     let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
     for channel in parts.start..parts.end.min(STEP) {
         let plane = room.0.as_mut_ptr().cast::<i8>();
-        // SAFETY: one byte of each cell under the filter is read: `fits` has checked that they are there, `room_for` that the room suffices.
+        // SAFETY: one byte of each cell under the filter is read. `fits` has checked that the cells are there,
+        // `room_for` that the room suffices.
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
         for y in 0..down {
             let mut x = 0;
             while x < across {
                 let from = plane.cast_const().wrapping_add(y * width + x);
                 let to = of_channel.as_mut_ptr().wrapping_add(y * across + x).cast();
-                // SAFETY: the errors lie on the bytes that were copied, or, at offsets beyond the last weight, on the room after them. Their
-                // sums are written over by those of the next row, or after all others.
+                // SAFETY: the errors lie on the bytes that were copied, or, at offsets beyond the last weight, on the
+                // room after them. The sums at these offsets are overwritten by those of the next row, or lie after all
+                // others.
                 unsafe {
                     if block == MOST {
                         rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width, to);

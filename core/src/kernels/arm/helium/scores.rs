@@ -2,9 +2,10 @@
 //!
 //! - `vldrh` with a vector of offsets loads an entry of the table for each lane.
 //! - `vabav` adds the absolute differences of two vectors to a register.
-//! - `vpt` compares. The instructions after it work only in lanes where the comparison holds, or only where it does not.
-//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses one lane for each pixel left: nothing else is read or
-//!   written.
+//! - `vpt` compares. The instructions after it work only in the lanes where the comparison holds, or only in the
+//! others.
+//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses one lane for each pixel left, so
+//! nothing else is read or written.
 //!
 //! There are no intrinsics, so these are `asm!`.
 
@@ -33,8 +34,8 @@ impl<'a> Helium<'a> {
     }
 }
 
-/// Keeps in each lane of `$picked` the least or the most of that lane and the three before it. `$ones` and `$twos` have the lanes before the
-/// first one, and then the last lanes.
+/// Keeps in each lane of `$picked` the least or the most of that lane and the three before it. `$ones` and `$twos` hold
+/// the lanes before the first one at the start, and the last lanes at the end.
 macro_rules! of_four {
     ($pick:literal, $picked:literal, $ones:literal, $twos:literal) => {
         concat!(
@@ -56,7 +57,7 @@ impl Scores for Helium<'_> {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);
         let mut reachable = pair.full_after(0);
-        // How far the loop over a row advances: whole vectors of eight pixels.
+        // Bytes by which the loop over a row advances: whole vectors of eight pixels.
         let advance = pair.width.next_multiple_of(LANES / 2);
         // SAFETY: only the `width` pixels of a row, at least one, and entries up to 255 are read. Nothing is written.
         unsafe {
@@ -106,7 +107,7 @@ impl Scores for Helium<'_> {
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let pair = Rows::of(patch, template);
         let mut sum = 0;
-        // How far the loop over a row advances: whole vectors.
+        // Bytes by which the loop over a row advances: whole vectors.
         let advance = pair.width.next_multiple_of(LANES);
         // SAFETY: only the `width` pixels of a row, at least one, are read. Nothing is written.
         unsafe {
@@ -148,7 +149,7 @@ impl Scores for Helium<'_> {
         low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
     }
 
-    /// The ranges as [`groups::misses`] reads them.
+    /// Computes the ranges in the form that [`groups::misses`] reads.
     #[inline(never)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         ranges(rows, self.lookup.margin(), low, high);
@@ -165,17 +166,19 @@ impl Scores for Helium<'_> {
     }
 }
 
-/// The ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
+/// Computes the ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
 ///
-/// Column by column the least and the most of four rows, then of each four columns. A lane takes the columns before its own, so a vector gives
-/// the blocks that begin three columns earlier. The first vector has three lanes too many, which are not stored.
+/// For each column it takes the least and the most of four rows, then of each four columns. A lane takes the columns
+/// before its own, so a vector gives the blocks that begin three columns earlier. The first vector has three lanes too
+/// many, which are not stored.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let columns = blocks(rows, low, span);
     if columns == 0 {
         return;
     }
     let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-    // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has checked that they are there.
+    // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has
+    // checked that they are there.
     unsafe {
         asm!(
             "vdup.8 q3, {lanes}",
@@ -210,7 +213,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
             low = inout(reg) low.as_mut_ptr().wrapping_sub(3) => _,
             span = inout(reg) span.as_mut_ptr().wrapping_sub(3) => _,
             lanes = inout(reg) u32::from(margin) => _,
-            // Any lanes before the first one will do.
+            // The lanes before the first one may hold anything.
             least = out(reg) _,
             least_of_two = out(reg) _,
             most = out(reg) _,

@@ -48,7 +48,7 @@ pub(crate) fn largest(weights: &[i32], factor: i32, sums: &[i32], left: u32) -> 
     largest
 }
 
-/// `weight * factor / 2^32 + (sum << left)`, divided by `2^shift` and rounded.
+/// Codes each number `weight * factor / 2^32 + (sum << left)`: divides it by `2^shift` and rounds.
 pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let count = weights.len().min(sums.len()).min(out.len());
     if count == 0 {
@@ -84,11 +84,11 @@ pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight; a weight that would leave an `i32` stays. Returns false, and
-/// moves nothing, if this loop cannot take these numbers.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would leave the range of an `i32`
+/// stays. Returns false, and changes nothing, if this loop cannot take these numbers.
 ///
-/// The product of a slope and the length is the sum of three products, one for each 16 bits of the length. What is above the lowest
-/// 16 bits of a product is added to the next one.
+/// The product of a slope and the length is computed in three products, one for each 16 bits of the length. The bits of
+/// a product above the lowest 16 are added to the next product.
 ///
 /// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
 /// - The changes fit in an `i32` if the length is below 2^(15 + back).
@@ -131,7 +131,7 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
             third = in(reg) upper(length),
             half = in(reg) piece(half >> 16),
             upper_half = in(reg) upper(half),
-            // A shift to the left by less than 0 is one to the right.
+            // A shift to the left by a negative number is one to the right.
             left = in(reg) 32_u32.wrapping_sub(back),
             right = in(reg) 16_u32.wrapping_sub(back),
             inout("r0") slopes.as_ptr() => _,
@@ -152,7 +152,8 @@ pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     if numbers.is_empty() {
         return sum;
     }
-    // The number is doubled here, and the instruction doubles the product: it then rounds and drops 16 bits.
+    // The number is doubled here, and the instruction doubles the product. The instruction then rounds and drops 16
+    // bits.
     // SAFETY: the slice has this many numbers, and the last round uses only the lanes that are left.
     unsafe {
         asm!(

@@ -1,4 +1,5 @@
-//! Sums of products by SIMD128: eight products an instruction. It multiplies eight pairs of 16-bit numbers and adds them two by two.
+//! Sums of products by SIMD128: eight products in one instruction. It multiplies eight pairs of 16-bit numbers and adds
+//! them two by two.
 
 use crate::kernels::layout::Layout;
 use crate::kernels::plain::products as plain;
@@ -8,11 +9,11 @@ use core::ops::Range;
 /// Numbers in a vector.
 const LANES: usize = 8;
 
-/// Offsets whose responses are summed at once: they share the loads of the weights.
+/// Offsets whose responses are summed at a time. They share the loads of the weights.
 const AT_ONCE: usize = 4;
 
-/// True if the filter of `weights` weights has whole rows of at least a vector, and at every offset lies wholly on the cells: `cells` is
-/// their number of bytes.
+/// True if the filter of `weights` weights has whole rows of at least a vector, and at every offset lies wholly on the
+/// cells, which have `cells` bytes.
 fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
     let Layout { row, stride, step, span } = layout;
     let (Some(down), Some(most)) = (weights.checked_div(row), span.checked_sub(1)) else { return false };
@@ -22,8 +23,8 @@ fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
     row >= LANES && weights.is_multiple_of(row) && end.is_some_and(|end| end <= cells)
 }
 
-/// The starts of the vectors of a row, and a mask for each. All but the last are whole. The last one ends with the row; the lanes that
-/// the vector before it has are masked.
+/// The starts of the vectors of a row, and a mask for each. All but the last vector are whole. The last one ends with
+/// the row; its lanes that the vector before has, too, are masked.
 fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
     let whole = (0..row / LANES).map(|number| (number * LANES, u8x16_splat(u8::MAX)));
     let rest = row % LANES;
@@ -55,7 +56,8 @@ pub(crate) fn responses<const N: usize>(
         let at = |x: usize| cells.as_ptr().wrapping_add(y * stride + x * step);
         let (groups, rest) = out.as_chunks_mut::<AT_ONCE>();
         for (number, group) in groups.iter_mut().enumerate() {
-            // SAFETY: y and all x of the group are below the span, so the filter lies on the cells, as `fits` has checked.
+            // SAFETY: y and all x of the group are below the span, so the filter lies on the cells, as `fits` has
+            // checked.
             *group = unsafe { responses_at(at(number * AT_ONCE), layout, weights) };
         }
         for (response, x) in rest.iter_mut().zip(groups.len() * AT_ONCE..) {
@@ -65,7 +67,8 @@ pub(crate) fn responses<const N: usize>(
     }
 }
 
-/// The responses at `COUNT` neighbouring offsets, of which `first` is the first one's cell at the top left of the filter.
+/// The responses at `COUNT` neighbouring offsets. `first` is the cell at the top left of the filter at the first of
+/// them.
 ///
 /// # Safety
 /// At each offset, all cells under the filter can be read, and its rows have at least a vector each.
@@ -112,16 +115,16 @@ pub(crate) fn gather<const N: usize>(
             let cells = cells.as_ptr().wrapping_add((y + down) * stride);
             for (at, mask) in vectors(row) {
                 let sums = sums.as_mut_ptr().wrapping_add(at);
-                // SAFETY: y and all x are below the span, so the filter lies on the cells, as `fits` has checked; no vector ends
-                // beyond the row.
+                // SAFETY: y and all x are below the span, so the filter lies on the cells, as `fits` has checked; no
+                // vector ends beyond the row.
                 unsafe { gather_at(cells.wrapping_add(at), step, mask, errors.get(..span).unwrap_or_default(), sums) }
             }
         }
     }
 }
 
-/// Adds the products of a row of errors to the eight sums at `sums`, where `mask` is set. `first` is the cell under the first of them at the
-/// first offset.
+/// Adds the products of a row of errors to the eight sums at `sums`, where `mask` is set. `first` is the cell under the
+/// first of these sums at the first offset.
 ///
 /// # Safety
 /// Eight cells can be read at each offset, and eight sums written.
@@ -134,7 +137,7 @@ unsafe fn gather_at(first: *const i8, step: usize, mask: v128, errors: &[i16], s
         let cells = |x: usize| i16x8_load_extend_i8x8(first.wrapping_add(x * step));
         let (pairs, last) = errors.as_chunks::<2>();
         for (number, pair) in pairs.iter().enumerate() {
-            // Two offsets at once: their cells alternate, as do their errors.
+            // Takes two offsets at once: their cells alternate, and so do their errors.
             let errors = v128_load32_splat(pair.as_ptr().cast());
             total = add_products(total, cells(2 * number), cells(2 * number + 1), errors, mask);
         }

@@ -1,7 +1,8 @@
 //! Scores by SIMD128, the vectors of WebAssembly: 16 pixels at a time, for any threshold.
 //!
-//! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So the lookup is also
-//!    the test d < threshold. The usual threshold is at most 16: one lookup for each plane. Larger ones take up to 16.
+//! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero.
+//! So the lookup is also the test d < threshold. The usual threshold is at most 16, which takes one lookup for each
+//! plane. Larger ones take up to 16.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
@@ -73,7 +74,8 @@ fn further<const BY: i32>(bytes: v128) -> v128 {
 /// Entries that one swizzle looks up.
 const SEGMENT: usize = 16;
 
-/// Stands for any number of segments from two on, which share a loop: separate ones would make the module a third larger.
+/// Stands for any number of segments from two on. They share a loop: separate ones would make the module a third
+/// larger.
 const MANY: usize = 16;
 
 /// The entries below the threshold, low bytes and high bytes apart.
@@ -83,14 +85,14 @@ pub(crate) struct Lookup {
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
-    /// How often candidates are worth their time.
+    /// Decides how often bounding candidates is worth its time.
     candidates: Effort,
 }
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
 
 impl Lookup {
-    /// Always possible: this file is compiled only if the target has SIMD128.
+    /// Always succeeds: this file is compiled only if the target has SIMD128.
     pub(crate) fn new(table: &CutTable) -> Self {
         let threshold = table.threshold();
         let segments = usize::from(threshold).div_ceil(SEGMENT).clamp(1, MANY);
@@ -131,7 +133,7 @@ unsafe fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 struct Planes<'a, const SEGMENTS: usize> {
     /// The first segments.
     first: (v128, v128),
-    /// The others.
+    /// The other segments.
     low: &'a [[u8; SEGMENT]],
     high: &'a [[u8; SEGMENT]],
 }
@@ -161,7 +163,7 @@ impl<const SEGMENTS: usize> LookUp for Planes<'_, SEGMENTS> {
         let mut index = difference;
         let mut planes = (u8x16_swizzle(self.first.0, index), u8x16_swizzle(self.first.1, index));
         for (low, high) in self.low.iter().zip(self.high) {
-            // An index of another segment is too large, perhaps because it wrapped, and gives zero.
+            // An index of another segment is too large (or wrapped to a large one), and gives zero.
             index = u8x16_sub(index, u8x16_splat(16));
             planes.0 = v128_or(planes.0, u8x16_swizzle(segment(low), index));
             planes.1 = v128_or(planes.1, u8x16_swizzle(segment(high), index));

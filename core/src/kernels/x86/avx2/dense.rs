@@ -1,4 +1,4 @@
-//! A layer of a small network by AVX2: the plain loop, compiled for it.
+//! A layer of a small network by AVX2: the plain loop, compiled with its instructions.
 
 use crate::kernels::plain::dense as plain;
 

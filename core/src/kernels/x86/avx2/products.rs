@@ -1,4 +1,4 @@
-//! Sums of products by AVX2: the plain loops, compiled with eight products an instruction.
+//! Sums of products by AVX2: the plain loops, compiled with its instructions, which compute eight products each.
 
 use crate::kernels::layout::Layout;
 use crate::kernels::plain::products as plain;

@@ -1,12 +1,12 @@
 //! Scores by AVX2: 32 pixels at a time, for any threshold.
 //!
-//! 1. The low and the high bytes of the table are two planes of 256 bytes. A shuffle looks up 16 bytes, so the loop goes through the entries
-//!    below the threshold in segments of 16. The usual threshold is at most 16: one segment.
-//! 2. A shuffle gives zero if the top bit of the index is set. A saturating addition sets that bit for differences that belong to other
-//!    segments. So the lookup is also the test d < threshold.
+//! 1. The low and the high bytes of the table are two planes of 256 bytes. A shuffle looks up 16 bytes, so the loop
+//!    goes through the entries below the threshold in segments of 16. The usual threshold is at most 16: one segment.
+//! 2. A shuffle gives zero if the top bit of the index is set. A saturating addition sets that bit for differences that
+//!    belong to other segments. So the lookup is also the test d < threshold.
 //! 3. `psadbw` against zero adds eight bytes exactly.
-//! 4. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked. So no byte outside of a
-//!    row is read, whatever its width.
+//! 4. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked. So no
+//!    byte outside of a row is read, whatever its width.
 
 use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
@@ -54,7 +54,7 @@ impl Neighbours for __m256i {
         fn min(a: Self, b: Self) -> Self { _mm256_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
         fn raised(a: Self, b: Self) -> Self { _mm256_adds_epu8(a, b) }
-        // 0x81: the upper half moves down, and zeroes follow.
+        // 0x81: moves the upper half down, and zeroes follow.
         fn further<const BY: i32>(bytes: Self) -> Self {
             _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<0x81>(bytes, bytes), bytes)
         }
@@ -63,8 +63,8 @@ impl Neighbours for __m256i {
 
 /// A mask of the lanes in which [`narrow`] loads a row of up to 31 pixels, each pixel once.
 ///
-/// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they overlap, only the
-/// first is valid.
+/// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they
+/// overlap, only the first is valid.
 ///
 /// # Safety
 /// The processor has AVX2.
@@ -81,8 +81,8 @@ unsafe fn narrow_lanes(width: usize) -> __m256i {
     unsafe { _mm256_cmpgt_epi8(__m256i::load(lanes.as_ptr()), _mm256_set1_epi8(31 - new)) }
 }
 
-/// Numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31, and lanes that are never
-/// valid.
+/// The numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31,
+/// and lanes that are never valid.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];
@@ -94,7 +94,7 @@ const fn lanes(first: usize, second: usize) -> [u8; 32] {
     lanes
 }
 
-/// A row of up to 31 pixels.
+/// Loads a row of up to 31 pixels.
 ///
 /// # Safety
 /// The processor has AVX2.
@@ -112,7 +112,7 @@ unsafe fn narrow(row: &[u8]) -> __m256i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Shifts pixels in from the top of four bytes, so that the last one is included.
+            // Shifts pixels in from the top of four bytes, so that the last pixel is included.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm256_set_epi64x(0, 0, 0, both)
@@ -122,20 +122,20 @@ unsafe fn narrow(row: &[u8]) -> __m256i {
 /// Entries that one shuffle looks up.
 const SEGMENT: usize = 16;
 
-/// Segments that the top bit of an index can tell apart.
+/// Segments that a half of the table has: as many as the top bit of an index can tell from the rest.
 const SEGMENTS_A_HALF: usize = 8;
 
 /// The entries below the threshold in segments, low bytes and high bytes apart.
 ///
-/// The first segment of a half is stored as it is, each other one as its xor with the one before it. A pixel in segment k gets a
-/// value from each shuffle up to k, and their xor is the entry.
+/// The first segment of a half is stored as it is, each other one as its xor with the one before it. A pixel in segment
+/// k gets a value from each shuffle up to k, and their xor is the entry.
 pub(crate) struct Lookup {
     low: [[u8; SEGMENT]; 16],
     high: [[u8; SEGMENT]; 16],
     segments: usize,
     /// The largest difference that counts, if there is one.
     last: Option<u8>,
-    /// How often candidates are worth their time.
+    /// Decides how often bounding candidates is worth its time.
     candidates: Effort,
 }
 
@@ -149,7 +149,7 @@ pub(crate) fn is_available() -> bool {
 scores!(Lookup, Planes, __m256i, "avx2", segments: 1 2 3 4 8 or 16);
 
 impl Lookup {
-    /// `None` if the machine has no AVX2: a `Lookup` proves that it has.
+    /// `None` if the machine has no AVX2. So a `Lookup` proves that it has.
     pub(crate) fn new(table: &CutTable) -> Option<Self> {
         if !is_available() {
             return None;
@@ -160,7 +160,7 @@ impl Lookup {
         for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
             [*low, *high] = entry.to_le_bytes();
         }
-        // Beyond four, the loop goes through eight or all segments, also those beyond the threshold.
+        // From five on, the loop goes through eight or all segments, also through those beyond the threshold.
         let segments = match usize::from(threshold).div_ceil(SEGMENT) {
             live @ 0..=4 => live.max(1),
             5..=8 => 8,
@@ -176,7 +176,7 @@ impl Lookup {
 /// Replaces each segment of a half but the first by its xor with the one before it.
 fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     for half in plane.chunks_mut(SEGMENTS_A_HALF) {
-        // Starts at the last one: each segment then meets the one before it unchanged.
+        // Starts at the last segment: each segment then meets the one before it unchanged.
         let mut rest = half;
         while let Some((last, before)) = rest.split_last_mut() {
             last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
@@ -228,14 +228,14 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
         planes
     }
 
-    /// The entries that `COUNT` segments (at most 8) from `first` on hold.
+    /// Looks up the entries in `COUNT` segments (at most 8) from `first` on.
     ///
     /// # Safety
     /// The processor has AVX2.
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // all below 16 * 8
     unsafe fn look_up_half<const COUNT: usize>(&self, first: usize, difference: __m256i) -> (__m256i, __m256i) {
-        // With this added, the last segment ends at 127, and what lies beyond has the top bit.
+        // With this added, the last segment ends at 127. Differences beyond it have the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
         // SAFETY: as the caller guarantees.
         unsafe {
@@ -244,7 +244,8 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
                 (_mm256_shuffle_epi8(self.low[first], moved), _mm256_shuffle_epi8(self.high[first], moved));
             let mut segment = 1;
             while segment < COUNT {
-                // Signed and saturating: the top bit stays where it is set, and is set for what lies before this segment.
+                // A signed and saturating subtraction: the top bit stays where it is set, and is set for differences
+                // below this segment.
                 let index = _mm256_subs_epi8(moved, _mm256_set1_epi8((up + SEGMENT * segment) as i8));
                 planes.0 = _mm256_xor_si256(planes.0, _mm256_shuffle_epi8(self.low[first + segment], index));
                 planes.1 = _mm256_xor_si256(planes.1, _mm256_shuffle_epi8(self.high[first + segment], index));
