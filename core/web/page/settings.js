@@ -1,4 +1,5 @@
-// The settings in the words of host-sim: as a TOML file for `--settings`, and as the command line that repeats what the page does.
+// The settings in the words of host-sim: as a TOML file for `--settings`, and as the command line that does the same as
+// the page.
 
 import { SETTINGS } from "./methods.js";
 
@@ -20,7 +21,10 @@ export function toml(method, settings) {
   return lines.join("");
 }
 
-/** `targets`: a list of { name, locks }, each lock { number, box }. `source`: what frames come from, { kind, name }. */
+/**
+ * The command line. `targets`: a list of { name, locks }, each lock { number, box }. `source`: where the frames come
+ * from, { kind, name }.
+ */
 export function commandLine(method, settings, targets, source) {
   const words = Object.entries(optionsOf(method, settings)).map(([name, value]) => `--${name} ${value}`);
   const inits = targets.flatMap(({ name, locks }) => locks.map((lock) => `--init ${targets.length > 1 ? `${name}=` : ""}${placed(lock)}`));
@@ -36,7 +40,7 @@ function placed({ number, box: { x, y, width, height } }) {
   return `${x},${y},${width},${height}${number === 1 ? "" : `@${number}`}`;
 }
 
-// For a shell.
+// Quotes a word for a shell.
 function quoted(name) {
   return /^[\w./-]+$/.test(name) && !name.startsWith("-") ? name : `'${name.replaceAll("'", "'\\''")}'`;
 }
