@@ -11,7 +11,7 @@
 
 #[cfg(target_os = "none")]
 mod firmware {
-    // Only linked: `cortex_m` has the critical section for the logger `defmt_semihosting`.
+    // The crate is only linked: it has the critical section for the logger `defmt_semihosting`.
     use cortex_m as _;
     use cortex_m_rt::entry;
     use defmt::{error, info};
@@ -24,19 +24,19 @@ mod firmware {
     const HEIGHT: u16 = 48;
     const FRAME: usize = WIDTH as usize * HEIGHT as usize;
 
-    /// The target is 10x10 pixels and starts here.
+    /// The place of the target in the first frame: 10x10 pixels.
     const START: Rect = Rect::new(20, 16, 10, 10);
 
-    /// Instead of a camera: three frames in flash, drawn at compile time. The target moves by a few pixels in each.
+    /// Three frames in flash in place of a camera, drawn at compile time. The target moves by a few pixels in each.
     static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
 
-    /// Room for a template of 256 pixels and for 17 offsets on each axis, the window -8..=8 below. The type contains
-    /// all the memory of the tracker, so its size is known at compile time. It could also be a `static`.
+    /// A tracker with room for a template of 256 pixels and for 17 offsets on each axis, the window -8..=8 below. The
+    /// type contains all the memory of the tracker, so its size is known at compile time. It could also be a `static`.
     type Small = Tracker<Paper<256, 17>>;
 
     #[entry]
     fn main() -> ! {
-        // A smaller window, because the work is offsets times pixels.
+        // A small window, because the work is offsets times pixels.
         match follow(Config::camera_within(8)) {
             Ok(()) => exit(0),
             Err(what) => {
@@ -64,7 +64,7 @@ mod firmware {
             match answer.state {
                 // The ratio is the similarity of target and template: 65535 is 1.0.
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
-                // Partly outside the frame: the template is not updated.
+                // The target is partly outside the frame: the template is not updated.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
                 // The box is the last one that the tracker accepted. Keep updating: it may find the target again. (Only
                 // the robust tracker is ever uncertain.)

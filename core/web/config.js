@@ -2,9 +2,9 @@
 
 import { object, whole } from "./errors.js";
 
-/** Bytes of `smr_config`. */
+/** The size of `smr_config` in bytes. */
 export const CONFIG_SIZE = 80;
-/** Where the address of the paper's table is. */
+/** The place of the address of the paper's table. */
 export const TABLE = 8;
 /** The scale of the table that is built in. */
 export const PAPER_SCALE = 255;
@@ -13,7 +13,8 @@ const switched = (at) => ({ at, bytes: 1, count: 1, most: 1 });
 const u8 = (at) => ({ at, bytes: 1, count: 1, most: 255 });
 const u16 = (at, count = 1) => ({ at, bytes: 2, count, most: 65535 });
 
-// The names are those of smr.h in camel case. Those of the gate have its name before them, but for `leastRatio`.
+// The names are those of smr.h in camel case. The name of the gate precedes those of its fields, except for
+// `leastRatio`.
 const BOTH = { plainLoop: switched(4) };
 const OPTIONS = {
   paper: {
@@ -49,12 +50,14 @@ const OPTIONS = {
   },
 };
 
-/** `options` as given, checked: an object, or nothing. */
+/** Checks `options`: an object, or nothing. */
 export function checkOptions(options = {}) {
   return object(options, "the options", "an object");
 }
 
-/** Writes `options` over the numbers of a preset at `at`. Options that are undefined keep the preset's number. */
+/**
+ * Writes `options` over the numbers of a preset at `at`. An option that is undefined keeps the number of the preset.
+ */
 export function writeOptions(view, at, method, options) {
   for (const [name, value] of Object.entries(options)) {
     if (value !== undefined) {

@@ -1,6 +1,6 @@
-// What a call reports: the statuses of the C interface, with the words of the library's errors.
+// The errors of a call: the statuses of the C interface, with the texts of the library's errors.
 
-// The words of Rust's errors, by the name of the status. tests/tests/web.rs compares them.
+// The texts of Rust's errors, by the name of the status. tests/tests/web.rs compares them.
 const WORDS = {
   SMR_ERROR_SCALE_OUT_OF_RANGE: "the scale of the table must be 1 to 4096",
   SMR_ERROR_ZERO_DENOMINATOR: "a fraction of the configuration has a denominator of 0",
@@ -25,7 +25,7 @@ const WORDS = {
   SMR_ERROR_SAVED_TOO_LARGE: "the saved target is too large for this tracker",
 };
 
-/** What a tracker cannot do. `status` is the name of the C interface's status. */
+/** An error of a tracker. `status` is the name of the C interface's status. */
 export class SmrError extends Error {
   constructor(status, words = WORDS[status] ?? status) {
     super(words);
@@ -34,13 +34,13 @@ export class SmrError extends Error {
   }
 }
 
-/** That a saved target was refused because of a setting. */
+/** The error of a saved target that was refused because of a setting. */
 export function otherSetting(name) {
   const status = "SMR_ERROR_OTHER_CONFIG";
   return new SmrError(status, WORDS[status].replace("{}", name));
 }
 
-/** `value`, if it is a whole number from `least` to `most`. */
+/** Returns `value` if it is a whole number from `least` to `most`, else throws. */
 export function whole(value, least, most, name) {
   if (typeof value !== "number") {
     throw new TypeError(`${name} must be a number, not ${named(value)}`);
@@ -51,7 +51,7 @@ export function whole(value, least, most, name) {
   return value;
 }
 
-/** `value`, if it is an object. */
+/** Returns `value` if it is an object, else throws. */
 export function object(value, name, expected) {
   if (typeof value !== "object" || value === null) {
     throw new TypeError(`${name} must be ${expected}, not ${named(value)}`);
@@ -59,7 +59,7 @@ export function object(value, name, expected) {
   return value;
 }
 
-/** A value in an error's message. */
+/** The text of a value in the message of an error. */
 export function named(value) {
   return value === null || value === undefined ? String(value) : `a ${typeof value}`;
 }

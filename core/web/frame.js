@@ -1,10 +1,11 @@
-// Frames as JavaScript has them: gray bytes, or colors as a canvas gives them. Only the pixels of a window are copied.
+// Frames in the forms that JavaScript has: gray bytes, or the colors of a canvas. Only the pixels of a window are
+// copied.
 
 import { SmrError, named, object, whole } from "./errors.js";
 
 const SIDE = 65535;
 
-/** What a frame says of itself, checked: { data, width, height, channels, stride }. */
+/** The layout of a frame, checked: { data, width, height, channels, stride }. */
 export function frameOf(frame) {
   const { data, width, height, stride, format } = object(frame, "the frame", "an object with data, width and height");
   const channels = channelsOf(data, format);
@@ -25,7 +26,7 @@ export function frameOf(frame) {
   return checked;
 }
 
-// Bytes a pixel.
+// Bytes of a pixel, by the kind of frame.
 function channelsOf(data, format) {
   const isClamped = data instanceof Uint8ClampedArray;
   if (!isClamped && !(data instanceof Uint8Array)) {
@@ -55,7 +56,7 @@ export function copyWindow(frame, window, to) {
   }
 }
 
-// The gray of host-sim: the weights add up to 65536. Alpha does not count.
+// The gray of host-sim: the weights add up to 65536. Alpha is ignored.
 function copyLuma(rgba, from, to, at, pixels) {
   for (let end = at + pixels; at < end; at++, from += 4) {
     to[at] = (19595 * rgba[from] + 38470 * rgba[from + 1] + 7471 * rgba[from + 2] + 32768) >> 16;

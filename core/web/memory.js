@@ -1,7 +1,8 @@
-// The memory of the WebAssembly module behind the library's own data: blocks that are taken and given back, and access to their bytes.
+// The memory of the WebAssembly module beyond the library's own data: gives out blocks, takes them back, and gives
+// access to their bytes.
 //
-// The library does not allocate. Its callers do: here, first fit in a list of free blocks. The memory grows only if no free block is large
-// enough.
+// The library does not allocate. Its callers do: here, first fit in a list of free blocks. The memory grows only if no
+// free block is large enough.
 
 const PAGE = 65536;
 const ALIGNMENT = 8; // SMR_ALIGNMENT of smr.h
@@ -22,7 +23,7 @@ export class Memory {
     this.#release(at, memory.buffer.byteLength - at);
   }
 
-  /** All bytes. A call that takes memory replaces them. */
+  /** All bytes of the memory. A call that takes memory may replace this array. */
   get bytes() {
     this.#look();
     return this.#bytes;
@@ -33,7 +34,7 @@ export class Memory {
     return this.#view;
   }
 
-  /** The address of a block of at least `size` bytes. */
+  /** Takes a block of at least `size` bytes and returns its address. */
   take(size) {
     const wanted = Math.max(aligned(size), ALIGNMENT);
     let place = this.#free.findIndex((block) => block.size >= wanted);
@@ -52,7 +53,7 @@ export class Memory {
     return at;
   }
 
-  /** Gives back the block at `at`; nothing if that is 0. */
+  /** Gives back the block at `at`. Does nothing if `at` is 0. */
   give(at) {
     if (at === 0) {
       return;
@@ -72,7 +73,7 @@ export class Memory {
     return String.fromCharCode(...bytes.subarray(at, bytes.indexOf(0, at)));
   }
 
-  // A module that grows gets another buffer.
+  // When a module grows, its memory gets another buffer.
   #look() {
     if (this.#bytes.buffer !== this.#memory.buffer) {
       this.#bytes = new Uint8Array(this.#memory.buffer);
@@ -101,7 +102,7 @@ export class Memory {
     this.#join(place - 1);
   }
 
-  // Makes one block of two that touch.
+  // Joins two blocks that touch.
   #join(place) {
     const [block, next] = [this.#free[place], this.#free[place + 1]];
     if (block !== undefined && next !== undefined && block.at + block.size === next.at) {

@@ -1,7 +1,7 @@
-// A flight recorder: keeps all that a tracker saw and answered in its last frames. `host-sim replay FILE` runs the record again.
+// A flight recorder: keeps the last frames of a tracker and its answers. `host-sim replay FILE` runs the record again.
 //
-// The documentation of smr_core::record describes every byte. A record begins with the configuration and the saved target, so that old frames
-// can be dropped.
+// The documentation of smr_core::record describes every byte. A record begins with the configuration and the saved
+// target, so that old frames can be dropped.
 
 import { whole } from "./errors.js";
 
@@ -9,7 +9,7 @@ const VERSION = 1;
 const STATE_CODES = { tracking: 0, leaving: 1, uncertain: 2, lost: 3 };
 const DEFAULT_BYTES = 16 << 20;
 
-// The CRC-32 of Ethernet and zip.
+// The CRC-32 that Ethernet and zip use.
 const CRC = Uint32Array.from({ length: 256 }, (_, byte) => {
   let sum = byte;
   for (let bit = 0; bit < 8; bit++) {
@@ -24,7 +24,7 @@ export class Recorder {
   #segments = []; // at most two: of entries, each { tag, parts }
   #bytes = 0; // of the last segment
 
-  /** Records `tracker` from now on. `bytes`: memory to keep; older frames are dropped. */
+  /** Records `tracker` from now on. `bytes` is the memory to keep; older frames are dropped. */
   constructor(tracker, { bytes = DEFAULT_BYTES } = {}) {
     this.#tracker = tracker;
     this.#most = whole(bytes, 1, Number.MAX_SAFE_INTEGER, "bytes") / 2;
@@ -32,17 +32,17 @@ export class Recorder {
     tracker.observe(this);
   }
 
-  /** The record. */
+  /** The record as bytes. */
   bytes() {
     return joined(this.#segments.flatMap((segment) => segment.flatMap((entry, number) => encoded(entry, number))));
   }
 
-  /** Records no longer. Other recorders of the tracker go on. */
+  /** Stops recording. Other recorders of the tracker go on. */
   stop() {
     this.#tracker.unobserve(this);
   }
 
-  // What the tracker tells its observer. Pixels are valid during the call only.
+  // The calls of the tracker to its observer. Pixels are valid during the call only.
 
   locked({ width, height, box, window }) {
     this.#add("SMRL", numbers([2, [width, height, ...values(box), ...values(window)]]), window.pixels.slice());
@@ -94,7 +94,7 @@ function configBytes(tracker) {
   ];
   const robust = () => [
     Number(o.size), Number(o.sweep), 1, 1, 1, 1, o.reach, o.patience, o.lostBelow, o.uncertainBelow, o.learningRate, o.earlyRate,
-    // The refiner adds a number if it is on.
+    // With the refiner an answer has one number more.
     ...(o.refiner ? [1] : []),
   ];
   const letter = (method === "paper" ? "P" : "R").charCodeAt(0);
@@ -123,7 +123,7 @@ function numbers(...groups) {
   return Uint8Array.from(bytes);
 }
 
-// An entry: its tag, number and length, its content, the sum of all of them.
+// An entry: its tag, number and length, its content, and the checksum of all these.
 function encoded({ tag, parts }, number) {
   const length = parts.reduce((sum, part) => sum + part.length, 0);
   const head = joined([Uint8Array.from(tag, (letter) => letter.charCodeAt(0)), numbers([4, [number, length]])]);

@@ -1,4 +1,5 @@
-// The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly. README.md describes them.
+// The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly.
+// README.md describes them.
 
 import { CONFIG_SIZE, PAPER_SCALE, TABLE, checkOptions, readOptions, writeOptions } from "./config.js";
 import { SmrError, named, object, otherSetting, whole } from "./errors.js";
@@ -7,17 +8,17 @@ import { Memory } from "./memory.js";
 
 export { SmrError } from "./errors.js";
 
-/** The states of an answer, as answers name them. */
+/** The names of the states in an answer. */
 export const State = Object.freeze({ TRACKING: "tracking", LEAVING: "leaving", UNCERTAIN: "uncertain", LOST: "lost" });
 
 /** A target with a lower quality can hardly be told from its surroundings. */
 export const POOR_QUALITY = 1023;
 
-// By the numbers of `smr_state`.
+// The states by their numbers in `smr_state`.
 const STATES = [State.TRACKING, State.LEAVING, State.UNCERTAIN, State.LOST];
 const CONFIGS = { paper: { camera: "smr_config_camera", paper: "smr_config_paper" }, robust: { refined: "smr_config_refined", robust: "smr_config_robust" } };
 
-// The memory of a call, and where things are in it. Sizes are those of smr.h on 32 bits.
+// The memory of a call, and the places of its parts. Sizes are those of smr.h on 32 bits.
 const FRAME = 0; // smr_frame, 44 bytes: width, height, two parts
 const PARTS = [4, 24]; // smr_part: pixels, size, stride, width, height, x, y
 const ANSWER = 48; // smr_answer, 48 bytes
@@ -32,11 +33,11 @@ const RESPONSE_SPAN = 17;
 const SCRATCH_SIZE = RESPONSES + 4 * RESPONSE_SPAN * RESPONSE_SPAN;
 const TABLE_ENTRIES = 256;
 const EARLY_PIXELS = 1600; // SMR_ROBUST_PIXELS
-// Room for windows is taken in steps, so that windows that vary in size do not scatter the memory.
+// Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.
 const PIXELS_STEP = 65536;
 const MOST_I32 = 2 ** 31 - 1;
 
-// A module with one instruction of SIMD128: what the engine cannot run is not valid.
+// A module with one instruction of SIMD128. An engine that cannot run it says that it is not valid.
 const SIMD_PROBE = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
 
 /** True if the engine has SIMD128. */
@@ -45,7 +46,8 @@ export function hasSimd() {
 }
 
 /**
- * The library, from a WebAssembly.Module, its bytes, a Response, or an address. By default: the file beside this one that is faster here.
+ * The library, from a WebAssembly.Module, its bytes, a Response, or an address. By default: the file beside this one
+ * that is faster here.
  */
 export async function load(source) {
   const file = source ?? new URL(hasSimd() ? "./smr-simd.wasm" : "./smr.wasm", import.meta.url);
@@ -90,7 +92,7 @@ async function responded(response) {
 
 /** One instance of the library, with a memory of its own. */
 export class Smr {
-  /** True if it uses SIMD128. */
+  /** True if the library uses SIMD128. */
   simd;
   #library;
 
@@ -104,18 +106,18 @@ export class Smr {
     return this.#library.memory.text(this.#library.exports.smr_version());
   }
 
-  /** Bytes of the library's memory. It grows with the number of trackers and the largest window, and not otherwise. */
+  /** Bytes of the library's memory. It grows only with the number of trackers and the largest window. */
   get memory() {
     return this.#library.memory.bytes.length;
   }
 
-  /** A tracker of the paper. */
+  /** Makes a tracker of the paper. */
   paper(options) {
     const { preset = "camera", scale, ...numbers } = checkOptions(options);
     return new Tracker(this.#library, "paper", preset, scale, numbers);
   }
 
-  /** A robust tracker. */
+  /** Makes a robust tracker. */
   robust(options) {
     const { preset = "refined", ...numbers } = checkOptions(options);
     return new Tracker(this.#library, "robust", preset, undefined, numbers);
@@ -127,7 +129,7 @@ export class Smr {
   }
 }
 
-// The module's calls and its memory, for all trackers of an instance.
+// The calls and the memory of the module, for all trackers of an instance.
 class Library {
   exports;
   memory;
@@ -179,7 +181,7 @@ class Library {
     return this.#workspaces[method];
   }
 
-  /** Room for `size` pixels, until the next call. */
+  /** The address of memory for `size` pixels, valid until the next call. */
   pixels(size) {
     if (this.#pixels.size < size) {
       this.memory.give(this.#pixels.at);
@@ -218,7 +220,7 @@ class Library {
   }
 }
 
-/** Follows one target. Made by `paper` and `robust` of what `load` returns. */
+/** Follows one target. The methods `paper` and `robust` of the library make it. */
 export class Tracker {
   /** "paper" or "robust". */
   method;
@@ -274,7 +276,7 @@ export class Tracker {
     this.#at = memory.view.getUint32(pointer, true);
   }
 
-  /** Follows what is in `box`. Returns the quality, which is poor below POOR_QUALITY. */
+  /** Locks on the target in `box`. Returns the quality, which is poor below POOR_QUALITY. */
   lock(frame, box) {
     this.#live();
     const given = frameOf(frame);
@@ -300,7 +302,7 @@ export class Tracker {
     return this.answer;
   }
 
-  /** The camera turned: the picture has moved by so many 1/256 pixels. */
+  /** Tells the tracker that the camera turned: the picture has moved by this many 1/256 pixels. */
   moved(right, down) {
     this.#live();
     whole(right, -MOST_I32, MOST_I32, "right");
@@ -309,7 +311,7 @@ export class Tracker {
     this.#tell("moved", { right, down });
   }
 
-  /** The target as bytes. */
+  /** Saves the target as bytes. */
   save() {
     this.#live();
     const { memory, scratch } = this.#library;
@@ -392,8 +394,8 @@ export class Tracker {
   }
 
   /**
-   * The robust tracker's responses as the next update would see them in `frame`, in units of 1/16384: { span, responses }, row by row, one
-   * for each cell.
+   * The robust tracker's responses as the next update would see them in `frame`, in units of 1/16384: { span, responses
+   * }, row by row, one for each cell.
    */
   responseMap(frame) {
     this.#live();
@@ -405,13 +407,13 @@ export class Tracker {
     return { span, responses: Int32Array.from({ length: span * span }, (_, i) => memory.view.getInt32(at(i), true)) };
   }
 
-  /** Tells `observer` too of every lock, update, move and restored target from now on: see record.js. */
+  /** Calls `observer`, too, at every lock, update, move and restored target from now on: see record.js. */
   observe(observer) {
     this.#live();
     this.#observers.add(object(observer, "observer", "an object with the calls of Observer"));
   }
 
-  /** Tells `observer` no longer. */
+  /** Stops calling `observer`. */
   unobserve(observer) {
     this.#observers.delete(observer);
   }
@@ -477,12 +479,12 @@ export class Tracker {
     return this.#show(given, WINDOWS.map((at) => this.#library.rect(scratch + at)));
   }
 
-  // Copies the gray pixels of the windows into the library's memory, and writes the frame that has them as its parts. Returns the windows with
-  // their pixels, which are valid until the next call.
+  // Copies the gray pixels of the windows into the library's memory, and writes the frame that has them as its parts.
+  // Returns the windows with their pixels, which are valid until the next call.
   #show(given, windows) {
     const { memory, scratch } = this.#library;
     const shown = windows.filter(({ width, height }) => width * height > 0);
-    // A frame that has no such pixels is smaller than the one of the lock.
+    // A frame that lacks these pixels is smaller than the one of the lock.
     if (shown.some(({ x, y, width, height }) => x + width > given.width || y + height > given.height)) {
       throw new SmrError("SMR_ERROR_FRAME_SIZE_CHANGED");
     }

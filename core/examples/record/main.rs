@@ -80,7 +80,7 @@ mod firmware {
         write: impl FnMut(&[u8]) -> Result<(), ()>,
     ) -> Result<(), &'static str> {
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // A reference: moving the tracker out of the result would put a second copy on the stack.
+        // Works through a reference: moving the tracker out of the result would put a second copy on the stack.
         let mut made = Tracker::<T>::new(config);
         let Ok(tracker) = &mut made else { return Err("the configuration cannot be used") };
         let not_written = |()| "the record cannot be written";

@@ -1,4 +1,4 @@
-//! The filter's measure: its responses to a window of cells, and the gradient of its error.
+//! The measure of a filter: its responses to a window of cells, and the gradient of its error.
 //!
 //! ```text
 //! response   r[d]    = sum over cells c and channels k of  w[c, k] * x[c + d, k]
@@ -30,7 +30,7 @@ pub(crate) struct Window<'a> {
     pub(crate) layout: Layout,
 }
 
-/// Adds one part of the gradient; true after the last part. `packed` and `spare` are scratch memory.
+/// Adds one part of the gradient. Returns true after the last part. `packed` and `spare` are scratch memory.
 pub(crate) fn add_gradient<const S: usize>(
     products: Products,
     packed: &mut Packed,

@@ -334,7 +334,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     // SAFETY: as the caller guarantees; y is below the height.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
-        // Reason 3.
+        // Reason 3 at the top of this file.
         let nothing = L::Vector::nothing();
         let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
         let mut odd = Sums { low: nothing, high: nothing };

@@ -20,7 +20,7 @@ use super::layout::Layout;
 use super::unrolling::rolled;
 use core::ops::Range;
 
-/// The sums, in the order of the rows of cells that they begin with: `upper`, `both`, `lower`.
+/// The three sums, in the order of the rows of cells that they begin with: `upper`, `both`, `lower`.
 const SUMS: usize = 3;
 const BOTH: usize = 1;
 
@@ -37,7 +37,8 @@ pub(crate) trait Rows {
     /// Takes the row `first` of the cells, less the row `second` if there is one.
     fn take(&mut self, first: usize, second: Option<usize>);
 
-    /// Adds the products of the cells with a row of factors (see [`Pairs::factors`]) at each offset to the right.
+    /// Adds the products of the cells with row of factors `number` (see [`Pairs::factors`]) at each offset to the
+    /// right.
     fn add(&mut self, number: usize, sums: &mut [i32]);
 }
 
@@ -46,12 +47,12 @@ impl Pairs {
         Self { down, span: layout.span }
     }
 
-    /// The rows of factors of all sums.
+    /// The number of rows of factors of all sums.
     pub(crate) fn rows_of_factors(self) -> usize {
         2 * self.down.div_ceil(2) + self.down / 2
     }
 
-    /// The rows of the filter that are added up for a row of factors.
+    /// The rows of the filter that add up to a row of factors.
     pub(crate) fn factors(self, number: usize) -> (usize, Option<usize>) {
         let half = half(self.down, BOTH);
         let sum = (number / half.max(1)).min(SUMS - 1);
@@ -59,13 +60,13 @@ impl Pairs {
         (first, Some(first + 1).filter(|&row| sum == BOTH && row < self.down))
     }
 
-    /// Rows of the sums `both`.
+    /// The number of rows of the sums `both`.
     pub(crate) fn both(self) -> usize {
         half(self.span, BOTH)
     }
 
-    /// The parts `parts` of the responses. A part is two rows of cells. `both` is memory that stays as it is between
-    /// parts.
+    /// Computes the parts `parts` of the responses. A part is two rows of cells. The caller leaves `both` as it is
+    /// between parts.
     #[inline(always)]
     pub(crate) fn responses<const N: usize>(
         self,
@@ -79,7 +80,7 @@ impl Pairs {
         if parts.start == 0 {
             out.iter_mut().take(span).chain(&mut *both).for_each(|sums| sums.fill(0));
         }
-        // One loop: the compiler would unroll one over the three sums.
+        // One loop for parts and sums: the compiler would unroll a loop over the three sums.
         let (mut part, mut sum) = (parts.start, 0);
         while part < parts.end && 2 * part + sum < count {
             rows.take(2 * part + sum, Some(2 * part + 1).filter(|&row| sum != BOTH && row < count));
@@ -103,7 +104,7 @@ impl Pairs {
     }
 }
 
-/// The rows of a sum out of `rows`: those with an even number, or for `lower` those with an odd one.
+/// The number of rows of a sum out of `rows`: those with an even number, or for `lower` those with an odd one.
 fn half(rows: usize, sum: usize) -> usize {
     (rows + 1 - sum / 2) / 2
 }

@@ -1,7 +1,7 @@
 //! Smooth pursuit: keeps the target centred with a pan/tilt head. Feature `pursuit`.
 //!
-//! Box to angle ([`Camera`]), angle to step ([`Axis`]), step to pulse ([`Servo`]). The only module that uses floats
-//! (f32).
+//! It converts a box to an angle ([`Camera`]), the angle to a step ([`Axis`]), and the step to a pulse ([`Servo`]). It
+//! is the only module that uses floats (f32).
 //!
 //! ```
 //! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};

@@ -4,7 +4,7 @@
 //! 2. For the runner-up: the scores of nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
 //! 4. The offsets of the remaining groups are scored. Where a backend can, four at a time are bounded first. Scoring
-//! stops as soon as an offset cannot reach the needed score.
+//!    stops as soon as an offset cannot reach the needed score.
 //!
 //! The result does not depend on the order, nor on how the work is divided into steps.
 

@@ -14,7 +14,7 @@ pub struct Radius {
 }
 
 impl Radius {
-    /// No more than `most` on either axis.
+    /// Limits the radius to `most` on each axis.
     pub(crate) const fn at_most(self, most: u16) -> Self {
         Self { x: if self.x > most { most } else { self.x }, y: if self.y > most { most } else { self.y } }
     }
@@ -35,7 +35,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// A single position.
+    /// The window of a single position.
     pub(crate) const NONE: Self = Self { centre_x: 0, centre_y: 0, left: 0, right: 0, top: 0, bottom: 0 };
 
     /// The window of `radius` around `target`, in a frame of the size of `bounds` with `padding` pixels around it.
@@ -66,7 +66,7 @@ impl Window {
         self.top..=self.bottom
     }
 
-    /// Positions on the x axis and on the y axis.
+    /// The number of positions on the x axis and on the y axis.
     #[must_use]
     #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
@@ -109,7 +109,7 @@ impl Window {
     }
 }
 
-/// First pixel and number of pixels on one axis; at least one.
+/// The first pixel and the number of pixels on one axis; at least one pixel.
 #[cfg_attr(smr_small, inline(never))]
 fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     let frame = i32::from(frame);
@@ -118,7 +118,7 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
-/// First and last position on one axis, for any `at`: never empty, never beyond the padding.
+/// The first and the last position on one axis, for any `at`: never empty, never beyond the padding.
 #[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);
@@ -137,7 +137,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Frames, boxes and radii of all sizes; boxes may lie in the padding.
+        /// Tests frames, boxes and radii of all sizes. Boxes may lie in the padding.
         #[test]
         fn a_window_stays_in_the_padded_frame_and_around_its_centre(
             (frame_width, frame_height) in (1u16.., 1u16..),

@@ -1,4 +1,4 @@
-// The page: what the user does, and what is drawn of it. What follows is in the worker.
+// The page: handles the user's actions and draws. The trackers run in the worker.
 
 import { Camera } from "./camera.js";
 import { Cards, drawScale } from "./cards.js";
@@ -38,7 +38,7 @@ let drawing = null;
 let reading = null;
 let follower, player, graph, cards, figures, seesCurves, seesComparisons;
 
-// ---- what is said
+// ---- messages
 
 function say(text) {
   byId("said").textContent = text;
@@ -62,7 +62,7 @@ async function lock(target, box, isNew) {
   }
   target.locked(reply.number, box, reply.locked);
   const text = METHODS.map((method) => saidOfLock(method, reply.locked[method] ?? {})).join(" ").trim();
-  // A lock that is made again has nothing to say if it succeeds.
+  // A repeated lock shows no message if it succeeds.
   if (isNew || text !== "") {
     say(text);
   }
@@ -135,7 +135,7 @@ async function useFile(file) {
   await trying(new Video(player.sink, byId("video"), file), "Drag a box over what is to be followed, then play.");
 }
 
-// Without the source that is wanted the built-in recording plays again.
+// If the wanted source is not there, the built-in recording plays again.
 async function trying(source, hint) {
   try {
     await use(source);
@@ -147,7 +147,7 @@ async function trying(source, hint) {
   draw();
 }
 
-// Locks are repeated, but not on a camera: what was there is gone.
+// Locks are repeated, except on a camera: its earlier pictures are gone.
 function restarted() {
   passes += 1;
   follower.ask("restart", { settings });
@@ -190,7 +190,8 @@ function show(reply) {
 
 // ---- drawing
 
-// Once for each picture of the screen, however much has changed. Numbers and curves change too quickly to be read: they are drawn less often.
+// Draws once for each picture of the screen, however much has changed. Numbers and curves change too quickly to read,
+// so they are drawn less often.
 function draw() {
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
@@ -266,7 +267,7 @@ function download(event) {
   }
 }
 
-// ---- what the user does
+// ---- actions of the user
 
 function listen() {
   byId("camera").addEventListener("click", useCamera);
@@ -274,7 +275,7 @@ function listen() {
   byId("choose").addEventListener("click", () => byId("file").click());
   byId("file").addEventListener("change", ({ target }) => {
     const [file] = target.files;
-    // The same file may be chosen again.
+    // So that the same file can be chosen again.
     target.value = "";
     if (file !== undefined) {
       useFile(file);
@@ -357,7 +358,7 @@ function switches() {
   }
 }
 
-// The box that keys begin with: where the target is, or the middle.
+// The box that keys start from: where the target is, or the middle.
 function startBox() {
   const now = METHODS.map((method) => chosen?.now[method]?.box).find((box) => box !== undefined);
   const { x, y, width, height } = now ?? { x: size.width * 0.4, y: size.height * 0.4, width: size.width / 5, height: size.height / 5 };

@@ -26,7 +26,7 @@ export class Camera {
     this.#video = video;
   }
 
-  /** Asks for the camera. Throws an error that says in one line why there is none. */
+  /** Asks for the camera. If there is none, throws an error that says why in one line. */
   async open() {
     if (navigator.mediaDevices === undefined) {
       throw new Error("This page may not use the camera: open it from https or from a file, or choose a video file.");
@@ -55,11 +55,11 @@ export class Camera {
     this.#isOneWanted = true;
   }
 
-  /** A camera goes on. */
+  /** A camera cannot start again: it goes on. */
   restart() {}
 
   set speed(_) {
-    // A camera has its own.
+    // A camera has a speed of its own.
   }
 
   stop() {

@@ -3,7 +3,7 @@
 import { htmlNode, sample } from "./dom.js";
 import { METHODS, TITLES } from "./methods.js";
 
-// What differs by more is as bright as this.
+// Differences above this are drawn as bright as this.
 const BRIGHTEST = 127;
 const bright = (level) => Math.floor(Math.sqrt((255 * 255 * Math.min(level, BRIGHTEST)) / BRIGHTEST));
 const GRAY = (shade) => [shade, shade, shade];
@@ -64,7 +64,7 @@ function paint(canvas, { width, height, pixels }, colorOf) {
   canvas.getContext("2d").putImageData(image, 0, 0);
 }
 
-/** What the shades of a difference mean. */
+/** The legend for the shades of a difference. */
 export function drawScale(place) {
   const stops = (color) => Array.from({ length: 17 }, (_, at) => `rgb(${color(bright((at * BRIGHTEST) / 16)).join()})`).join(", ");
   const line = (text, color) => {

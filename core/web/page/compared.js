@@ -1,9 +1,9 @@
-// What a tracker compares in a frame, as pictures: the robust tracker's early template and response map, the paper's template and its
-// difference to the box.
+// Pictures of the data that a tracker compares with a frame: the robust tracker's early template and response map, the
+// paper's template and its difference from the box.
 
 import { frameOf, copyWindow } from "../frame.js";
 
-/** What is compared with, before an update puts something else in its place. */
+/** The data that the next update compares with; to be read before the update replaces it. */
 export function picturesBefore(tracker, frame) {
   if (tracker.method === "paper") {
     return { template: tracker.template };
@@ -11,7 +11,7 @@ export function picturesBefore(tracker, frame) {
   return { template: tracker.earlyTemplate, responseMap: tracker.responseMap(frame) };
 }
 
-/** The same, and of the paper's tracker how much each pixel of the box differs. */
+/** The same data after the update, and for the paper's tracker the difference of each pixel of the box. */
 export function picturesAfter(before, frame, answer) {
   const { template } = before;
   if (before.responseMap !== undefined) {
@@ -21,7 +21,7 @@ export function picturesAfter(before, frame, answer) {
   return { template, difference: { ...template, pixels: template.pixels.map((level, at) => Math.abs(level - seen[at])) } };
 }
 
-// The gray pixels of a box. Outside the frame there are zeroes, as the trackers see it.
+// The gray pixels of a box. Pixels outside the frame are zero, as in the trackers.
 function pixelsOf(frame, box) {
   const [left, right] = [Math.max(box.x, 0), Math.min(box.x + box.width, frame.width)];
   const [top, bottom] = [Math.max(box.y, 0), Math.min(box.y + box.height, frame.height)];

@@ -1,4 +1,5 @@
-// What the built page carries beside its script: the worker's script and the WebAssembly modules, packed. build.mjs puts them there.
+// The data in the built page beside its script: the worker's script and the WebAssembly modules, packed. build.mjs puts
+// them there.
 
 import { byId } from "./dom.js";
 

@@ -23,11 +23,14 @@ export function sample(method, isSecond = false) {
   return line;
 }
 
-// Of canvases, in pixels of the page. To ask an element each time makes the browser lay out the page.
+// The sizes of canvases, in pixels of the page. Asking an element each time would make the browser lay out the page.
 const sizes = new WeakMap();
 const resized = new ResizeObserver((entries) => entries.forEach(({ target, contentRect }) => sizes.set(target, contentRect)));
 
-/** The width and height of a canvas in pixels of the page, with as many pixels of its own as the screen has there. */
+/**
+ * Returns the width and height of a canvas in pixels of the page, and gives it as many pixels of its own as the screen
+ * has there.
+ */
 export function fitted(canvas) {
   if (!sizes.has(canvas)) {
     sizes.set(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
@@ -41,7 +44,10 @@ export function fitted(canvas) {
   return { width, height };
 }
 
-/** Calls the result to learn whether `node` is in view, or nearly: what nobody sees need not be drawn. `changed` is called when it comes into view. */
+/**
+ * Returns a function that says whether `node` is in view, or nearly. Only nodes in view need to be drawn. `changed` is
+ * called when it comes into view.
+ */
 export function inView(node, changed) {
   let isSeen = true;
   const observer = new IntersectionObserver(

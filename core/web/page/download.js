@@ -1,4 +1,4 @@
-// Files for the user. They are made here, and saved by the browser.
+// Files for the user. The page makes them, and the browser saves them.
 
 import { htmlNode } from "./dom.js";
 
@@ -9,6 +9,6 @@ export function save(name, content) {
   const type = TYPES[name.split(".").at(-1)];
   const address = URL.createObjectURL(new Blob([content], { type }));
   htmlNode("a", { href: address, download: name }).click();
-  // The browser reads it later.
+  // Later, because the browser reads the file after this call.
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }

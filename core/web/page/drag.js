@@ -1,8 +1,8 @@
-// A box on the picture: by mouse, pen or finger, and by keys alone.
+// Draws a box on the picture: with mouse, pen or finger, or with keys alone.
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-// Steps of a key across the picture.
+// The number of steps of a key across the picture.
 const STEPS = 64;
 
 export class Drag {

@@ -1,4 +1,4 @@
-// The table of the chosen target: what each tracker says of this frame, and what it costs.
+// The table of the chosen target: the answer of each tracker for this frame, and its cost.
 
 import { about, instructions } from "./cost.js";
 import { htmlNode, sample } from "./dom.js";

@@ -1,9 +1,9 @@
-// A target as the page knows it: where it was locked, and what each tracker answered.
+// A target as the page knows it: the place of its lock, and the answers of each tracker.
 
 import { History, median } from "./history.js";
 import { METHODS } from "./methods.js";
 
-// Locks that are kept to be repeated.
+// The number of locks that are kept to be repeated.
 const MOST_LOCKS = 100;
 
 export class Followed {
@@ -11,13 +11,13 @@ export class Followed {
   name;
   /** { number, box }, in the order of frames. */
   locks = [];
-  /** Locks that are made again when their frames come. */
+  /** Locks that are repeated when their frames come. */
   planned = [];
-  /** The one of them that the worker makes now. */
+  /** The lock among them that the worker makes now. */
   underWay = null;
   /** The last answers by method. */
   histories = {};
-  /** What is shown of each method: { state, box, window, ... }, or { error } if it refused the last lock. */
+  /** The state to show for each method: { state, box, window, ... }, or { error } if it refused the last lock. */
   now = {};
 
   constructor(id) {
@@ -25,7 +25,7 @@ export class Followed {
     this.name = String(id);
   }
 
-  /** The worker has locked its trackers. */
+  /** Notes that the worker has locked its trackers. */
   locked(number, box, locked) {
     this.locks = [...this.locks.filter((lock) => lock.number < number), { number, box }].slice(-MOST_LOCKS);
     [this.now, this.underWay] = [{}, null];
@@ -49,7 +49,7 @@ export class Followed {
     }
   }
 
-  /** Before the first frame again: all locks are planned, `isRepeated` or not. */
+  /** Goes back to before the first frame: all locks are planned, `isRepeated` or not. */
   restart(isRepeated) {
     const underWay = this.underWay === null ? [] : [this.underWay];
     this.planned = isRepeated ? [...this.locks, ...underWay, ...this.planned] : [];
@@ -68,13 +68,13 @@ export class Followed {
     return this.underWay.box;
   }
 
-  /** The median of the time of an update, in milliseconds. */
+  /** The median time of an update in milliseconds. */
   time(method) {
     const history = this.histories[method];
     return history === undefined ? NaN : median(history.last("ms", 300));
   }
 
-  /** True if a tracker follows it. */
+  /** True if a tracker follows the target. */
   get isFollowed() {
     return METHODS.some((method) => this.now[method]?.state !== undefined);
   }

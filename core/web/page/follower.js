@@ -1,6 +1,6 @@
-// The page's side of the worker: what it is asked to do, and a promise of each answer.
+// The page's side of the worker: sends requests to it, and returns a promise for each answer.
 
-// A frame waits while another is followed; a third one would only be late.
+// A frame waits while another is followed. A third one would only be late.
 const MOST_FRAMES = 2;
 
 export class Follower {
@@ -10,19 +10,19 @@ export class Follower {
   #frames = 0; // under way
   #free = []; // who waits until there is room for a frame
 
-  /** `address`: of the worker's script; `broken` is called if it cannot run. */
+  /** `address`: that of the worker's script. `broken` is called if the script cannot run. */
   constructor(address, broken) {
     this.#worker = new Worker(address);
     this.#worker.onmessage = ({ data }) => this.#answered(data);
     this.#worker.onerror = (event) => broken(event.message ?? "the worker does not start");
   }
 
-  /** True if a frame would wait for others. */
+  /** True if a frame would have to wait for others. */
   get isBehind() {
     return this.#frames >= MOST_FRAMES;
   }
 
-  /** When a frame would not wait for others. */
+  /** A promise for the time when a frame need not wait for others. */
   async free() {
     while (this.isBehind) {
       await new Promise((resolve) => this.#free.push(resolve));

@@ -1,4 +1,5 @@
-// The curves: states, confidence and ratio of the chosen target in its last frames, as the page of `host-sim report` draws them.
+// The curves: states, confidence and ratio of the chosen target in its last frames, drawn as on the page of `host-sim
+// report`.
 
 import { fitted, htmlNode, sample } from "./dom.js";
 import { METHODS, TITLES } from "./methods.js";
@@ -88,7 +89,7 @@ function drawAxis(context, x, bottom, last) {
   }
 }
 
-// A point that is missing ends a line.
+// A missing point ends a line.
 function line(context, points, { color, width, dash }) {
   context.strokeStyle = color;
   context.lineWidth = width;
@@ -113,7 +114,7 @@ function label(context, text, x, y, align = "right") {
   context.fillText(text, x, y);
 }
 
-// The samples stay; only what has changed is written.
+// The samples stay; only changes are written.
 function name(legend, histories, read) {
   const shown = histories.map(([method]) => method).join();
   if (legend.dataset.shown !== shown) {

@@ -1,6 +1,6 @@
-// What one tracker answered in the last frames: a ring, so that a page that is open for days takes no more memory.
+// The answers of one tracker in the last frames: a ring, so that a page that is open for days takes no more memory.
 
-/** Frames that are kept: five minutes of 30 a second. */
+/** The number of frames that are kept: five minutes of 30 a second. */
 export const KEPT = 9000;
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
@@ -17,7 +17,7 @@ export class History {
     return Math.min(this.#end, KEPT);
   }
 
-  /** The frame that the tracker was locked on. It takes the place of the answer in that frame, if there is one. */
+  /** Adds the frame of a lock. It replaces the answer in that frame, if there is one. */
   lock(number, box, quality) {
     const fine = { x: 256 * box.x, y: 256 * box.y, width: 256 * box.width, height: 256 * box.height };
     this.#write({ number, state: "tracking", box, fineBox: fine, quality });
@@ -27,7 +27,7 @@ export class History {
     this.#write({ number, ...answer, ms });
   }
 
-  /** The row `back` rows before the last one, with NaN where there is nothing. */
+  /** The row `back` rows before the last one. Missing values are NaN. */
   row(back = 0) {
     const at = (this.#end - 1 - back) % KEPT;
     const row = Object.fromEntries(COLUMNS.map((name) => [name, this.#columns[name][at]]));
@@ -61,7 +61,7 @@ export class History {
   }
 }
 
-/** The middle value; NaN of none. */
+/** The median; NaN if there are no values. */
 export function median(values) {
   const sorted = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
   return sorted.length === 0 ? NaN : sorted[Math.floor(sorted.length / 2)];

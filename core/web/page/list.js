@@ -1,4 +1,4 @@
-// The list of targets: which one is chosen, and what takes one away.
+// The list of targets: chooses and removes them.
 
 import { htmlNode } from "./dom.js";
 

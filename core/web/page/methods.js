@@ -3,7 +3,7 @@
 export const METHODS = ["robust", "smr"];
 export const TITLES = { robust: "ROBUST", smr: "SMR" };
 
-/** What the page starts with. The options are those of host-sim. */
+/** The settings at the start. The options are those of host-sim. */
 export const SETTINGS = {
   on: { robust: true, smr: true },
   robust: { reach: 8, size: true, sweep: true, refiner: true },

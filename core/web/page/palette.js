@@ -1,4 +1,4 @@
-// The colors of the page's style, for what is drawn on a canvas. They change when the user goes from light to dark.
+// The colors of the page's style, for canvases. They change when the user switches between light and dark.
 
 const NAMES = ["ink", "faint", "rule", "panel", "tracking", "leaving", "uncertain", "lost"];
 
@@ -7,7 +7,7 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   colors = null;
 });
 
-/** Colors by name; of each method { onFrame, onPage, dash }. */
+/** The colors by name; for each method { onFrame, onPage, dash }. */
 export function palette() {
   colors ??= read();
   return colors;

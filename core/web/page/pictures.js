@@ -1,6 +1,9 @@
 // The pictures of a <video>, one after the other as the browser shows them.
 
-/** Calls `seen({ time, missed })` for each picture: its time, and how many were never seen before it. Returns what ends it. */
+/**
+ * Calls `seen({ time, missed })` for each picture: its time, and the number of pictures that were missed before it.
+ * Returns a function that ends this.
+ */
 export function eachPicture(video, seen) {
   return video.requestVideoFrameCallback === undefined ? byScreen(video, seen) : byVideo(video, seen);
 }
@@ -17,7 +20,7 @@ function byVideo(video, seen) {
   return () => video.cancelVideoFrameCallback(handle);
 }
 
-// Without that call: at each picture of the screen at which the video's time is another.
+// For browsers without that call: looks at each picture of the screen whether the time of the video has changed.
 function byScreen(video, seen) {
   let [handle, last] = [0, -1];
   const next = () => {

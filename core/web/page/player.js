@@ -1,4 +1,4 @@
-// From where frames come, and when: one source at a time, played, stepped and held. Frames go to the worker, answers to the page.
+// Plays one source of frames at a time: plays, steps and holds it. Frames go to the worker, answers to the page.
 
 export class Player {
   isPlaying = false;
@@ -14,13 +14,16 @@ export class Player {
   #hasEnded = false;
   #speed = 1;
 
-  /** `page`: { shown() the target whose pictures are wanted, sent(number), answered(reply), restarted(), changed(), say(text) }. */
+  /**
+   * `page`: { shown() the target whose pictures are wanted, sent(number), answered(reply), restarted(), changed(),
+   * say(text) }.
+   */
   constructor(follower, page) {
     this.#follower = follower;
     this.#page = page;
   }
 
-  /** What a source may call. */
+  /** The calls that a source may make. */
   get sink() {
     return {
       offer: (frame) => this.#offer(frame),
@@ -60,7 +63,7 @@ export class Player {
     this.source.step();
   }
 
-  /** From the first frame. */
+  /** Starts again at the first frame. */
   restart() {
     this.#hasEnded = false;
     this.#pass += 1;
@@ -102,7 +105,7 @@ export class Player {
     return true;
   }
 
-  // The picture that a video shows now. `count` gives its number, if it is followed.
+  // Follows the picture that a video shows now. `count` gives its number, if it is followed.
   async #show(video, count) {
     if (this.#isHeld) {
       return;
@@ -144,7 +147,8 @@ export class Player {
   }
 }
 
-// What a video shows now. A VideoFrame shares the pixels of the video, where browsers have it; an ImageBitmap is a copy.
+// The picture that a video shows now. A VideoFrame shares the pixels of the video, in browsers that have it; an
+// ImageBitmap is a copy.
 async function pictureOf(video) {
   return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
 }

@@ -12,7 +12,7 @@ export class Recording {
   #timer = null;
   #speed = 1;
 
-  /** `sink`: { offer(frame) true if it was taken, ended() }. */
+  /** `sink`: { offer(frame) returns true if the frame was taken, ended() }. */
   constructor(sink) {
     this.#sink = sink;
   }

@@ -1,21 +1,21 @@
-// Answers as host-sim prints them: `host-sim track --format csv` and `host-sim track --json`.
+// Answers in the formats of host-sim: `host-sim track --format csv` and `host-sim track --json`.
 
 import { optionsOf } from "./command.js";
 
 const CSV_NAMES = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
-// To six digits, as host-sim rounds.
+// Rounds to six digits, as host-sim does.
 const rounded = (value, unit) => (Number.isNaN(value) ? null : Math.round((value / unit) * 1e6) / 1e6);
 const figure = (value) => (Number.isNaN(value) ? null : value);
 
-/** All targets of a method: `named` is a list of [name, history]. The rows are in the order of the frames. */
+/** The rows of all targets of a method, in the order of the frames. `named` is a list of [name, history]. */
 export function csv(named) {
   const isNamed = named.length > 1;
   const lines = inOrder(named).map(([name, row]) => `${isNamed ? `${name},` : ""}${csvLine(row)}\n`);
   return (isNamed ? "target," : "") + CSV_NAMES + lines.join("");
 }
 
-/** One object a line. */
+/** One JSON object on each line. */
 export function json(named, method, settings, version) {
   const origin = { version, method, options: optionsOf(method, settings) };
   const isNamed = named.length > 1;

@@ -1,14 +1,14 @@
-// The built-in recording, pixel by pixel that of host-sim: host-sim/recordings/src/synthetic.rs says what happens in it. It is generated, because
-// its noise makes it 2 MB however it is packed.
+// The built-in recording, pixel by pixel that of host-sim: host-sim/recordings/src/synthetic.rs describes its scenes.
+// It is generated, because its noise makes it 2 MB however it is packed.
 
 export const BUILT_IN = { name: "synthetic", width: 160, height: 120, length: 240, rate: 25, box: { x: 36, y: 24, width: 24, height: 28 } };
 
-// Positions are counted in sixteenths of a pixel.
+// The number of units in a pixel: positions are counted in sixteenths.
 const PIXEL = 16;
 const TARGET = [24 * PIXEL, 28 * PIXEL];
 const POST = 36 * PIXEL;
 
-// Frame and value; between two of them the value goes smoothly from one to the other.
+// Pairs of frame and value. Between two of them the value goes smoothly from one to the other.
 const TARGET_X = [[0, 36], [32, 84], [66, 60], [134, 64], [160, 8], [184, -28], [190, -28], [224, 56], [239, 66]];
 const TARGET_Y = [[0, 24], [32, 52], [66, 66], [134, 62], [184, 46], [190, 46], [239, 54]];
 const POST_X = [[48, 161], [75, 85], [100, 76], [110, 76], [134, 88], [154, 161]];
@@ -25,7 +25,7 @@ export function syntheticFrame(index) {
   const [left, top] = [between(TARGET_X, index, 1) * PIXEL, between(TARGET_Y, index, 1) * PIXEL];
   const [post, panX, panY] = [POST_X, PAN_X, PAN_Y].map((keys) => between(keys, index, PIXEL));
   const light = between(LIGHT, index, 1);
-  // A pixel shows what is at its middle.
+  // A pixel shows the scene at its middle.
   const seen = (x, y) => {
     const dx = x - left + PIXEL / 2;
     const dy = y - top + PIXEL / 2;
@@ -57,7 +57,8 @@ function between(keys, frame, unit) {
   return from * unit + (((to - from) * unit * smooth) >> 16);
 }
 
-// 256x256 gray levels: random ones `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between them blended.
+// 256x256 gray levels: random ones `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between
+// them blended.
 function texture(seed, coarse, fine, darkest, brightest) {
   const random = new Random(seed);
   const grid = () => Uint8Array.from({ length: 65536 }, () => random.next());
@@ -69,7 +70,8 @@ function texture(seed, coarse, fine, darkest, brightest) {
   });
 }
 
-// Blended from the four pixels around the position, in 256ths of a gray level. It is called for every pixel: no arrays here.
+// Blends the four pixels around the position, in 256ths of a gray level. It is called for every pixel, so it makes no
+// arrays.
 function sample(levels, x, y) {
   const column = (x >> 4) & 255;
   const next = (column + 1) & 255;
@@ -82,12 +84,13 @@ function sample(levels, x, y) {
   return upper * (PIXEL - low) + lower * low;
 }
 
-// Nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
+// Noise, nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
 function noise(bits) {
   return ((bits & 255) + ((bits >> 8) & 255) + ((bits >> 16) & 255) + (bits >>> 24) - 510 + 32) >> 6;
 }
 
-// SplitMix64; `next` gives the low 32 bits of its numbers. JavaScript multiplies 32 bits at most, so that 64 bits have two halves.
+// SplitMix64. `next` returns the low 32 bits of its numbers. JavaScript multiplies 32 bits at most, so 64 bits are kept
+// in two halves.
 class Random {
   #stateHigh = 0;
   #stateLow;

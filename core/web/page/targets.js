@@ -1,10 +1,10 @@
-// The targets in the worker: each is followed by both trackers, as far as they are switched on.
+// The targets in the worker. Each is followed by those of the two trackers that are switched on.
 
 import { Recorder } from "../record.js";
 import { METHODS, trackerOf } from "./methods.js";
 import { picturesBefore, picturesAfter } from "./compared.js";
 
-// Memory of a flight record: some seconds of a window.
+// The memory of a flight record: some seconds of a window.
 const RECORD_BYTES = 6 << 20;
 
 export class Targets {
@@ -49,7 +49,10 @@ export class Targets {
     this.#settings = settings;
   }
 
-  /** The answers for a frame: by id and method { answer, ms, window, sweepWindow }. Of the target `shown` also the pictures. */
+  /**
+   * The answers for a frame: by id and method { answer, ms, window, sweepWindow }. The target `shown` also has the
+   * pictures.
+   */
   update(frame, shown) {
     return [...this.#targets].map(([id, followers]) => {
       const methods = Object.entries(followers).filter(([, { tracker }]) => tracker.last !== null);

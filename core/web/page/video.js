@@ -1,8 +1,9 @@
-// A video file as a source of frames. It plays at its own time: a frame that comes while the trackers are behind is dropped, and counted.
+// A video file as a source of frames. It plays at its own time: a frame that comes while the trackers are behind is
+// dropped, and counted.
 
 import { eachPicture } from "./pictures.js";
 
-// Of a video that has not played yet.
+// The time of a picture in seconds, assumed until the video has played.
 const LIKELY_STEP = 1 / 30;
 
 export class Video {
@@ -24,14 +25,14 @@ export class Video {
     this.#address = URL.createObjectURL(file);
   }
 
-  /** Throws an error that says in one line why the file cannot be played. */
+  /** Opens the file. If it cannot be played, throws an error that says why in one line. */
   async open() {
     const video = this.#video;
     const loaded = new Promise((resolve, reject) => {
       video.onloadeddata = resolve;
       video.onerror = reject;
     });
-    // The first picture comes before it plays.
+    // The first picture comes before the video plays.
     this.#end = eachPicture(video, (picture) => this.#seen(picture));
     video.src = this.#address;
     try {
@@ -56,7 +57,7 @@ export class Video {
   play() {
     this.#isPlaying = true;
     this.#video.play().catch((error) => {
-      // A pause that comes soon after is no error.
+      // A pause soon after is no error.
       if (error.name !== "AbortError") {
         this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
       }
@@ -72,7 +73,7 @@ export class Video {
     if (this.#video.ended) {
       this.#sink.ended();
     } else {
-      // The middle of the next picture: its edges are rounded.
+      // Seeks to the middle of the next picture, because its edges are rounded.
       this.#video.currentTime = (this.#time ?? 0) + 1.5 * (this.#step === Infinity ? LIKELY_STEP : this.#step);
     }
   }
@@ -113,7 +114,7 @@ export class Video {
     }
   }
 
-  // The number of the picture at `time`. It comes from the time, so that a picture that was dropped has its number, too.
+  // The number of the picture at `time`. It is computed from the time, so that dropped pictures are counted, too.
   #count(time) {
     const passed = this.#time === null ? 0 : time - this.#time;
     if (passed > 0.001) {

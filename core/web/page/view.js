@@ -7,7 +7,10 @@ import { palette } from "./palette.js";
 const WINDOW_DASH = [5, 5];
 const LAST_DASH = [4, 4];
 
-/** `picture` of `size` is the frame. `targets`: see followed.js; `chosen` is one of them. `box`: what the user draws, or null. */
+/**
+ * `picture` of `size` is the frame. `targets`: see followed.js; `chosen` is one of them. `box`: the box that the user
+ * draws, or null.
+ */
 export function drawStage(canvas, { picture, size, targets, chosen, on, box, number }) {
   const { width, height } = fitted(canvas);
   const context = canvas.getContext("2d");
@@ -98,7 +101,7 @@ function scaled({ x, y, width, height }, scale) {
   return { x: x * scale, y: y * scale, width: width * scale, height: height * scale };
 }
 
-// As far as the eye can tell.
+// True if two boxes look the same: no edge differs by 2.5 or more.
 function near(a, b) {
   const edges = ({ x, y, width, height }) => [x, y, x + width, y + height];
   return edges(a).every((edge, at) => Math.abs(edge - edges(b)[at]) < 2.5);

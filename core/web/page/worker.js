@@ -1,5 +1,5 @@
-// The worker: it takes frames and wishes from the page and sends back answers, so that the page never waits for a tracker. follower.js is the
-// other side.
+// The worker: takes frames and requests from the page and sends back answers, so that the page never waits for a
+// tracker. follower.js is the other side.
 
 import { hasSimd, load } from "../smr.js";
 import { grayOf } from "./gray.js";
@@ -16,7 +16,8 @@ const WISHES = {
     return { simd: library.simd, version: library.version };
   },
 
-  // `picture` is an ImageBitmap or a VideoFrame, which is sent back to be drawn; or `index` a frame of the built-in recording.
+  // `picture` is an ImageBitmap or a VideoFrame, which is sent back to be drawn; or `index` a frame of the built-in
+  // recording.
   async frame({ number, picture, index, shown }) {
     const { frame, drawn } = picture === undefined ? await builtIn(index) : { frame: await grayOf(picture), drawn: picture };
     const isOther = last !== null && (last.width !== frame.width || last.height !== frame.height);
@@ -59,7 +60,7 @@ async function builtIn(index) {
   return { frame: { data, width, height }, drawn: await createImageBitmap(new ImageData(rgba, width, height)) };
 }
 
-// One after the other, each answered with its number.
+// Handles requests one after the other and answers each with its number.
 let turn = Promise.resolve();
 self.onmessage = ({ data: { wish, ticket, ...of } }) => {
   turn = turn.then(() => granted(wish, ticket, of));

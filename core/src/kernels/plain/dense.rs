@@ -14,12 +14,12 @@
 
 use super::super::unrolling::{rolled, rolled_if_spare};
 
-/// The weights of a layer: for each output `inputs` weights, a multiple of 4.
+/// The weights of a layer. Each output has `inputs` weights, a multiple of 4.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layer<'a> {
     pub(crate) inputs: usize,
     pub(crate) weights: &'a [i8],
-    /// Little-endian, one for each output.
+    /// The biases in little-endian order, one for each output.
     pub(crate) biases: &'a [[u8; 4]],
     pub(crate) shift: u32,
 }
@@ -29,13 +29,13 @@ pub(crate) struct Layer<'a> {
 pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
-    // Small on every microcontroller: those that need speed have another loop.
+    // The loop is kept small on every microcontroller: those that need speed have another one.
     let pairs = rolled_if_spare(rolled(patch.iter().zip(weights)));
     let products = pairs.map(|(&x, &w)| i32::from(x) * i32::from(w));
     bias + products.sum::<i32>()
 }
 
-/// All outputs of all patches, patch by patch.
+/// Computes all outputs of all patches, patch by patch.
 #[inline(always)] // a backend compiles it for its own instruction set
 pub(crate) fn outputs_inline(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     let patches = patches.chunks(layer.inputs.max(1));
@@ -46,13 +46,13 @@ pub(crate) fn outputs_inline(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     }
 }
 
-/// A sum as an input of the next layer.
+/// Converts a sum to an input of the next layer.
 #[inline(always)]
 pub(crate) fn shifted(sum: i32, shift: u32) -> i8 {
     i8::try_from((sum >> shift).max(0)).unwrap_or(i8::MAX)
 }
 
-/// [`outputs_inline`], with one copy in flash.
+/// Calls [`outputs_inline`], in one copy.
 #[inline(never)]
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     outputs_inline(layer, patches, out);

@@ -8,10 +8,10 @@
 //! ```
 //!
 //! Ranges and bounds need no more than that: a bound may be too large. Scores and distances need all eight bits, so
-//! they take bytes.
+//! they take single bytes.
 //!
-//! These processors load words from multiples of four only. The search stores ranges there. Words of frames and
-//! templates are put together from two aligned words.
+//! These processors load words from multiples of four only. The search stores ranges at such places. Words of frames
+//! and templates are put together from two aligned words.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -38,7 +38,7 @@ const MOST_WORDS: usize = 255;
 
 pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
-    /// Half the threshold, in each byte. A pixel whose upper seven bits are so far outside a range does not count.
+    /// Half the threshold, in each byte. A pixel does not count if its upper seven bits are this far outside a range.
     threshold: u32,
     #[cfg(target_arch = "riscv32")]
     fours: Effort,
@@ -142,31 +142,31 @@ impl Scores for Swar<'_> {
 /// The score of `width` pixels.
 ///
 /// # Safety
-/// So many can be read at `f` and at `g`.
-#[inline(never)] // so that nothing else needs a register
+/// `width` pixels can be read at `f` and at `g`.
+#[inline(never)] // so that no other code needs a register
 unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> u32 {
     // SAFETY: as the caller guarantees.
     unsafe { row_sum(f, g, width, |f, g| table.of_pixels(f, g).into()) }
 }
 
-/// The offsets that are scored at once: the next ones to the right.
+/// Offsets that are scored at once: one, and the next ones to its right.
 #[cfg(target_arch = "riscv32")]
 const OFFSETS: usize = 4;
 
-/// The scores of `width` pixels at four offsets. A pixel of the frame meets four of the template, and its address in
-/// the table is computed once.
+/// The scores of `width` pixels at four offsets. A pixel of the frame is compared with four of the template, and its
+/// address in the table is computed once.
 ///
 /// # Safety
-/// So many can be read at `g`, and three more at `f`.
+/// `width` pixels can be read at `g`, and three more at `f`.
 #[cfg(target_arch = "riscv32")]
-#[inline(never)] // so that nothing else needs a register
+#[inline(never)] // so that no other code needs a register
 unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
     let mut sums = [0; OFFSETS];
     // SAFETY: as the caller guarantees. A signed difference is -255 to 255, and entry 255 of 511 is that of no
     // difference.
     unsafe {
         let equal = table.entries().as_ptr().add(255);
-        // The bytes of so many entries: a pixel of the frame is doubled once.
+        // The bytes of as many entries as the pixel's gray level. A pixel of the frame is doubled only once.
         let entries = |pixel: *const u8| size_of::<u16>() * usize::from(*pixel);
         let mut column = |pixels: [usize; OFFSETS], g: *const u8| {
             let of_black = equal.byte_sub(entries(g));
@@ -185,7 +185,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
             column([c, d, a, b], g.add(2));
             c = entries(f.add(3));
             column([d, a, b, c], g.add(3));
-            // The last three are the next first ones.
+            // The last three pixels are the first ones of the next round.
             (f, g) = (f.add(OFFSETS), g.add(OFFSETS));
         }
         for _ in rolled(0..width % OFFSETS) {
@@ -230,10 +230,10 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
     sum
 }
 
-/// For each 4x4 block the upper seven bits of the lowest pixel, and 127 less those of the highest, both less the
-/// threshold but not below 0.
+/// Computes for each 4x4 block the upper seven bits of the lowest pixel, and 127 less those of the highest, both less
+/// the threshold but not below 0.
 ///
-/// Column by column the least and the most of four rows, then of two and of four columns.
+/// For each column it takes the least and the most of four rows, then of two and of four columns.
 #[inline(never)]
 fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut [u8]) {
     let (low, high) = (words_mut(low), words_mut(high));
@@ -253,13 +253,13 @@ fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut 
 /// The minima of each four neighbouring columns.
 #[derive(Default)]
 struct Minima {
-    /// The word of columns before, and the minima of each two columns of the word before that.
+    /// The last word of columns, and the minima of each two columns of the word before that.
     columns: u32,
     pairs: u32,
 }
 
 impl Minima {
-    /// [`Minima::next`] gives minima that begin so many words before those that it takes.
+    /// [`Minima::next`] returns the minima that begin this many words before its argument.
     const DELAY: usize = 2;
 
     #[inline(always)]
@@ -296,21 +296,21 @@ fn sorted(a: u32, b: u32) -> (u32, u32) {
     (a - beyond, b + beyond)
 }
 
-/// The words of a slice that begins at a multiple of four; none of another one.
+/// The words of a slice that begins at a multiple of four; no words if it begins elsewhere.
 fn words_mut(bytes: &mut [u8]) -> &mut [u32] {
     if bytes.as_ptr().addr().is_multiple_of(LANES) {
-        // SAFETY: so many words lie in the slice, aligned, and a u32 may have any value.
+        // SAFETY: this many words lie in the slice, aligned, and a u32 may have any value.
         unsafe { slice::from_raw_parts_mut(bytes.as_mut_ptr().cast(), bytes.len() / LANES) }
     } else {
         &mut []
     }
 }
 
-/// The words of a row that begins at any address. After its end come zeroes.
+/// The words of a row that begins at any address. Zeroes follow its end.
 struct Words<'a> {
-    /// Those at multiples of four.
+    /// The words at multiples of four.
     aligned: slice::Iter<'a, u32>,
-    /// The bytes after them.
+    /// The bytes after the aligned words.
     end: u32,
     /// The aligned word that holds the next byte, and the bits before that byte.
     present: u32,
@@ -343,13 +343,13 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The bits of up to three bytes.
+/// The number of bits in up to three bytes.
 #[allow(clippy::cast_possible_truncation)]
 fn bits(bytes: usize) -> u32 {
     8 * bytes as u32
 }
 
-/// Up to three bytes as the lower ones of a word.
+/// Up to three bytes as the lower bytes of a word.
 fn joined(bytes: &[u8]) -> u32 {
     rolled(bytes.iter().rev()).fold(0, |word, &byte| word << 8 | u32::from(byte))
 }
@@ -362,7 +362,7 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     let (width, height) = (usize::from(template.width()), usize::from(template.height()));
     let full = plain::full(width * height);
     let allowed = full.checked_sub(floor)?;
-    // The ranges before the template in its first word.
+    // The number of ranges in the first word that come before the template.
     let skipped = blocks.start % LANES;
     let count = (skipped + width).div_ceil(LANES);
     let from = blocks.start - skipped;
@@ -403,14 +403,14 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     Some(full - outside * u32::from(ONE))
 }
 
-/// Words of a row of ranges in a round of a loop. A loop of one word takes less flash.
+/// Words of a row of ranges in a round of the loop. A loop of one word takes less flash.
 const ROUND: usize = if cfg!(target_arch = "riscv32") { 2 } else { 1 };
 
 /// A row of ranges.
 struct Row {
     low: *const u32,
     high: *const u32,
-    /// Words, at least one.
+    /// Words in the row, at least one.
     count: usize,
     /// The top bits of the pixels of the template in the first word, and in the last.
     first: u32,
@@ -421,9 +421,9 @@ impl Row {
     /// The number of pixels outside their ranges. With `SHIFTED` the template begins `shift` bits after `g`.
     ///
     /// # Safety
-    /// These words can be read, with `SHIFTED` one more of the template.
+    /// The words of the row can be read at `g`, with `SHIFTED` one more.
     #[allow(clippy::modulo_one)] // where a round is one word
-    #[inline(never)] // so that nothing else needs a register
+    #[inline(never)] // so that no other code needs a register
     unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {
         let (mut low, mut high) = (self.low, self.high);
         let mut sum = 0;

@@ -65,7 +65,7 @@ impl Neighbours for __m128i {
 /// vector, at most half full, would cost a fifth of the plain loop.
 const NARROW: usize = 24;
 
-/// Rows between two checks whether the floor is still within reach.
+/// Rows between two checks whether the floor can still be reached.
 const ROWS_A_LOOK: usize = 4;
 
 /// A table, and the numbers that bound a score without it.
@@ -74,7 +74,7 @@ pub(crate) struct Bound<'a> {
     /// The largest difference that counts.
     last: u8,
     chord: u32,
-    /// How often candidates are worth their time.
+    /// Decides how often bounding candidates is worth its time.
     candidates: Effort,
 }
 
@@ -83,7 +83,7 @@ pub(crate) const fn is_available() -> bool {
 }
 
 impl Scores for Bound<'_> {
-    #[inline(always)] // keeps `Rows` in registers: through memory it would wait for halves of words
+    #[inline(always)] // keeps `Rows` in registers; reading it back from memory would stall
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let rows = Rows::of(patch, template);
         let looked_at = rows.first(if rows.width <= NARROW { __m128i::LANES } else { rows.width });
@@ -199,7 +199,7 @@ fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 }
 
 impl<'a> Bound<'a> {
-    /// `None` if no pixel counts, or if there is no SSE2: a `Bound` proves that there is.
+    /// `None` if no pixel counts, or if there is no SSE2. So a `Bound` proves that there is.
     pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
         let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
         is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::NEW })
@@ -278,7 +278,7 @@ impl Sums {
     #[inline(always)]
     unsafe fn most(&self, chord: u32) -> u32 {
         const COUNTED: u32 = ONE as u32 / 255;
-        // Not negative: each pixel contributes at least its similarity.
+        // The result is not negative: each pixel contributes at least its similarity.
         // SAFETY: as the caller guarantees.
         unsafe { __m128i::across(self.counted) * COUNTED - __m128i::across(self.differences) * chord }
     }

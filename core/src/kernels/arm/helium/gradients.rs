@@ -227,7 +227,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 options(nostack),
             );
         }
-        // SAFETY: `gradients` and `sectors` were written. r1 leads to the votes 0 to 79 and r2 to those from 80 on. r6
+        // SAFETY: `gradients` and `sectors` were written. r1 points to the votes 0 to 79 and r2 to those from 80 on. r6
         // and r7, which `asm!` may not name, are saved in q3.
         unsafe {
             asm!(
@@ -254,7 +254,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 next!("vmult.i16 q5, q1, r4", "vmlat.i16 q5, q0, r12"; "vmlat.i16 q6, q0, r9", "vmlat.i16 q6, q1, r7"),
                 next!("vmult.i16 q5, q0, r8", "vmlat.i16 q5, q1, r7"; "vmlat.i16 q6, q0, r10", "vmlat.i16 q6, q1, r8"),
                 next!("vmult.i16 q5, q1, r4", "vaddt.i16 q5, q5, q2"; "vaddt.i16 q6, q6, q2", "vmlat.i16 q6, q1, r5"),
-                // Direction 5: its t is lower by 4 |y|.
+                // Direction 5: its t is 4 |y| less.
                 "vptttt.s16 ge, q6, zr",
                 "vorrt q4, q6, q6",
                 "vaddt.i16 q7, q7, r7",
@@ -263,7 +263,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
                 "vpstt",
                 "vsubt.i16 q6, q6, q2",
                 "vmlat.i16 q6, q1, r5",
-                // The second direction gets q4, the first -F, less 1 if the lowest six bits of t are not 0.
+                // The votes are q4 for the second direction, and for the first -F, less 1 if the lowest six bits of t
+                // are not 0.
                 "vshl.i16 q5, q5, #10",
                 "vpt.i16 ne, q5, zr",
                 "vaddt.i16 q6, q6, r6",
@@ -357,8 +358,8 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >> 16, 127)`,
-/// and `(gray >> 4) - 128`. No product reaches 2^32.
+/// Computes the features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >>
+/// 16, 127)`, and `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };
     const { assert!(ROW.is_multiple_of(LANES)) };
