@@ -1,6 +1,5 @@
 //! What holds across the crates. One test program, so that all of its tests run side by side.
 
-mod api;
 mod conformance;
 mod micropython;
 #[path = "../missing.rs"]

@@ -1,69 +1,18 @@
-//! `include/smr.h` is current, and its types have the same layout as the library's.
+//! The types of `include/smr.h` have the same layout as the library's. `tests/api` shows that the header is current.
 
 #[path = "../../../tests/missing.rs"]
 mod missing;
 
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
-    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN, STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction,
-    smr_frame, smr_gate, smr_image, smr_margins, smr_paper_config, smr_part, smr_radius, smr_rect, smr_robust_config,
-    smr_state, smr_status, smr_table,
+    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame,
+    smr_gate, smr_image, smr_margins, smr_paper_config, smr_part, smr_radius, smr_rect, smr_robust_config, smr_state,
+    smr_status, smr_table,
 };
 use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::path::Path;
 use std::process::Command;
-
-#[test]
-fn the_header_is_current() {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let path = here.join("include/smr.h");
-    let mut written = Vec::new();
-    let mut config = cbindgen::Config::from_root_or_default(here);
-    config.after_includes.as_mut().expect("cbindgen.toml has it").push_str(&statuses());
-    let source = cbindgen::Builder::new().with_crate(here).with_config(config);
-    source.generate().expect("cbindgen reads the source").write(&mut written);
-    let written = String::from_utf8(written).expect("a header is text");
-    if std::env::var_os("SMR_UPDATE_HEADER").is_some() {
-        std::fs::write(&path, &written).expect("the header can be written");
-    }
-    let current = std::fs::read_to_string(&path).expect("the header is there");
-    let names = current.lines().filter_map(|line| line.trim_start_matches("#ifndef ").trim().strip_prefix("#define "));
-    let foreign: Vec<&str> = names.filter(|name| !name.starts_with("SMR_")).collect();
-    assert!(foreign.is_empty(), "macros without the library's prefix: {foreign:?}");
-    assert!(current == written, "include/smr.h is not current: SMR_UPDATE_HEADER=1 cargo test -p smr-c --test header");
-}
-
-/// The statuses in the header. A macro defines them, and cbindgen cannot read macros.
-fn statuses() -> String {
-    let mut text = String::from(
-        "
-/**
- * How a call ended. The numbers never change; later versions may add new ones.
- *
- * A call that does not return #SMR_OK changes nothing, except that #smr_init sets `*tracker` to NULL.
- */
-enum smr_status
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
-#endif
- {
-",
-    );
-    for (status, name, meaning) in STATUSES {
-        let (name, meaning) = (name.trim_end_matches('\0'), meaning.trim().replace('\n', "\n   *"));
-        writeln!(text, "  /**\n   * {meaning}\n   */\n  {name} = {},", *status as i32).expect("a string takes text");
-    }
-    text + "};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum smr_status smr_status;
-#else
-typedef int32_t smr_status;
-#endif
-#endif
-"
-}
 
 /// Lines of C that compile only if `$type` has the same size in C, and its fields the same offsets.
 macro_rules! layout {

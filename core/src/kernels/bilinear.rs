@@ -5,7 +5,7 @@
 use super::arm::dsp::bilinear as fast;
 #[cfg(smr_helium)]
 use super::arm::helium::bilinear as fast;
-#[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
+#[cfg(any(not(any(smr_dsp, smr_helium)), test, feature = "verify"))]
 use super::plain::bilinear::levels;
 use super::plain::bilinear::{MixedRow, PLACES};
 use heapless::Vec;
@@ -51,7 +51,7 @@ impl<const N: usize> Interpolation<N> {
         {
             // SAFETY: `push` keeps each place below PLACES.
             unsafe { fast::mix(from, parts, row, out) };
-            #[cfg(feature = "verify")]
+            #[cfg(any(test, feature = "verify"))]
             for (number, (&out, wanted)) in out.iter().zip(levels(from, parts, row)).enumerate() {
                 assert_eq!(out, wanted, "column {number}");
             }

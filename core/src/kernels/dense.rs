@@ -34,7 +34,7 @@ impl Dense {
         #[cfg(not(smr_dsp))]
         let _ = spare;
         // The bytes that a backend does not write must stay.
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         let mut expected: heapless::Vec<i8, 1024> = out.iter().copied().collect();
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -46,7 +46,7 @@ impl Dense {
             Backend::Helium => helium::outputs(layer, patches, out),
             _ => plain::outputs(layer, patches, out),
         }
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         {
             plain::outputs(layer, patches, &mut expected);
             assert_eq!(out, &*expected, "outputs of a layer, given and expected");

@@ -7,14 +7,14 @@ use super::arm::dsp::levels as fast;
 use super::arm::helium::levels as fast;
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::plain::levels as fast;
-#[cfg(feature = "verify")]
+#[cfg(any(test, feature = "verify"))]
 use super::plain::levels as plain;
 /// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
 /// 65537 pixels.
 #[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let sums = fast::deviation(pixels, level);
-    #[cfg(feature = "verify")]
+    #[cfg(any(test, feature = "verify"))]
     assert_eq!(sums, plain::deviation(pixels, level), "{} pixels", pixels.len());
     sums
 }
@@ -23,10 +23,10 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
 /// pixels.
 #[inline(never)] // keeps its registers out of its caller
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
-    #[cfg(feature = "verify")]
+    #[cfg(any(test, feature = "verify"))]
     let wanted = old.iter().zip(new).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
     let largest = fast::replace(old, new, largest);
-    #[cfg(feature = "verify")]
+    #[cfg(any(test, feature = "verify"))]
     assert!(largest == wanted && old == new, "{} pixels", old.len());
     largest
 }

@@ -116,9 +116,9 @@ mod plain {
     pub(super) mod bilinear;
     #[cfg(feature = "refiner")]
     pub(super) mod dense;
-    #[cfg(any(not(smr_helium), feature = "verify"))]
+    #[cfg(any(not(smr_helium), test, feature = "verify"))]
     pub(super) mod gradients;
-    #[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
+    #[cfg(any(not(any(smr_dsp, smr_helium)), test, feature = "verify"))]
     pub(super) mod levels;
     pub(super) mod products;
     pub(super) mod scores;
@@ -138,9 +138,8 @@ mod three_sums;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]
 mod verify {
-    #[cfg(all(feature = "verify", feature = "refiner"))]
+    #[cfg(feature = "refiner")]
     pub(super) mod dense;
-    #[cfg(feature = "verify")]
     pub(super) mod filter;
     pub(super) mod scores;
 }
@@ -181,7 +180,7 @@ pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use scores::{ALL_FOUR, Blocks, RowsOfRanges};
 pub(crate) use unrolling::rolled;
-#[cfg(feature = "verify")]
+#[cfg(any(test, feature = "verify"))]
 pub use verify::filter::verify_filter;
 pub(crate) use weights::{GradientStep, ScaledSums, scale_by};
 

@@ -95,7 +95,7 @@ impl Products {
         weights: &[i16],
         out: &mut [[i32; N]],
     ) {
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         let last = parts.end >= self.parts(layout, weights.len());
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -111,7 +111,7 @@ impl Products {
             Backend::Swar => swar::responses(parts, room, spare, cells, layout, weights, out),
             _ => plain::responses(parts, cells, layout, weights, out),
         }
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         if last {
             let mut expected = [[0; N]; N];
             plain::responses(0..layout.span, cells, layout, weights, &mut expected);
@@ -139,9 +139,9 @@ impl Products {
         sums: &mut [i32],
     ) {
         // Backends have different parts, so only a call for all parts can be compared.
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         let whole = parts == (0..self.gather_parts(layout, sums.len()));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         let mut expected: heapless::Vec<i32, 4096> = sums.iter().copied().collect();
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -157,7 +157,7 @@ impl Products {
             Backend::Swar => swar::gather(parts, room, cells, layout, errors, sums),
             _ => plain::gather(parts, cells, layout, errors, sums),
         }
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         if whole {
             plain::gather(0..layout.span, cells, layout, errors, &mut expected);
             assert_eq!(sums, &*expected, "gathered errors, given and expected");

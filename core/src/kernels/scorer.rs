@@ -12,7 +12,7 @@ use super::plain::scores::{self as plain, Plain};
 use super::scores::{Blocks, RowsOfRanges, Scores};
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
-#[cfg(feature = "verify")]
+#[cfg(any(test, feature = "verify"))]
 use super::verify::scores as verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::wasm32::simd128::scores as simd128;
@@ -123,7 +123,7 @@ impl<'a> Scorer<'a> {
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score(patch, template));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         verify::score(Some(score), (patch, template), self.plain.table, 0);
         Some(score)
     }
@@ -135,7 +135,7 @@ impl<'a> Scorer<'a> {
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
         let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         verify::score(score, (patch, template), self.plain.table, floor);
         score
     }
@@ -147,7 +147,7 @@ impl<'a> Scorer<'a> {
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
         checked(patch, template)?;
         let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         verify::distance(distance, (patch, template), enough);
         Some(distance)
     }
@@ -166,7 +166,7 @@ impl<'a> Scorer<'a> {
     ) -> Option<u32> {
         checked(low, template)?;
         let score = dispatch!(self, kernels => kernels.score_between_at_least(low, high, template, floor));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         verify::score_between(score, (low, high, template), self.plain.table, floor);
         score
     }
@@ -185,7 +185,7 @@ impl<'a> Scorer<'a> {
             return wanted;
         }
         let candidates = dispatch!(self, kernels => kernels.candidates(patch, template, floor, wanted));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         verify::candidates(candidates | !wanted, (patch, template), self.plain.table, floor);
         candidates
     }
@@ -196,7 +196,7 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.spread(rows, low, high));
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         verify::spread(rows, low, high);
     }
 
@@ -206,7 +206,7 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         dispatch!(self, kernels => kernels.ranges(rows, low, high));
-        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
         match self.ready {
             Ready::Scalar(_) => verify::spread(rows, low, high),
             Ready::Swar(_) => verify::widened_ranges(rows, self.plain.table, low, high),
@@ -225,7 +225,7 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
         let done = dispatch!(self, kernels => kernels.ranges_of_rows(pixels, step, &mut to));
-        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
         if done {
             verify::rows_of_spans(pixels, step, self.plain.table, &to);
         }
@@ -236,7 +236,7 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub(crate) fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let bound = dispatch!(self, kernels => kernels.bound(blocks, template, floor));
-        #[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+        #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
         match self.ready {
             Ready::Scalar(_) => {
                 if let Some((low, high)) = blocks.pictures(template) {
@@ -276,7 +276,7 @@ impl<'a> Scorer<'a> {
                 part.x += i32::from(part.width);
             }
         }
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         assert_eq!(sum, plain::score_on_padding(template, seen, self.plain.table), "{template:?} without {seen:?}");
         sum
     }

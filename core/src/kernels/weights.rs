@@ -33,14 +33,14 @@ impl<'a> ScaledSums<'a> {
         #[cfg(smr_helium)]
         if let Ok(factor) = i32::try_from(factor) {
             let largest = helium::largest(weights, factor, sums, left);
-            #[cfg(feature = "verify")]
+            #[cfg(any(test, feature = "verify"))]
             assert_eq!(largest, plain::largest(weights, factor.into(), sums, left), "the largest number");
             return largest;
         }
         #[cfg(smr_dsp)]
         {
             let largest = dsp::largest(weights, factor, sums, left);
-            #[cfg(feature = "verify")]
+            #[cfg(any(test, feature = "verify"))]
             assert_eq!(largest, plain::largest(weights, factor, sums, left), "the largest number");
             return largest;
         }
@@ -52,19 +52,19 @@ impl<'a> ScaledSums<'a> {
     #[inline(never)]
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
-        #[cfg(any(not(smr_dsp), feature = "verify"))]
+        #[cfg(any(not(smr_dsp), test, feature = "verify"))]
         let coded = plain::code(weights, factor, sums, left, shift);
         #[cfg(smr_helium)]
         if let Ok(factor) = i32::try_from(factor) {
             helium::code(weights, factor, sums, left, shift, out);
-            #[cfg(feature = "verify")]
+            #[cfg(any(test, feature = "verify"))]
             assert!(out.iter().copied().zip(coded).all(|(given, wanted)| given == wanted), "coded numbers");
             return;
         }
         #[cfg(smr_dsp)]
         {
             dsp::code(weights, factor, sums, left, shift, out);
-            #[cfg(feature = "verify")]
+            #[cfg(any(test, feature = "verify"))]
             assert!(out.iter().copied().zip(coded).all(|(given, wanted)| given == wanted), "coded numbers");
         }
         #[cfg(not(smr_dsp))]
@@ -86,7 +86,7 @@ impl GradientStep {
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;
         let stepped = |weight, slope| plain::stepped(weight, slope, length, back);
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         let wanted: heapless::Vec<i32, 4096> = weights.iter().zip(slopes).map(|(&w, &s)| stepped(w, s)).collect();
         #[cfg(smr_helium)]
         let done = helium::step(weights, slopes, length, back);
@@ -98,7 +98,7 @@ impl GradientStep {
             rolled_if_spare(weights.iter_mut().zip(slopes))
                 .for_each(|(weight, &slope)| *weight = stepped(*weight, slope));
         }
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         assert!(weights.iter().zip(&wanted).all(|(given, wanted)| given == wanted), "moved weights");
     }
 }
@@ -111,10 +111,10 @@ pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     return plain::scale_by(numbers, part);
     #[cfg(smr_helium)]
     {
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         let mut wanted: heapless::Vec<i16, 16> = numbers.iter().copied().collect();
         let sum = helium::scale_by(numbers, part);
-        #[cfg(feature = "verify")]
+        #[cfg(any(test, feature = "verify"))]
         assert_eq!((plain::scale_by(&mut wanted, part), &*wanted), (sum, &*numbers), "scaled numbers");
         sum
     }

@@ -7,7 +7,7 @@
 mod contrast;
 mod table;
 
-#[cfg(feature = "verify")]
+#[cfg(any(test, feature = "verify"))]
 pub use crate::kernels::verify_filter;
 pub use crate::kernels::{Backend, CutTable, Scorer};
 pub(crate) use contrast::Contrast;

@@ -12,7 +12,7 @@ pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 
 /// Computes the rounded gray level of each column. `from` is the byte in the row where the column's first number
 /// begins. `parts` are the weights of the first and of the second number, 256 in sum.
-#[cfg(any(not(any(smr_dsp, smr_helium)), feature = "verify"))]
+#[cfg(any(not(any(smr_dsp, smr_helium)), test, feature = "verify"))]
 #[inline(always)]
 pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {

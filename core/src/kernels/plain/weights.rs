@@ -2,7 +2,7 @@
 
 use super::super::unrolling::rolled_if_spare;
 
-#[cfg(any(not(smr_dsp), feature = "verify"))]
+#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 /// The largest absolute value of [`number`]. Of a negative number the sign is removed first, then the number is rounded
 /// down.
 #[inline(always)]
@@ -14,7 +14,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
-#[cfg(any(not(smr_dsp), feature = "verify"))]
+#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 /// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
 #[inline(always)]
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
@@ -25,7 +25,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
-#[cfg(any(not(smr_dsp), feature = "verify"))]
+#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 /// `weight * factor / 2^32 + sum`; the quotient is rounded down.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
@@ -45,7 +45,7 @@ pub(crate) fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
 }
 
 /// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
-#[cfg(any(not(smr_helium), feature = "verify"))]
+#[cfg(any(not(smr_helium), test, feature = "verify"))]
 #[inline(always)]
 pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     let less = |number: i16| low((i32::from(number) * part + (1 << 13)) >> 14);

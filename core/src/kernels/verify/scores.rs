@@ -2,10 +2,9 @@
 
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 use super::super::scores::{Blocks, RowsOfRanges};
 use crate::image::Image;
-#[cfg(feature = "verify")]
 use crate::image::Rect;
 
 /// Checks a score of at least `floor`.
@@ -47,7 +46,6 @@ pub(crate) fn score_between(
 
 /// Checks which of four offsets may reach `floor`.
 #[track_caller]
-#[cfg(feature = "verify")]
 pub(crate) fn candidates(answer: u8, (patch, template): (Image<'_>, Image<'_>), table: &CutTable, floor: u32) {
     for (column, offset) in (0..patch.width().saturating_sub(template.width()).min(3) + 1).zip(0..) {
         let within = Rect::new(column.into(), 0, template.width(), template.height());
@@ -74,7 +72,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
 }
 
 /// Checks the ranges of `swar/scores.rs`.
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 pub(crate) fn widened_ranges(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]) {
     let half = |level: u8| u16::from(level / 2).saturating_sub(table.threshold() / 2);
@@ -91,7 +89,7 @@ pub(crate) fn widened_ranges(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], hi
 }
 
 /// Checks the ranges of `generic.rs`.
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 pub(crate) fn spans(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]) {
     let last = u8::try_from(table.threshold().saturating_sub(1)).unwrap_or(u8::MAX);
@@ -109,7 +107,7 @@ pub(crate) fn spans(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]
 }
 
 /// Checks the ranges of several rows of `generic.rs`.
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to: &RowsOfRanges<'_>) {
     let tops = (0..pixels.height().saturating_sub(3)).step_by(step);
@@ -120,7 +118,7 @@ pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to
 }
 
 /// Checks a bound by the ranges of `generic.rs`: at least the number of pixels within them.
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 pub(crate) fn bound_of_spans(
     answer: Option<u32>,
@@ -134,7 +132,7 @@ pub(crate) fn bound_of_spans(
 }
 
 /// Checks a bound by the ranges of `swar/scores.rs`: at least the number of pixels within them.
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 pub(crate) fn bound_of_widened(
     answer: Option<u32>,
@@ -148,7 +146,7 @@ pub(crate) fn bound_of_widened(
 }
 
 /// Checks a bound: at least the number of pixels of the template that count in the ranges.
-#[cfg(all(feature = "verify", not(any(smr_dsp, smr_helium))))]
+#[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 fn bound_of_pixels(
     answer: Option<u32>,

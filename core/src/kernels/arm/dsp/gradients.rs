@@ -146,7 +146,7 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW]
             options(nostack),
         );
     }
-    #[cfg(feature = "verify")]
+    #[cfg(any(test, feature = "verify"))]
     {
         let mut wanted = [[0; CHANNELS]; ROW];
         plain::scale(sums, inverses, &mut wanted);
@@ -159,7 +159,7 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     static SECTORS: Directions = Directions::new(DIRECTIONS);
     let sums = Votes(sectors(lines, at, &SECTORS)).sums(plain::gray(lines, at));
-    #[cfg(feature = "verify")]
+    #[cfg(any(test, feature = "verify"))]
     assert_eq!(sums.0, plain::cell(lines, at).0, "sums of a cell, given and expected");
     sums
 }

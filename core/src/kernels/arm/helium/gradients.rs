@@ -1,10 +1,10 @@
 //! Cells of gradient orientations by Helium: eight cells at a time, each in a lane. The plain loops are in
 //! `plain/gradients.rs`.
 
-#[cfg(feature = "verify")]
+#[cfg(any(test, feature = "verify"))]
 use crate::kernels::cells::CELL;
 use crate::kernels::cells::{CHANNELS, SIDE};
-#[cfg(feature = "verify")]
+#[cfg(any(test, feature = "verify"))]
 use crate::kernels::plain::gradients as plain;
 use core::arch::asm;
 use core::mem::MaybeUninit;
@@ -133,7 +133,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     for block in 0..across.div_ceil(LANES) {
         eight_cells(lines, block, sums, energies);
     }
-    #[cfg(feature = "verify")]
+    #[cfg(any(test, feature = "verify"))]
     for (number, &energy) in energies.iter().enumerate().take(across) {
         let wanted = plain::cell(lines, number * usize::from(CELL));
         assert_eq!(energy, wanted.energy(), "energy of cell {number}, given and expected");

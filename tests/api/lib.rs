@@ -1,0 +1,1 @@
+//! Only its tests do something: they need much to be built that nobody else needs.
