@@ -269,30 +269,36 @@ mod tests {
     }
 
     /// Also that nothing panics: overflow checks are on in tests.
-    #[test]
-    fn every_fault_on_every_built_in_recording() {
-        for name in BUILT_IN {
-            let faults = Fault::all();
-            let rows = rows(name, &faults);
-            for row in &rows {
-                assert!(row.right_again <= row.runs && row.right_at_the_end <= row.runs, "{name}: {row:?}");
-                assert!(row.tracking_while_wrong <= row.frames, "{name}: {row:?}");
-                let came = row.states().iter().sum::<usize>();
-                assert!(row.fault == "none" || came <= row.runs * row.fault_frames, "{name}: {row:?}");
-                assert!(!row.fault.starts_with("gap") || came == 0, "{name}: {row:?}");
-            }
-            if name == "synthetic" {
-                assert_eq!(rows.len(), 2 * 13);
-                assert!(rows.iter().all(|row| row.runs > 0));
-            }
+    fn every_fault_on(name: &str) -> Vec<Row> {
+        let rows = rows(name, &Fault::all());
+        for row in &rows {
+            assert!(row.right_again <= row.runs && row.right_at_the_end <= row.runs, "{name}: {row:?}");
+            assert!(row.tracking_while_wrong <= row.frames, "{name}: {row:?}");
+            let came = row.states().iter().sum::<usize>();
+            assert!(row.fault == "none" || came <= row.runs * row.fault_frames, "{name}: {row:?}");
+            assert!(!row.fault.starts_with("gap") || came == 0, "{name}: {row:?}");
         }
+        rows
+    }
+
+    #[test]
+    fn every_fault_on_one_built_in_recording() {
+        let rows = every_fault_on("synthetic");
+        assert_eq!(rows.len(), 2 * 13);
+        assert!(rows.iter().all(|row| row.runs > 0));
+    }
+
+    #[test]
+    #[ignore = "half a minute: .ci/run nightly"]
+    fn every_fault_on_the_other_built_in_recordings() {
+        BUILT_IN.into_iter().filter(|&name| name != "synthetic").for_each(|name| drop(every_fault_on(name)));
     }
 
     #[test]
     fn the_same_again_and_no_fault_is_no_fault() {
         let faults = ["black:3", "gain:100"].map(|text| text.parse().unwrap());
         let first = rows("synthetic", &faults);
-        assert_eq!(first, rows("synthetic", &faults));
+        assert!(rows("synthetic", &faults[..1]).iter().all(|again| first.contains(again)), "{first:?}");
         let of = |fault: &str, tracker: &str| {
             first.iter().find(|row| row.fault == fault && row.tracker == tracker).cloned().unwrap()
         };
