@@ -234,13 +234,13 @@ mod tests {
     #[test]
     fn it_is_the_same_again_and_goes_over_the_middle() {
         let variants = variants();
-        let measured = || {
+        let measured = |variants: &[Variant]| {
             let sequence = slow::sequences().remove(2);
             let other = slow::sequences().remove(4).frames.next().unwrap().unwrap();
-            measure(sequence, &other, &variants).unwrap()
+            measure(sequence, &other, variants).unwrap()
         };
-        let runs = measured();
-        assert_eq!(runs, measured());
+        let runs = measured(&variants);
+        assert!(measured(&variants[1..]).iter().all(|again| runs.contains(again)), "{runs:?}");
         assert_eq!(runs.len(), variants.len() * Cover::ALL.len());
         for run in runs {
             assert!(run.right_before && run.tracking <= FRAMES, "{run:?}");
