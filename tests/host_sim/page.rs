@@ -167,16 +167,19 @@ fn the_player_stays_in_view_and_nothing_is_too_wide() {
 
 const ADDRESS: &str = r##"
   const place = () => document.getElementById("place").value;
+  // The page hears of it first.
+  const typed = (address) => new Promise((heard) => {
+    addEventListener("hashchange", () => setTimeout(heard), { once: true });
+    location.hash = address;
+  });
   const select = document.getElementById("recording");
   is("the frame and the recording of the address", place() + select.selectedOptions[0].text, "frame 20 of 25border");
   document.getElementById("on").click();
   await pause(600);
   is("it follows", location.hash, "#recording=border&frame=21");
-  location.hash = "recording=synthetic&frame=100";
-  await pause(50);
+  await typed("recording=synthetic&frame=100");
   is("another one is typed", place() + select.selectedOptions[0].text, "frame 100 of 240synthetic");
-  location.hash = "frame=9999";
-  await pause(50);
+  await typed("frame=9999");
   is("beyond the last frame", place(), "frame 240 of 240");
   const still = document.querySelectorAll("[data-recording=border] a.still")[1];
   still.click();
