@@ -372,7 +372,8 @@ same([[tracker.update(frame) for frame in FRAMES] for tracker in old], [answers[
 same([follow(kind()) for kind in (smr.Paper, smr.Robust)], alone, "the module imported anew")
 del old, filled
 
-# A thousand trackers take no memory in the end.
+# A thousand trackers take no memory in the end. The collector is conservative: a word that is left on the stack can keep one of them, and the
+# robust one has 12.4 KB. A leak of 16 bytes a tracker would be more.
 for kind in KINDS:
     for count in range(1000):
         tracker = kind()
@@ -381,6 +382,6 @@ for kind in KINDS:
             del tracker
             gc.collect()
             allocated = gc.mem_alloc() - (0 if count == 9 else allocated)
-    same(abs(allocated) < 1000, True, "growth of %d bytes over 990 trackers" % allocated)
+    same(abs(allocated) < 13000, True, "growth of %d bytes over 990 trackers" % allocated)
 
 print("api: %d checks" % checks)
