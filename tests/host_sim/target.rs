@@ -120,7 +120,8 @@ fn a_qemu_that_crashes_is_quoted() {
 #[test]
 fn a_reader_that_goes_away_does_not_hide_that_firmware_fails() {
     for (code, expected) in [(3, 1), (0, 0)] {
-        let bench = Bench::new(&format!("echo first; sleep 0.3; yes another | head -n 100000; exit {code}"));
+        let many = "for line in 1 2 3 4 5 6 7 8 9; do lines=another$line$lines$lines$lines; done; echo $lines$lines";
+        let bench = Bench::new(&format!("echo first; sleep 0.3; {many}; exit {code}"));
         let mut command = Command::new(PROGRAM);
         command.arg("run").arg(bench.path("firmware")).arg("--qemu").arg(bench.path("qemu"));
         let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("host-sim runs");
