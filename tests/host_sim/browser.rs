@@ -38,10 +38,10 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     let Some(browser) = browser(test) else { return };
     let text = fs::read_to_string(page).unwrap();
     let text = text.replacen("<head>", &format!("<head>{BEFORE}"), 1);
-    let tried = page.with_file_name(format!("{test}-tried.html"));
+    let tried = page.with_file_name(format!("{test}-{width}-tried.html"));
     fs::write(&tried, text.replacen("</body>", &[AFTER[0], script, AFTER[1]].concat(), 1)).unwrap();
     // Chromium's own window cannot be as narrow as a phone.
-    let frame = page.with_file_name(format!("{test}-frame.html"));
+    let frame = page.with_file_name(format!("{test}-{width}-frame.html"));
     let receive = "<script>onmessage = (event) => { document.title = event.data; };</script>";
     let inner = format!("<iframe src=\"file://{}#{address}\" width=\"{width}\" height=\"900\"></iframe>", utf8(&tried));
     fs::write(&frame, format!("<title>no answer</title>{receive}{inner}")).unwrap();

@@ -155,13 +155,7 @@ const STAYS: &str = r##"
 fn the_player_stays_in_view_and_nothing_is_too_wide() {
     let page = page("page-stays", &["synthetic", "border"]);
     for width in [390, 1280] {
-        browser::act(
-            &format!("the_player_stays_in_view_and_nothing_is_too_wide-{width}"),
-            &page,
-            width,
-            "frame=60",
-            STAYS,
-        );
+        browser::act("the_player_stays_in_view_and_nothing_is_too_wide", &page, width, "frame=60", STAYS);
     }
 }
 

@@ -157,7 +157,8 @@ const SCRIPT: &str = r##"
 fn a_box_that_is_dragged_in_a_browser_is_in_the_command_line() {
     let page = folder("pick-browser").join("pick.html");
     assert_eq!(host_sim(&["frame", "synthetic", "41", "-o", utf8(&page)]).code, Some(0));
+    let test = "a_box_that_is_dragged_in_a_browser_is_in_the_command_line";
     for width in [390, 1280] {
-        browser::act(&format!("pick-{width}"), &page, width, "frame=120", SCRIPT);
+        browser::act(test, &page, width, "frame=120", SCRIPT);
     }
 }
