@@ -14,7 +14,6 @@ pub struct Spread<T> {
 
 impl<T: Copy + Default + PartialOrd> Spread<T> {
     /// All zero, if there is no measurement.
-    #[must_use]
     pub fn of(measurements: &[T]) -> Self {
         let mut sorted = measurements.to_vec();
         sorted.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));

@@ -8,7 +8,6 @@ use serde_json::{Map, Value};
 use smr_core::paper::{Config, Fraction};
 use smr_core::{Rect, robust};
 
-/// The configurations of all methods.
 #[derive(Clone, Copy, Debug)]
 pub struct Configs {
     /// The paper's tracker's; the baselines take window and padding from it.
@@ -45,7 +44,6 @@ pub struct Variant {
 /// What a figure or an answer is of: in the JSON objects that are printed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Origin {
-    /// That of this program.
     pub version: &'static str,
     pub method: &'static str,
     /// The options that were given to it; what is not in here has its default.

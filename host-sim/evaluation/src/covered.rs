@@ -22,7 +22,6 @@ const LOST_BY: usize = 30;
 /// Frames after them in which the box is to become right.
 const AGAIN: usize = 10;
 
-/// The tables of what is measured.
 pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Means];
 
 /// What one tracker made of one cover in one recording.
@@ -56,7 +55,6 @@ struct Row {
     recordings: Vec<Counts>,
 }
 
-/// All that was measured.
 pub struct Results {
     covers: Vec<Row>,
     recordings: Vec<Counts>,
@@ -147,7 +145,6 @@ impl Row {
         self.right_before() - self.missing(RIGHT_AGAIN).len()
     }
 
-    /// The recordings that miss a goal.
     fn missing(&self, (_, misses): Goal) -> Vec<&str> {
         self.recordings.iter().filter(|of| misses(of)).map(|of| of.sequence.as_str()).collect()
     }

@@ -23,7 +23,6 @@ const WATCHED: usize = 50;
 /// Places in a recording, at most.
 const PLACES: usize = 8;
 
-/// The tables of what is measured.
 pub const TABLES: &[TableName] = &[TableName::Measured];
 
 /// What is measured if nothing is said: both trackers of smr-core.
@@ -44,7 +43,6 @@ struct Row {
     runs: Vec<Counts>,
 }
 
-/// What is counted of one run.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Counts {
     /// Frames that came during the fault, by state.
@@ -207,13 +205,11 @@ impl Results {
         }
     }
 
-    /// For JSON and CSV.
     pub fn tables(&self) -> Tables {
         let columns = Columns::new(COLUMNS).and(Origin::columns(), |row| Some(&row.origin));
         Tables(vec![columns.table(TableName::Measured, &self.0)])
     }
 
-    /// As text or Markdown.
     pub fn text(&self, layout: Layout) -> String {
         Columns::new(COLUMNS).text(&self.0, layout, 3)
     }

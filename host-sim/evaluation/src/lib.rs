@@ -51,7 +51,6 @@ pub const MOST_OFFSETS: usize = 4096;
 /// A target of the paper's tracker as it is followed here, as large as it can be.
 pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;
 
-/// Who answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contestant {
     /// As it stands in tables and in JSON.
@@ -78,7 +77,6 @@ pub struct Evaluation {
     pub scores: Vec<(Contestant, Score)>,
     /// Why some have no score.
     pub failures: Vec<Error>,
-    /// What a reader of the scores should know.
     pub notes: Vec<String>,
 }
 

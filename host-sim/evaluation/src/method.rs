@@ -6,9 +6,7 @@ use serde::Serialize;
 use smr_core::{Answer, Frame, Image, Quality, Rect, State};
 use smr_recordings::BoundingBox;
 
-/// A tracker that follows one box.
 pub trait Method {
-    /// Which one it is.
     fn kind(&self) -> MethodKind;
 
     /// Starts on the target in `target`.
@@ -95,7 +93,6 @@ fn of_one(ratio: u16) -> f64 {
     f64::from(ratio) / f64::from(u16::MAX)
 }
 
-/// A state as it is printed everywhere.
 pub const fn name_of(state: State) -> &'static str {
     match state {
         State::Tracking => "tracking",
@@ -135,7 +132,6 @@ impl MethodKind {
         }
     }
 
-    /// True for the two trackers of smr-core.
     pub const fn is_core(self) -> bool {
         matches!(self, Self::Smr | Self::Robust)
     }

@@ -43,7 +43,6 @@ impl Otb {
     }
 }
 
-/// The two curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
     /// At 0, 1/20, ... 1.
@@ -89,7 +88,6 @@ pub fn centre_errors(answers: &Trajectory, truth: &Trajectory) -> Vec<Option<f64
     answers.iter().zip(truth).map(|(answer, truth)| Some(centre_error(answer.as_ref()?, truth.as_ref()?))).collect()
 }
 
-/// Frames by threshold.
 struct Counts {
     visible: u32,
     above: [u32; STEPS + 1],

@@ -24,7 +24,6 @@ pub struct Score {
     pub frames: usize,
     /// Frames in which the target is visible: those that have ground truth.
     pub visible: usize,
-    /// Frames with an answer.
     pub answered: usize,
     pub correct: usize,
     /// Correct frames, were 0.5 of intersection over union needed.
@@ -56,15 +55,12 @@ pub struct Figure {
     /// Its column on the page of `report`; empty if it has none.
     pub page: &'static str,
     pub digits: usize,
-    /// Whether it has a mean over recordings.
     pub has_mean: bool,
-    /// Whether more of it is better.
     pub is_ranked: bool,
     pub of: Of,
 }
 
 impl Figure {
-    /// As it stands in JSON and CSV.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // what has no digits is a count
     pub(super) fn value(&self, of: &Score) -> Value {
         (self.of)(of).map_or(Value::Null, |value| if self.digits == 0 { (value as u64).into() } else { value.into() })

@@ -12,7 +12,6 @@ pub(super) struct Row {
     correct: [Option<u16>; 6],
 }
 
-/// All rows, from the top.
 pub(super) const TABLE: [Row; 6] = [
     row("Lim 2004 (incremental subspace)", [17, 75, 11, 33, 50, 163]),
     Row {
@@ -30,13 +29,11 @@ const fn row(tracker: &'static str, [a, b, c, d, e, f]: [u16; 6]) -> Row {
 }
 
 impl Row {
-    /// The figure for the recording called `sequence`.
     pub fn correct(&self, sequence: &str) -> Option<u16> {
         SEQUENCES.iter().zip(self.correct).find(|(known, _)| **known == sequence)?.1
     }
 }
 
-/// True if the paper has figures for the recording called `sequence`.
 pub fn is_known(sequence: &str) -> bool {
     SEQUENCES.contains(&sequence)
 }

@@ -9,9 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct ResultFile {
     /// The file's, without its extension.
     pub name: String,
-    /// One for each frame.
     pub answers: Vec<Option<BoundingBox>>,
-    /// What a reader of its score should know.
     pub note: Option<String>,
 }
 

@@ -7,13 +7,11 @@ use super::protocol::Figure;
 use super::tables::{Columns, TableName, Tables, with_errors};
 use super::{Contestant, Evaluation, Layout, Origin, Score, published};
 
-/// The scores of every contestant on every sequence.
 pub struct Results {
     sequences: Vec<Column>,
     lines: Vec<Line>,
 }
 
-/// A sequence.
 struct Column {
     name: String,
     visible: usize,
@@ -52,7 +50,6 @@ fn titled() -> impl Iterator<Item = &'static Figure> {
 }
 
 impl Results {
-    /// The tables of what is measured.
     pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Means, TableName::Printed];
 
     /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
@@ -68,7 +65,6 @@ impl Results {
         }
     }
 
-    /// True if nobody has a score.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }

@@ -104,7 +104,6 @@ pub fn with_errors<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterato
 /// What a command measured: in JSON an object with an array of objects for each table.
 pub struct Tables(pub Vec<Table>);
 
-/// One table.
 pub struct Table {
     name: TableName,
     columns: Vec<String>,
@@ -129,7 +128,6 @@ impl Tables {
     }
 
     /// The table `name` as CSV, by RFC 4180 but with the line ends of all other output; `None` if there is no such table.
-    #[must_use]
     pub fn csv(&self, name: TableName) -> Option<String> {
         self.0.iter().find(|table| table.name == name).map(Table::csv)
     }

@@ -18,9 +18,7 @@ use serde::Serialize;
 pub struct Vot {
     /// The largest F; 0 if no answer meets the target.
     pub vot_f: f64,
-    /// The precision at that threshold.
     pub vot_precision: f64,
-    /// The recall at that threshold.
     pub vot_recall: f64,
     /// The highest confidence at which F is largest; `None` if the tracker reports no confidence, or if `vot_f` is 0.
     pub vot_threshold: Option<f64>,

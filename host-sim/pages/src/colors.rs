@@ -37,7 +37,6 @@ pub const SMR: Color = [255, 64, 64];
 pub const SAD: Color = [64, 140, 255];
 pub const TRUTH: Color = [0, 230, 90];
 
-/// The color of a method.
 pub(crate) const fn color_of_method(method: MethodKind) -> Color {
     match method {
         MethodKind::Smr => SMR,

@@ -21,9 +21,6 @@ pub(crate) fn palette_png((width, height): (u32, u32), indices: &[u8], palette: 
 }
 
 /// The frame as PNG.
-///
-/// # Errors
-/// The encoder's.
 pub fn png(frame: &GrayFrame) -> Result<Vec<u8>> {
     plain_png((frame.width.into(), frame.height.into()), png::ColorType::Grayscale, &frame.pixels)
 }
@@ -42,7 +39,6 @@ fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8])
 }
 
 /// As binary PGM (P5), the form that every reader of PGM knows.
-#[must_use]
 pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
     [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
 }

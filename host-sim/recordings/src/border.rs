@@ -7,7 +7,6 @@
 
 use super::{BoundingBox, GrayFrame, Sequence};
 
-/// What it is called, on the command line and in tables.
 pub const NAME: &str = "border";
 
 const WIDTH: u16 = 112;
@@ -45,7 +44,6 @@ const SCRIPT: [((i32, i32), u32); 25] = [
 ];
 const NOWHERE: (i32, i32) = (400, 400);
 
-/// All frames in order.
 pub fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
     SCRIPT.into_iter().enumerate().map(|(index, (target, others))| {
         GrayFrame::drawn(WIDTH, HEIGHT, |x, y| {

@@ -12,12 +12,10 @@
 
 use crate::input;
 use anyhow::{Context, Result, anyhow, ensure};
-use smr_core::FineRect;
-use smr_core::Rect;
-use std::fmt;
-use std::fs;
+use smr_core::{FineRect, Rect};
 use std::path::Path;
 use std::str::FromStr;
+use std::{fmt, fs};
 
 /// A box as people annotate it: left, top, width, height, possibly fractional.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -37,9 +35,7 @@ impl BoundingBox {
     }
 
     /// As [`BoundingBox::to_rect`].
-    ///
-    /// # Errors
-    /// What is wrong with the box: the words that follow after "the box".
+    /// Errors: What is wrong with the box: the words that follow after "the box".
     pub fn pixels(&self) -> Result<Rect> {
         self.to_rect().with_context(|| {
             let least = self.width.min(self.height).round();
@@ -53,7 +49,6 @@ impl BoundingBox {
     }
 
     /// The box in a picture that is so many times as wide and as high.
-    #[must_use]
     pub fn scaled(&self, (across, down): (f64, f64)) -> Self {
         Self { x: self.x * across, y: self.y * down, width: self.width * across, height: self.height * down }
     }
@@ -72,7 +67,6 @@ impl BoundingBox {
         Self { x: x1, y: y1, width: x2 - x1, height: y2 - y1 }
     }
 
-    /// True if there is something to start from.
     pub fn has_area(&self) -> bool {
         self.width > 0.0 && self.height > 0.0
     }
@@ -136,7 +130,6 @@ pub enum Form {
 
 impl Form {
     /// The line that holds this box, without its end.
-    #[must_use]
     pub fn line(self, entry: Option<&BoundingBox>) -> String {
         let Some(&BoundingBox { x, y, width, height }) = entry else {
             return if self == Self::Vot { "0".to_owned() } else { "NaN,NaN,NaN,NaN".to_owned() };
@@ -150,7 +143,6 @@ impl Form {
 }
 
 /// The line of a file in TLD form that holds this box: `x1,y1,x2,y2`, or `NaN,NaN,NaN,NaN`.
-#[must_use]
 pub fn tld_line(entry: Option<&BoundingBox>) -> String {
     Form::Tld.line(entry)
 }
@@ -165,7 +157,6 @@ pub fn read_otb(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
     read(path, otb_entry)
 }
 
-/// Reads a file with a box a line.
 type Read = fn(&Path) -> Result<Vec<Option<BoundingBox>>>;
 
 /// The ground truth in `folder`, if there is any.
@@ -259,9 +250,6 @@ fn otb_entry(line: &str) -> Result<Option<BoundingBox>> {
 
 /// The box of a region as VOT and TraX write it: `x,y,width,height`, or the box around a polygon `x1,y1,x2,y2,x3,y3,...`
 /// or around a mask, `mX,Y,WIDTH,HEIGHT` and runs. `None` for NaN, for an empty mask, and for a single number, by which VOT says that the target is not visible or the tracker was stopped.
-///
-/// # Errors
-/// It is none of these.
 pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     let expected = || anyhow!("expected x,y,width,height or a polygon x1,y1,x2,y2,x3,y3,..., found {}", shown(text));
     if let Some(runs) = text.trim().strip_prefix('m') {

@@ -2,16 +2,14 @@
 //! removes and ends them first.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, Read};
 use std::path::PathBuf;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fs, thread};
 
-/// What is to be removed or ended.
 enum Thing {
     File(PathBuf),
     Folder(PathBuf),
@@ -54,17 +52,11 @@ fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing
 }
 
 /// Makes a file that is removed if this program is ended before the file has its name.
-///
-/// # Errors
-/// Those of `make`.
 pub fn file(make: impl FnOnce() -> io::Result<tempfile::NamedTempFile>) -> io::Result<(tempfile::NamedTempFile, Kept)> {
     keep(make, |file| Thing::File(file.path().to_owned()))
 }
 
 /// The same of a folder.
-///
-/// # Errors
-/// Those of `make`.
 pub fn folder(make: impl FnOnce() -> io::Result<tempfile::TempDir>) -> io::Result<(tempfile::TempDir, Kept)> {
     keep(make, |folder| Thing::Folder(folder.path().to_owned()))
 }
@@ -82,8 +74,6 @@ pub struct Process {
 }
 
 impl Process {
-    /// # Errors
-    /// It cannot be started.
     pub fn start(command: &mut Command) -> io::Result<Self> {
         // In a group of its own: Ctrl-C at the terminal reaches this program alone, which then ends the other in order.
         #[cfg(unix)]
@@ -93,41 +83,31 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    #[must_use]
     pub fn id(&self) -> u32 {
         locked(&self.child).id()
     }
 
     /// What it reads, if that is piped and was not taken before.
-    #[must_use]
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
     }
 
     /// What it writes, if that is piped and was not taken before.
-    #[must_use]
     pub fn output(&self) -> Option<ChildStdout> {
         locked(&self.child).stdout.take()
     }
 
     /// What it complains about, if that is piped and was not taken before.
-    #[must_use]
     pub fn complaints(&self) -> Option<ChildStderr> {
         locked(&self.child).stderr.take()
     }
 
     /// `None` while it runs.
-    ///
-    /// # Errors
-    /// The system's.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
         locked(&self.child).try_wait()
     }
 
     /// Waits until it has ended; `None` if `more` says no before that. `more` is told how long it was asked for.
-    ///
-    /// # Errors
-    /// The system's.
     pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
         let begin = Instant::now();
         loop {
@@ -142,9 +122,6 @@ impl Process {
     }
 
     /// Waits for the end, with all that it has written to what is piped.
-    ///
-    /// # Errors
-    /// The system's.
     pub fn finish(self) -> io::Result<Output> {
         fn all(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
             thread::spawn(move || {
@@ -176,9 +153,6 @@ fn end(child: &Mutex<Child>) {
 
 /// From here on SIGINT, SIGTERM and SIGHUP remove what is left before they end this program, with exit code 128 and their number. A SIGHUP that
 /// is ignored, as by `nohup`, stays so.
-///
-/// # Errors
-/// The system's.
 #[cfg(unix)]
 pub fn heed_signals() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -193,9 +167,6 @@ pub fn heed_signals() -> io::Result<()> {
 }
 
 /// The same where there is no other signal than Ctrl-C and its like.
-///
-/// # Errors
-/// The system's.
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
     ctrlc::set_handler(|| end_by(2)).map_err(io::Error::other)

@@ -31,7 +31,6 @@ pub struct Moment {
 }
 
 impl Moment {
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         self.time as f64 * f64::from(self.base.0) / f64::from(self.base.1)
     }
@@ -50,13 +49,11 @@ pub enum Colors {
 
 impl Colors {
     /// The file that may have sound.
-    #[must_use]
     pub fn video(&self) -> Option<&Path> {
         if let Self::Video(file) = self { Some(file) } else { None }
     }
 
     /// The frames from the one with the number `first` on. An ffmpeg that does nothing for as long as `patience` is not waited for.
-    #[must_use]
     pub fn open(self, first: usize, patience: Duration) -> ColorFrames {
         ColorFrames(self.frames(first, u16::MAX, patience))
     }

@@ -22,11 +22,9 @@ pub enum Cover {
 const SEED: u64 = 0xC0FE_0000;
 
 impl Cover {
-    /// All that there are.
     pub const ALL: [Self; 5] = [Self::Black, Self::White, Self::Gray, Self::Noise, Self::Frozen];
 
     /// As in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Black => "black",
@@ -38,7 +36,6 @@ impl Cover {
     }
 
     /// Frame `index` of the covered ones, counted from 0. `other` is a frame of another scene, of the size that all have.
-    #[must_use]
     pub fn frame(self, index: usize, other: &GrayFrame) -> GrayFrame {
         let mut made = other.clone();
         match self {

@@ -19,7 +19,6 @@ impl Damaged {
     }
 
     /// The frames before the damage as `--frames` takes them; `None` if there is none.
-    #[must_use]
     pub fn whole_part(&self) -> Option<String> {
         (self.before > 0).then(|| format!("..{}", self.before))
     }

@@ -64,7 +64,6 @@ impl Kind {
 
 impl Fault {
     /// The list that `all` stands for.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         let of = |kind, amount| Self { kind, amount };
         vec![
@@ -84,7 +83,6 @@ impl Fault {
     }
 
     /// How many frames of the recording it goes over.
-    #[must_use]
     pub fn frames(&self) -> usize {
         let amount = usize::from(self.amount);
         match self.kind {
@@ -96,7 +94,6 @@ impl Fault {
 
     /// What comes in place of frame `index` of its [`Fault::frames`], counted from 0; `None` if nothing comes. `before` is the last
     /// frame before the fault, `former` the one before this one.
-    #[must_use]
     pub fn of(
         &self,
         index: usize,

@@ -9,7 +9,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// What a file holds, and how long it may be.
 pub struct Kind {
     /// As it follows "expected".
     pub expected: &'static str,
@@ -28,18 +27,14 @@ pub const FIRMWARE: Kind = Kind { expected: "firmware, an ELF file of 32 bits", 
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The file as text.
-///
-/// # Errors
-/// As [`bytes`]; and it is not text.
 pub fn text(file: &Path, kind: &Kind) -> Result<String> {
     let text = String::from_utf8(bytes(file, kind)?);
     text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
 }
 
 /// The file's bytes.
-///
-/// # Errors
-/// What is wrong with the file, without its name: it is not there, it cannot be read, it is too long, or it is a pipe that says nothing.
+/// Errors: What is wrong with the file, without its name: it is not there, it cannot be read, it is too long, or it is
+/// a pipe that says nothing.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     let unreadable = |error: &io::Error| anyhow!("{}: expected {}", words::of_io(error), kind.expected);
     let data = fs::metadata(file).map_err(|error| unreadable(&error))?;

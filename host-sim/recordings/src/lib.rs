@@ -77,7 +77,6 @@ impl GrayFrame {
     }
 }
 
-/// Frames, one after the other.
 pub type Frames = Box<dyn Iterator<Item = Result<GrayFrame>> + Send>;
 
 /// A recording: its frames, one after the other, and the boxes known about it.
@@ -100,7 +99,6 @@ pub struct Sequence {
 
 impl Sequence {
     /// Frames that are made, not read. The box to start from is the first of `truth`.
-    #[must_use]
     pub fn made(
         name: &str,
         frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
@@ -118,9 +116,7 @@ impl Sequence {
     }
 
     /// The box to start from in whole pixels, as every tracker takes it.
-    ///
-    /// # Errors
-    /// There is none, or it has less than a pixel.
+    /// Errors: There is none, or it has less than a pixel.
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {

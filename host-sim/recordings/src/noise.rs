@@ -6,7 +6,6 @@
 use super::synthetic::Random;
 use super::{BoundingBox, GrayFrame, Sequence};
 
-/// What it is called, on the command line and in tables.
 pub const NAME: &str = "noise";
 
 /// smr-bench times a search in 60 frames, and needs the two before each.
@@ -15,7 +14,6 @@ const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;
 const SIDE: u16 = 64;
 
-/// All frames in order.
 fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
     (0..LENGTH).map(|index| {
         let mut random = Random(0x4015_E000 + index as u64);

@@ -49,7 +49,6 @@ impl Output {
         self.file.write_all(bytes).with_context(|| cannot_write(&self.name))
     }
 
-    /// Gives the file its name.
     pub fn finish(self) -> Result<()> {
         let Self { name, mut file, whole } = self;
         let finish = || {
@@ -71,7 +70,6 @@ impl Write for Output {
     }
 }
 
-/// The folder that a file is in.
 fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -112,7 +110,6 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     Ok((file, Some(Whole { path, target, _kept })))
 }
 
-/// Writes the file `name`.
 pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     let mut output = Output::create(name)?;
     output.write(bytes)?;
@@ -155,24 +152,20 @@ impl Folder {
         self.made.path()
     }
 
-    /// Begins a file in it.
     pub fn file(&self, name: &str) -> Result<Output> {
         Output::at(&self.path().join(name), &self.name.join(name))
     }
 
-    /// Makes a folder in it.
     pub fn folder(&self, name: &str) -> Result<()> {
         fs::create_dir(self.path().join(name)).with_context(|| cannot_make(&self.name.join(name)))
     }
 
-    /// Writes a file in it.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let mut output = self.file(name)?;
         output.write(bytes)?;
         output.finish()
     }
 
-    /// Gives the folder its name.
     pub fn finish(self) -> Result<()> {
         let Self { name, target, made, _kept } = self;
         let finish = || -> io::Result<()> {

@@ -15,25 +15,21 @@ pub struct FrameRange {
 
 impl FrameRange {
     /// True if it begins with the first frame, which the box to start from is in.
-    #[must_use]
     pub const fn begins_with_the_first(&self) -> bool {
         self.first == 1
     }
 
     /// The first is 1.
-    #[must_use]
     pub const fn first(&self) -> usize {
         self.first
     }
 
     /// `None`: to the end.
-    #[must_use]
     pub const fn last(&self) -> Option<usize> {
         self.last
     }
 
     /// What of a list with an entry a frame belongs to these frames.
-    #[must_use]
     pub fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
         entries.truncate(self.last.unwrap_or(usize::MAX));
         entries.drain(..entries.len().min(self.first - 1));
@@ -69,7 +65,6 @@ impl fmt::Display for FrameRange {
 impl Sequence {
     /// Only these frames, and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
     /// the ground truth, if there is any.
-    #[must_use]
     pub fn part(self, range: FrameRange) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
         let init =

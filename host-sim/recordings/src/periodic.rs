@@ -7,19 +7,16 @@
 
 use super::{BoundingBox, GrayFrame, Sequence};
 
-/// What it is called, on the command line and in tables.
 pub const NAME: &str = "periodic";
 
 const WIDTH: u16 = 64;
 const HEIGHT: u16 = 48;
 const CELL: i32 = 4;
 
-/// What a frame shows.
 #[derive(Clone, Copy)]
 enum Pattern {
     /// A checkerboard, moved this far to the right and down.
     Board(i32, i32),
-    /// Flat gray.
     Flat,
     /// A cone with its top this far to the right and down, in the dark.
     Cone(i32, i32),
@@ -49,7 +46,6 @@ const SCRIPT: [Pattern; 19] = [
     Cone(2, 26),
 ];
 
-/// All frames in order.
 pub fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
     SCRIPT.into_iter().map(|pattern| GrayFrame::drawn(WIDTH, HEIGHT, |x, y| pattern.level(x, y)))
 }

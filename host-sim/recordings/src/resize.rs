@@ -41,7 +41,6 @@ impl fmt::Display for Resize {
 }
 
 impl Resize {
-    /// The new size of a frame.
     fn size(self, width: u16, height: u16) -> Result<(u16, u16)> {
         let (numerator, denominator) = match self {
             Self::To(width, height) => return Ok((width, height)),
@@ -65,17 +64,12 @@ impl Sequence {
     /// All frames in another size, and the boxes with them. Where they get smaller, pixels are averaged (with the weights of a triangle).
     ///
     /// Reads the first frame, which tells the size.
-    ///
-    /// # Errors
-    /// The new size is too large, or the first frame cannot be read.
+    /// Errors: The new size is too large, or the first frame cannot be read.
     pub fn resized(self, resize: Resize) -> Result<Self> {
         self.resized_by(resize).map(|(resized, _)| resized)
     }
 
     /// The same, and how many times as wide and high the frames are now.
-    ///
-    /// # Errors
-    /// As [`Sequence::resized`].
     pub fn resized_by(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
@@ -97,9 +91,6 @@ impl Sequence {
 }
 
 /// The frame in another size, neither side of which may be 0.
-///
-/// # Panics
-/// The frame has fewer pixels than its size says.
 pub fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
     if (frame.width, frame.height) == (width, height) {
         return frame;
@@ -111,9 +102,6 @@ pub fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
 }
 
 /// The same of a frame in color.
-///
-/// # Panics
-/// The frame has fewer pixels than its size says.
 pub fn resized_colors(frame: ColorFrame, width: u16, height: u16) -> ColorFrame {
     if (frame.width, frame.height) == (width, height) {
         return frame;

@@ -15,7 +15,6 @@ const SIDE: i32 = 36;
 const X: &Keys = &[(0, 28), (70, 84), (119, 60)];
 const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
 
-/// What a target looks like.
 struct Kind {
     name: &'static str,
     /// Pixels between the random levels of its texture, coarse and fine.
@@ -34,8 +33,6 @@ const KINDS: [Kind; 5] = [
     Kind { name: "noisy", grain: (8, 4), levels: (10, 225), noise: 6 },
 ];
 
-/// All of them.
-#[must_use]
 pub fn sequences() -> Vec<Sequence> {
     KINDS.iter().zip(0..).map(|(kind, number)| kind.sequence(number)).collect()
 }

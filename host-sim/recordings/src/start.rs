@@ -26,9 +26,8 @@ pub struct Target {
 
 impl Target {
     /// The targets of a recording whose first frame has the number `first`, in the order in which they were given.
-    ///
-    /// # Errors
-    /// Two boxes of one target in one frame, a target without a name beside others, or a frame before the first.
+    /// Errors: Two boxes of one target in one frame, a target without a name beside others, or a frame before the
+    /// first.
     pub fn all(starts: &[Start], first: usize) -> Result<Vec<Self>> {
         let mut targets: Vec<Self> = Vec::new();
         for Start { name, frame, bbox } in starts {
@@ -56,9 +55,6 @@ impl Target {
     }
 
     /// The same boxes in whole pixels, as every tracker takes them.
-    ///
-    /// # Errors
-    /// One has less than a pixel.
     pub fn rects(&self) -> Result<Vec<(usize, smr_core::Rect)>> {
         let rect = |(frame, bbox): &(usize, BoundingBox)| {
             bbox.pixels().map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))

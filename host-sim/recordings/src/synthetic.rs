@@ -18,9 +18,7 @@
 use super::{BoundingBox, GrayFrame, Sequence};
 use std::sync::LazyLock;
 
-/// What it is called, on the command line and in tables.
 pub const NAME: &str = "synthetic";
-/// Frames in it.
 pub const LENGTH: usize = 240;
 /// Width of a frame in pixels.
 pub const WIDTH: u16 = 160;
@@ -49,7 +47,6 @@ const PAN_Y: &Keys = &[(0, 12), (80, 26), (160, 0), (239, 20)];
 /// Light, 256 being that of the textures. It does not change while the target is outside.
 const LIGHT: &Keys = &[(0, 256), (80, 200), (150, 290), (210, 290), (239, 250)];
 
-/// All frames in order.
 pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
     (0..LENGTH).map(frame)
 }
@@ -77,7 +74,6 @@ pub(super) fn sequence() -> Sequence {
     Sequence::made(NAME, (0..LENGTH).map(frame), (0..LENGTH).map(truth).collect())
 }
 
-/// Where everything is in one frame.
 struct Scene {
     target_x: i32,
     target_y: i32,

@@ -121,7 +121,6 @@ pub fn silent(patience: Duration) -> io::Error {
     io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
 }
 
-/// A running ffmpeg.
 struct Ffmpeg {
     process: Process,
     said: Receiver<Said>,
@@ -129,7 +128,6 @@ struct Ffmpeg {
     patience: Duration,
 }
 
-/// The end of ffmpeg.
 struct Ended {
     status: ExitStatus,
     said: Said,
@@ -155,7 +153,6 @@ impl Ffmpeg {
         Patient::new(self.process.output().expect("standard output is piped"), self.patience)
     }
 
-    /// Waits for the end.
     fn end(&mut self) -> Result<Ended> {
         let status = self.process.wait_while(|waited| waited <= self.patience).context("cannot wait for ffmpeg")?;
         let Some(status) = status else {
@@ -201,7 +198,6 @@ fn command(program: &str, file: &Path) -> Command {
     command
 }
 
-/// What ffmpeg said.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Said {
     /// The last complaint.

@@ -60,7 +60,6 @@ impl Iterator for Frames {
     }
 }
 
-/// What is said of a frame.
 #[derive(Debug, PartialEq)]
 struct Shown {
     size: (u16, u16),

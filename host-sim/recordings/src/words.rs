@@ -4,7 +4,6 @@ use std::error::Error;
 use std::io::{self, ErrorKind};
 
 /// The error and its causes in one line.
-#[must_use]
 pub fn of(error: &anyhow::Error) -> String {
     error.chain().map(of_cause).collect::<Vec<_>>().join(": ")
 }
@@ -14,7 +13,6 @@ fn of_cause(cause: &(dyn Error + 'static)) -> String {
 }
 
 /// What the system says, without the number of its error.
-#[must_use]
 pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
@@ -33,13 +31,10 @@ pub fn of_io(error: &io::Error) -> String {
 
 /// The text with its control characters written out, as `\u001b`: the name of a file must not steer a terminal. Ends of lines and tabs stay. JSON means
 /// the same as before.
-#[must_use]
 pub fn plain(text: &str) -> String {
     written_out(text, |letter| letter == '\n' || letter == '\t')
 }
 
-/// The same in one line.
-#[must_use]
 pub fn line(text: &str) -> String {
     written_out(text, |_| false)
 }

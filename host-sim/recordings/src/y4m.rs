@@ -28,7 +28,6 @@ pub(super) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
     Frames::new(BufReader::new(data), name)
 }
 
-/// The frames of a stream.
 pub(super) struct Frames<R: Read> {
     decoder: Decoder<Counted<Chain<Cursor<Vec<u8>>, R>>>,
     /// Bytes that the decoder has read. It takes the end of the stream and a frame cut short for the same thing.

@@ -13,7 +13,6 @@ use rayon::prelude::*;
 /// One unit of a score: 1.0 is this many.
 const UNITS: f64 = 65535.0;
 
-/// The numbers of the method.
 #[derive(Clone, Debug)]
 pub struct Numbers {
     /// p = exp(-d / scale), d in gray levels.
@@ -104,7 +103,6 @@ impl Numbers {
     }
 }
 
-/// What the reference decides after a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     Tracking,
@@ -137,9 +135,7 @@ impl Scores {
     }
 }
 
-/// All that happened in one frame.
 pub struct Step {
-    /// Every candidate of the search window.
     pub scores: Scores,
     /// The candidate with the largest rounded sum, and that sum.
     pub peak: ((i64, i64), f64),
@@ -149,9 +145,7 @@ pub struct Step {
     pub runner_up: f64,
     /// False if nothing depended on it: the gate asks that the peak is larger, and it is.
     pub runner_up_asked: bool,
-    /// The alpha that this frame was scored with.
     pub alpha: f64,
-    /// The decision after it.
     pub decision: Decision,
     /// The place of the target after it: left and top.
     pub position: (i64, i64),
@@ -238,7 +232,6 @@ impl Reference {
         &self.template.pixels
     }
 
-    /// One frame: steps 1 to 6.
     pub fn update(&mut self, frame: &[u8]) -> Step {
         let frame = Picture::new(frame, self.frame_size.0, self.frame_size.1);
         let scores = self.score_window(&frame.padded(self.numbers.padding));

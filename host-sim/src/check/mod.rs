@@ -25,7 +25,6 @@ pub trait Checked: Target {
         target: (i64, i64, i64, i64),
     ) -> Self::Reference;
 
-    /// Nothing compared yet.
     fn counts(_target: Rect) -> Self::Counts {
         Self::Counts::default()
     }
@@ -36,9 +35,6 @@ pub trait Checked: Target {
     }
 
     /// Updates both with one more frame and compares them; `number` is that of the frame.
-    ///
-    /// # Errors
-    /// Core's.
     fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Mismatch>>;
 }
 
@@ -51,7 +47,6 @@ pub struct Sides<T: Checked> {
 }
 
 impl<T: Checked> Sides<T> {
-    /// Core's answer to a frame, in steps.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         let mut update = self.core.begin(frame)?;
         while !update.step(self.step) {}
@@ -83,9 +78,6 @@ pub struct Check<T: Checked> {
 impl<T: Checked> Check<T> {
     /// Locks both on `target` in the first frame; core is updated in steps of so much work. `numbers` and `config` are meant to
     /// be the same, said twice.
-    ///
-    /// # Errors
-    /// Core's.
     pub fn lock(
         name: &str,
         (config, numbers): (T::Config, T::Numbers),
@@ -105,15 +97,12 @@ impl<T: Checked> Check<T> {
     }
 
     /// True if everything that must hold did so far.
-    #[must_use]
     pub const fn holds(&self) -> bool {
         self.violation.is_none()
     }
 
     /// Compares one more frame. After a violation the two no longer walk side by side: there is nothing to go on with.
-    ///
-    /// # Errors
-    /// Core's, and there was a violation before.
+    /// Errors: Core's, and there was a violation before.
     pub fn update(&mut self, frame: &GrayFrame) -> Result<()> {
         if !self.holds() {
             bail!("{}: a check ends with its first violation", self.name);
@@ -125,8 +114,6 @@ impl<T: Checked> Check<T> {
         Ok(())
     }
 
-    /// What was found.
-    #[must_use]
     pub fn into_report(self) -> Report<T::Counts> {
         let Self { name: sequence, sides: Sides { counts, .. }, frames, violation } = self;
         Report { sequence, frames, violation, counts }
@@ -138,9 +125,7 @@ impl<T: Checked> Check<T> {
 pub struct Violation {
     /// The frame, counted from 1.
     pub frame: usize,
-    /// What was compared.
     pub what: String,
-    /// What smr-core says.
     pub core: String,
     /// What the reference says, or the bound.
     pub reference: String,

@@ -19,7 +19,6 @@ use smr_evaluation::Paper;
 use smr_recordings::GrayFrame;
 use smr_reference::{Decision, Numbers, Reference, Step};
 
-/// What was compared.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
     /// Candidates in all frames together.

@@ -12,7 +12,6 @@ use smr_core::{Answer, Frame, Image, Rect, Robust, State, Target, Tracker, unsta
 use smr_recordings::GrayFrame;
 use smr_reference::robust::{Decision, Numbers, Reference, Step};
 
-/// What was compared.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
     /// Responses in all frames together.

@@ -50,7 +50,6 @@ struct JsonLine<'a> {
     quality: Option<f64>,
 }
 
-/// A box in whole pixels.
 #[derive(Serialize)]
 struct Whole {
     x: i32,
@@ -65,7 +64,6 @@ impl From<Rect> for Whole {
     }
 }
 
-/// Prints answers as lines.
 pub struct Printer {
     /// `None`: JSON.
     pub format: Option<Format>,
@@ -74,7 +72,6 @@ pub struct Printer {
     pub is_named: bool,
 }
 
-/// What is known of a target in a frame.
 pub struct Answer<'a> {
     pub target: Option<&'a str>,
     /// As the recording counts it.

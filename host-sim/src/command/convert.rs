@@ -49,7 +49,6 @@ struct Report {
 }
 
 impl Convert {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         let (places, out) = (Places::of([&self.sequence]), Some(&self.out));
         // The sequence of a toolkit is a folder, whatever it is called.

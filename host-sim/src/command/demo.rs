@@ -17,7 +17,6 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         Places::default().writes_as("--out", Some(&self.out), Taken::PAGE)
     }

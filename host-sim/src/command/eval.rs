@@ -11,8 +11,7 @@ use anyhow::{Context, Result, ensure};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use smr_evaluation::robustness::{Former, Robustness, Starts, TABLES};
-use smr_evaluation::{Evaluation, MethodKind, Results, TableName, Variant, published};
-use smr_evaluation::{covered, faults};
+use smr_evaluation::{Evaluation, MethodKind, Results, TableName, Variant, covered, faults, published};
 use smr_pages::report::calibration;
 use smr_pages::report::diagram::Form;
 use smr_recordings::fault::{Fault, Faults};
@@ -110,7 +109,6 @@ pub struct Eval {
 }
 
 impl Eval {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         Places::of(&self.paths).reads(self.against.as_ref()).writes("--calibration", self.calibration.as_ref())
     }

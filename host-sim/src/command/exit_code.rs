@@ -30,7 +30,6 @@ pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     obey(std::env::args_os().collect(), run)
 }
 
-/// Runs what `arguments` say.
 pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     let all = T::command();
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {

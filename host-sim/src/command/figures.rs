@@ -11,8 +11,7 @@ use smr_evaluation::{Origin, Variant};
 use smr_pages::report::diagram::Form;
 use smr_pages::report::figures::{Figure, METHODS, Plan, Wish};
 use smr_pages::report::{Choice, Film, Refusal, watch};
-use smr_recordings::FrameRange;
-use smr_recordings::output;
+use smr_recordings::{FrameRange, output};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
@@ -79,7 +78,6 @@ struct LeftOut {
 }
 
 impl Figures {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         Places::of([&self.sequence]).writes_as("--out", Some(&self.out), Taken::FOLDER)
     }

@@ -8,7 +8,6 @@ use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, ColorFrames, GrayFrame};
 use std::path::Path;
 
-/// A film under way.
 pub struct Film {
     film: export::Film,
     colors: ColorFrames,
@@ -18,7 +17,6 @@ pub struct Film {
     lasts: Vec<Option<BoundingBox>>,
 }
 
-/// What is drawn of a target.
 pub struct Shown<'a> {
     pub name: Option<&'a str>,
     /// `None` before its first box.
@@ -27,9 +25,6 @@ pub struct Shown<'a> {
 
 impl Film {
     /// Frames are drawn in `colors`, one for each that is followed; `truth` has the boxes of ground truth, if there are any.
-    ///
-    /// # Errors
-    /// As [`export::Film::create`].
     pub fn create(out: &Path, plan: Plan, colors: ColorFrames, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
         Ok(Self { film: export::Film::create(out, plan)?, colors, truth, frames: 0, lasts: Vec::new() })
     }
@@ -37,9 +32,6 @@ impl Film {
     /// Draws what is known of each target in the frame with this number. Ground truth is white. The box of an only target is green while it
     /// is tracked, amber where that is not sure, and red, where it was seen last, when it is lost. Of several targets each has its color,
     /// and its name at the box; it is in dashes while the target is not tracked.
-    ///
-    /// # Errors
-    /// As [`export::Film::frame`].
     pub fn frame(&mut self, frame: &GrayFrame, number: usize, targets: &[Shown<'_>]) -> Result<()> {
         let (picture, moment) = self.colors.next(frame);
         let mut overlay = Overlay::new(picture);
@@ -80,8 +72,6 @@ impl Film {
         overlay.label(&number.to_string(), WHITE);
     }
 
-    /// # Errors
-    /// As [`export::Film::finish`].
     pub fn finish(self) -> Result<()> {
         self.film.finish()
     }

@@ -8,8 +8,7 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use smr_pages::report::{self, Choosing, SIDE, Shots};
 use smr_recordings::output::{self, Output, complain};
-use smr_recordings::words;
-use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence};
+use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, words};
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -42,7 +41,6 @@ pub struct Frame {
     recording: RecordingOptions,
 }
 
-/// What was written.
 #[derive(Serialize)]
 struct Written {
     file: PathBuf,
@@ -61,7 +59,6 @@ struct Written {
 }
 
 impl Frame {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         Places::of([&self.sequence]).writes_as("--out", Some(&self.out), TAKEN)
     }

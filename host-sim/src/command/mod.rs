@@ -174,7 +174,6 @@ pub fn run() -> ExitCode {
     obey(arguments, HostSim::run)
 }
 
-/// The command of host-sim with this name.
 fn named(name: &str) -> clap::Command {
     HostSim::command().find_subcommand(name).cloned().unwrap_or_default()
 }

@@ -14,7 +14,6 @@ pub struct NotBuilt {
 }
 
 impl NotBuilt {
-    /// Always fails. The error says what to type instead.
     pub fn run(self) -> Result<Outcome> {
         bail!(
             "this command is not built into this program, so that the program builds quickly: \

@@ -2,9 +2,8 @@
 
 use anyhow::{Result, bail, ensure};
 use smr_recordings::output;
-use std::fmt;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fmt, fs};
 
 /// The files of a command line, before anything is read or written.
 #[derive(Default)]

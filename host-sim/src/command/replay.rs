@@ -18,7 +18,6 @@ pub struct Replay {
     json: bool,
 }
 
-/// All that is printed.
 #[derive(Serialize)]
 struct Replayed<'a> {
     version: &'static str,

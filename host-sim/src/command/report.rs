@@ -16,7 +16,6 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// The methods if none is asked for.
 const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
 /// Pictures of a page beyond this are made smaller, then fewer.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
@@ -54,7 +53,6 @@ pub struct Report {
     tracker: TrackerOptions,
 }
 
-/// A file that was written.
 #[derive(serde::Serialize)]
 struct Written {
     file: PathBuf,
@@ -62,7 +60,6 @@ struct Written {
 }
 
 impl Report {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         let places = Places::of(&self.paths).writes_as("--out", self.out.as_ref(), Taken::PAGE);
         places.writes_as("--png", self.png.as_ref(), Taken::PICTURE)
@@ -180,7 +177,6 @@ fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     Ok(file)
 }
 
-/// A file that will be written.
 struct File {
     name: PathBuf,
     output: Output,

@@ -74,7 +74,6 @@ impl Log {
     }
 }
 
-/// Prints the log until it ends.
 fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Result<()> {
     let mut decoder = table.map(Table::new_stream_decoder);
     let mut out = Log { out: std::io::stdout().lock(), is_read: true };

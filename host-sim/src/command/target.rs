@@ -39,7 +39,6 @@ pub struct Target {
     recording: RecordingOptions,
 }
 
-/// All that is printed.
 #[derive(Serialize)]
 struct Measured<'a> {
     machine: &'static str,

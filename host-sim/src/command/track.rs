@@ -60,7 +60,6 @@ pub struct Track {
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 impl Track {
-    /// What is read and written.
     pub fn places(&self) -> Places<'_> {
         Places::of([&self.sequence]).writes("--out", self.out.as_ref()).writes("--video", self.video.as_ref())
     }

@@ -178,7 +178,6 @@ impl Part {
     }
 }
 
-/// What this machine has, by its name in small letters.
 fn backend(text: &str) -> Result<Backend> {
     let names = || Backend::available().map(backend_name).collect::<Vec<_>>().join(", ");
     let found = Backend::available().find(|&backend| backend_name(backend) == text);
@@ -213,7 +212,6 @@ impl TrackerOptions {
         Ok(self.variants(&[method])?.remove(0))
     }
 
-    /// All that is given, as it stands in JSON.
     fn given(&self) -> Map<String, Value> {
         let Ok(Value::Object(mut given)) = serde_json::to_value(self) else { return Map::new() };
         let defaults = [json!(null), json!(false), json!([]), json!("paper"), json!("refined")];
@@ -221,7 +219,6 @@ impl TrackerOptions {
         given
     }
 
-    /// True if no option is given.
     pub fn says_nothing(&self) -> bool {
         self.given().is_empty()
     }
@@ -254,7 +251,6 @@ impl TrackerOptions {
         Ok(())
     }
 
-    /// What all methods are built from.
     fn configs(&self) -> Result<Configs> {
         let step = self.step.map_or(u32::MAX, NonZeroU32::get);
         Ok(Configs { paper: self.paper()?, robust: self.robust()?, step })

@@ -20,10 +20,6 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Reads the sections of `elf`.
-    ///
-    /// # Errors
-    /// It is not firmware.
     pub fn of(elf: &Path) -> Result<Self> {
         let name = || elf.display().to_string();
         let data = input::bytes(elf, &input::FIRMWARE);
@@ -56,9 +52,6 @@ impl Sizes {
 const CARGO: &str = ".ci/target-cargo";
 
 /// Builds the firmware `example` for `machine` with `features`; the working folder lies in smr's sources.
-///
-/// # Errors
-/// It does not, or there is nothing to build with.
 pub fn build(example: &str, machine: Machine, features: &str) -> Result<PathBuf> {
     let sources = sources()?;
     let (target, processor) = machine.target();

@@ -17,8 +17,7 @@ use qemu::Qemu;
 use serde::Serialize;
 use serde_json::Map;
 use smr_core::{Rect, Robust, Target, Tracker, paper, robust};
-use smr_evaluation::Paper;
-use smr_evaluation::{CoreKind, Origin, Refused};
+use smr_evaluation::{CoreKind, Origin, Paper, Refused};
 use smr_recordings::GrayFrame;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, Write};
@@ -72,9 +71,7 @@ pub struct Recording {
 
 impl Recording {
     /// Writes `frames` into `folder`, to be followed by `method` in steps of so much work; 0 is all at once.
-    ///
-    /// # Errors
-    /// The frames', fewer than two of them, or the disk's.
+    /// Errors: The frames', fewer than two of them, or the disk's.
     pub fn write(
         name: &str,
         (method, step): (CoreKind, u32),
@@ -102,9 +99,8 @@ impl Recording {
 
     /// Follows the target here, and compares with what `qemu`, that runs in `folder`, answers. Ends with the first
     /// difference.
-    ///
-    /// # Errors
-    /// QEMU ends early, says nothing for too long, or says something else; the firmware has no room for the box.
+    /// Errors: QEMU ends early, says nothing for too long, or says something else; the firmware has no room for the
+    /// box.
     pub fn compare(&self, qemu: &mut Qemu, folder: &Path) -> Result<Report> {
         let mut answers = Answers { file: None, folder };
         let Record::Hello(hello) = answers.next(qemu)? else {

@@ -35,7 +35,6 @@ pub struct Header {
 
 impl Header {
     /// As it stands in the file.
-    #[must_use]
     pub fn bytes(&self) -> [u8; 44] {
         let Self { method, step, width, height, frames, target } = *self;
         let place = [target.x, target.y].map(i32::cast_unsigned);
@@ -78,8 +77,6 @@ pub enum Record {
 }
 
 impl Record {
-    /// # Errors
-    /// It is none of this version.
     pub fn read(bytes: &[u8; RECORD]) -> Result<Self> {
         let mut words =
             bytes.chunks_exact(4).map(|word| word.iter().rev().fold(0, |sum, &byte| sum << 8 | u32::from(byte)));
@@ -150,15 +147,13 @@ impl Hello {
     }
 
     /// Instructions in so many ticks.
-    #[must_use]
     pub fn instructions(&self, ticks: u32) -> u64 {
         let (instructions, in_ticks) = (u64::from(self.calibration.0), u64::from(self.calibration.1).max(1));
         (u64::from(ticks) * instructions + in_ticks / 2) / in_ticks
     }
 
-    /// # Errors
-    /// The firmware follows by another method, or has no room for the box, or for its search window, wherever it will be. How much
-    /// the robust tracker reads is known only on the way.
+    /// Errors: The firmware follows by another method, or has no room for the box, or for its search window, wherever
+    /// it will be. How much the robust tracker reads is known only on the way.
     pub fn check(&self, header: &Header) -> Result<()> {
         ensure!(
             self.method == number_of(header.method),
@@ -177,7 +172,6 @@ impl Hello {
     }
 
     /// What the firmware means by `why`.
-    #[must_use]
     pub fn refusal(&self, why: u32, header: &Header) -> Error {
         let (width, height, radius) = (header.target.width, header.target.height, self.radius);
         match why {
@@ -248,9 +242,6 @@ impl Remembered {
     }
 
     /// What `tracker` has just answered.
-    ///
-    /// # Errors
-    /// It has no target.
     pub fn of<T: Target>(answer: &Answer, tracker: &Tracker<T>) -> Result<Self> {
         let mut saved = vec![0; T::SAVED_SIZE];
         let size = tracker.save(&mut saved)?;

@@ -32,7 +32,6 @@ pub enum Machine {
 
 impl Machine {
     /// As QEMU calls it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Mps2An385 => "mps2-an385",
@@ -44,7 +43,6 @@ impl Machine {
     }
 
     /// The QEMU that has it, and Debian's package of that.
-    #[must_use]
     pub const fn emulator(self) -> (&'static str, &'static str) {
         match self {
             Self::Mps2An385 | Self::Mps2An386 | Self::Mps2An500 | Self::Mps3An547 => {
@@ -55,7 +53,6 @@ impl Machine {
     }
 
     /// The backends to measure on it: the fastest one, and beside words of four pixels the plain loops.
-    #[must_use]
     pub const fn backends(self) -> &'static [Backend] {
         match self {
             Self::Mps2An385 | Self::Virt => &[Backend::Swar, Backend::Scalar],
@@ -65,7 +62,6 @@ impl Machine {
     }
 
     /// The compiler's target for it, and the processor where that is more than the target says.
-    #[must_use]
     pub const fn target(self) -> (&'static str, Option<&'static str>) {
         match self {
             Self::Mps2An385 => ("thumbv6m-none-eabi", None),
@@ -96,9 +92,6 @@ pub struct Qemu {
 impl Qemu {
     /// Starts `elf` with `folder` as the place for the firmware's files; what it logs goes to `log`. An instruction is a
     /// nanosecond of the emulated time.
-    ///
-    /// # Errors
-    /// There is no QEMU, or no such file.
     pub fn start(setup: &Setup, elf: &Path, folder: &Path, log: Stdio) -> Result<Self> {
         let elf = elf.canonicalize().with_context(|| format!("cannot open the firmware {}", elf.display()))?;
         let program = &setup.program;
@@ -130,9 +123,7 @@ impl Qemu {
     }
 
     /// Asks `there` again and again until it says yes. `what` is what is waited for.
-    ///
-    /// # Errors
-    /// QEMU has ended before, or it took longer than the setup's patience.
+    /// Errors: QEMU has ended before, or it took longer than the setup's patience.
     pub fn wait_for(&mut self, what: &str, mut there: impl FnMut() -> Result<bool>) -> Result<()> {
         let start = Instant::now();
         loop {
@@ -149,8 +140,6 @@ impl Qemu {
         }
     }
 
-    /// # Errors
-    /// It has been too long since `start`.
     pub fn check_patience(&self, start: Instant, what: &str) -> Result<()> {
         let (program, patience) = (&self.setup.program, self.setup.patience);
         let waited = start.elapsed() > patience;
@@ -159,18 +148,13 @@ impl Qemu {
     }
 
     /// Waits for the end of firmware that has nothing more to say.
-    ///
-    /// # Errors
-    /// It does not end, or not well.
     pub fn finish(&mut self) -> Result<()> {
         let status = self.exit_status()?;
         if status.success() { Ok(()) } else { Err(self.ended(status)) }
     }
 
     /// The firmware's verdict: true if it ended with 0.
-    ///
-    /// # Errors
-    /// It does not end, or it is QEMU itself that has failed.
+    /// Errors: It does not end, or it is QEMU itself that has failed.
     pub fn verdict(&mut self) -> Result<bool> {
         let status = self.exit_status()?;
         let words = self.last_words();

@@ -63,7 +63,6 @@ impl Message {
         }
     }
 
-    /// The line, with its end.
     pub fn line(&self) -> String {
         let properties = self.properties.iter().map(|(key, value)| format!("{key}={value}"));
         let fields = self.arguments.iter().cloned().chain(properties);

@@ -4,8 +4,7 @@ use super::message::Message;
 use super::{image, region};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use smr_evaluation::{Follower, Method, Report};
-use smr_recordings::words;
-use smr_recordings::{BoundingBox, GrayFrame};
+use smr_recordings::{BoundingBox, GrayFrame, words};
 use std::io::{BufRead, Read, Write};
 use std::ops::RangeInclusive;
 
@@ -150,7 +149,6 @@ impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
         Ok(Next::Answers(answers))
     }
 
-    /// Follows nothing.
     fn reset(&mut self) {
         (self.objects, self.new, self.frames) = (Vec::new(), Vec::new(), 0);
     }

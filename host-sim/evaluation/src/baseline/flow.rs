@@ -17,7 +17,6 @@ const LEAST_SIDE: usize = 5;
 /// Pixels around the window that gradients at its edge need.
 const MARGIN: i32 = 2;
 
-/// The tracker.
 pub(crate) struct Flow {
     radius: Radius,
     padding: u16,

@@ -204,7 +204,6 @@ impl Canvas {
         Some(Self { pixels, stride, left: xs.start, top: ys.start })
     }
 
-    /// Column and row of a position of the frame.
     fn locate(&self, x: i32, y: i32) -> (usize, usize) {
         (index(x - self.left), index(y - self.top))
     }

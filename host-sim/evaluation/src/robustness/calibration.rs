@@ -42,7 +42,6 @@ impl Calibration {
         count.correct += u64::from(right);
     }
 
-    /// Of several runs.
     pub fn total<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
         let mut total = Self::default();
         for (sum, part) in parts.flat_map(|part| (0..BINS).zip(&part.0)) {
@@ -75,7 +74,6 @@ fn bin(ratio: f64) -> usize {
 }
 
 impl Bin {
-    /// The middle of its ratios.
     pub fn middle(&self) -> f64 {
         f64::midpoint(self.from, self.to)
     }
@@ -87,7 +85,6 @@ impl Bin {
 }
 
 impl Robustness {
-    /// The bins of all trackers that report a ratio.
     pub fn calibration(&self) -> &[Bin] {
         &self.calibration
     }

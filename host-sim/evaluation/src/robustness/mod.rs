@@ -34,20 +34,16 @@ use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The tables of what is measured.
 pub const TABLES: &[TableName] =
     &[TableName::Measured, TableName::Starts, TableName::Means, TableName::Paired, TableName::Calibration];
 
-/// How far it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// So many frames more will come.
     Expected(u64),
-    /// A frame is done.
     Done,
 }
 
-/// What was measured.
 #[derive(Default)]
 pub struct Robustness {
     /// Method by method, each with its recordings in the order in which they were given.
@@ -58,12 +54,10 @@ pub struct Robustness {
     paired: Vec<Paired>,
     /// Of each method that reports a ratio.
     calibration: Vec<Bin>,
-    /// Why some are missing.
     pub failures: Vec<Error>,
 }
 
 impl Robustness {
-    /// True if there is no result at all.
     pub fn is_empty(&self) -> bool {
         self.recordings.is_empty()
     }

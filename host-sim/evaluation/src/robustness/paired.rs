@@ -179,7 +179,6 @@ impl Robustness {
     }
 }
 
-/// Each once, in their order.
 fn trackers(rows: &[FormerRow]) -> Vec<&str> {
     let mut all: Vec<&str> = Vec::new();
     for row in rows {

@@ -6,7 +6,6 @@ use smr_core::Rect;
 use smr_recordings::BoundingBox;
 use std::num::NonZeroUsize;
 
-/// Which starts are asked for.
 #[derive(Clone, Copy, Debug)]
 pub enum Starts {
     /// The given box, the same 2 pixels to the right, 2 pixels down, and scaled by 0.95 and 1.05; in the first frame.
@@ -18,7 +17,6 @@ pub enum Starts {
     Given,
 }
 
-/// One start.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Start {
     /// As it stands in JSON and in errors.

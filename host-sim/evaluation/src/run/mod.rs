@@ -76,14 +76,12 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
     method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
 }
 
-/// The record of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// One for each frame that was shown, from the one that was locked on.
     pub reports: Vec<Report>,
     /// Their places in the recording, counted from 0: what is true of a report stands there.
     pub frames: Vec<usize>,
-    /// What all updates took.
     pub time: Duration,
 }
 

@@ -12,7 +12,6 @@ use std::borrow::Cow;
 /// The most bytes of frames that one recording may have: 1 GiB, some 14000 frames of 320x240 pixels.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
-/// A recording, read.
 pub(crate) struct Recording {
     pub name: String,
     /// As many as there are entries of the truth; at least one.
@@ -78,12 +77,10 @@ impl Recording {
         Ok(run)
     }
 
-    /// The size of a frame.
     pub fn bounds(&self) -> Rect {
         self.frames.first().map_or(Rect::default(), |frame| frame.frame().bounds())
     }
 
-    /// Bytes of all frames.
     pub fn bytes(&self) -> u64 {
         self.frames.iter().map(|frame| frame.pixels.len() as u64).sum()
     }

@@ -30,7 +30,6 @@ pub(super) fn identifier(name: &str) -> String {
     if is_name && is_free { plain } else { format!("frames_{plain}") }
 }
 
-/// What stands before the first frame.
 pub(super) fn head(name: &str, frame: &GrayFrame, start: Option<&BoundingBox>) -> String {
     let (array, large) = (identifier(name), identifier(name).to_uppercase());
     let GrayFrame { width, height, .. } = frame;
@@ -51,7 +50,6 @@ pub(super) fn head(name: &str, frame: &GrayFrame, start: Option<&BoundingBox>) -
     text + &format!("\nstatic const unsigned char {array}[][{large}_WIDTH * {large}_HEIGHT] = {{\n")
 }
 
-/// A frame as one element.
 pub(super) fn element(frame: &GrayFrame) -> String {
     let mut text = String::with_capacity(frame.pixels.len() * 4 + 8);
     text += "{\n";
@@ -64,7 +62,6 @@ pub(super) fn element(frame: &GrayFrame) -> String {
     text + "},\n"
 }
 
-/// What stands after the last frame.
 pub(super) fn foot(name: &str) -> String {
     let (array, large) = (identifier(name), identifier(name).to_uppercase());
     format!("}};\n\n#define {large}_FRAMES (sizeof {array} / sizeof {array}[0])\n\n#endif\n")

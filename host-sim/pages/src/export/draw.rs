@@ -12,7 +12,6 @@ use smr_recordings::{BoundingBox, ColorFrame};
 pub struct Overlay(Canvas);
 
 impl Overlay {
-    #[must_use]
     pub fn new(ColorFrame { width, height, pixels }: ColorFrame) -> Self {
         Self(Canvas { width: width.into(), height: height.into(), pixels })
     }
@@ -22,7 +21,6 @@ impl Overlay {
     }
 
     /// Red, green and blue of each pixel.
-    #[must_use]
     pub fn rgb(&self) -> &[u8] {
         self.0.pixels.as_flattened()
     }

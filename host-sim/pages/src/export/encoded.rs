@@ -7,24 +7,21 @@ use anyhow::{Context, Result, bail, ensure};
 use smr_recordings::cleanup::Process;
 use smr_recordings::output::Output;
 use smr_recordings::{Moment, ffmpeg_input, silent};
-use std::fs;
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread;
 use std::time::{Duration, Instant, SystemTime};
+use std::{fs, thread};
 
-/// The kind of a video.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Mp4,
     Gif,
 }
 
-/// A file under way.
 pub(super) struct Encoded {
     kind: Kind,
     /// First: ffmpeg ends before its file is removed.
@@ -59,7 +56,6 @@ impl Encoded {
     }
 }
 
-/// Where ffmpeg writes to.
 fn file_of(output: &Output) -> Result<&Path> {
     output.path().context("a video cannot be written to a device or a pipe: expected a file")
 }

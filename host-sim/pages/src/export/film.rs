@@ -31,7 +31,6 @@ pub struct Plan {
     pub rate: Option<Rate>,
     /// The file with the sound. It is left out if frames do not keep their times.
     pub sound: Option<PathBuf>,
-    /// The number of the first frame in the recording.
     pub first: usize,
     /// How long ffmpeg may do nothing.
     pub patience: Duration,
@@ -39,9 +38,7 @@ pub struct Plan {
 
 impl Film {
     /// Begins the film `out`: .mp4, .gif, or a new folder for pictures.
-    ///
-    /// # Errors
-    /// It cannot be written there, or its extension is that of another kind of video.
+    /// Errors: It cannot be written there, or its extension is that of another kind of video.
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let Plan { rate, sound, first, patience } = plan;
@@ -57,9 +54,6 @@ impl Film {
     }
 
     /// Adds a frame, and when it is shown in the recording, if that is known. All must be of the size of the first.
-    ///
-    /// # Errors
-    /// The disk's, or ffmpeg's.
     pub fn frame(&mut self, overlay: &Overlay, moment: Option<Moment>) -> Result<()> {
         let time = self.timeline.next(moment);
         let number = self.number;
@@ -75,9 +69,6 @@ impl Film {
     }
 
     /// Ends it, and gives it its name.
-    ///
-    /// # Errors
-    /// The disk's, or ffmpeg's.
     pub fn finish(self) -> Result<()> {
         let context = || cannot_write(&self.name);
         match self.way {

@@ -7,7 +7,6 @@ const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
 /// Times are in units of so many nanoseconds.
 const MICROSECOND: u64 = 1000;
 
-/// What stands before the first frame.
 pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
     let video =
         [number(&[0xB0], width.into()), number(&[0xBA], height.into()), element(&[0x2E, 0xB5, 0x24], b"RGB\x18")];

@@ -10,10 +10,8 @@
 
 use crate::encode::{jpeg_of, png};
 use anyhow::{Context, Result};
-use smr_recordings::BoundingBox;
-use smr_recordings::GrayFrame;
 use smr_recordings::boxes::Form;
-use smr_recordings::output;
+use smr_recordings::{BoundingBox, GrayFrame, output};
 use std::fs;
 use std::path::{Path, PathBuf};
 

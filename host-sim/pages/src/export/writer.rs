@@ -31,7 +31,6 @@ pub enum Format {
 
 impl Format {
     /// As on the command line; of a picture or a file also its usual extension.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -55,13 +54,11 @@ impl Format {
     }
 
     /// True if it is a layout with boxes in it, without which it is of no use.
-    #[must_use]
     pub const fn needs_boxes(self) -> bool {
         self.toolkit().is_some()
     }
 
     /// True if it is one file, not one for each frame.
-    #[must_use]
     pub const fn is_file(self) -> bool {
         matches!(self, Self::Y4m | Self::Raw | Self::H)
     }
@@ -70,7 +67,6 @@ impl Format {
     pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
 
     /// That of a file of this name, if the extension tells.
-    #[must_use]
     pub fn of_file(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "y4m" => Some(Self::Y4m),
@@ -91,17 +87,14 @@ pub struct Writer {
 }
 
 enum Place {
-    /// One file alone.
     File(Output),
     /// A folder with one file for the frames.
     FileIn(Folder, Output),
-    /// A folder of pictures.
     Pictures(Folder),
     /// A folder in the layout of a toolkit, and the list that it is to stand in.
     Sequence(Toolkit, Folder, Option<PathBuf>),
 }
 
-/// What was written.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
     pub frames: usize,
@@ -118,9 +111,6 @@ pub struct Written {
 
 impl Writer {
     /// Begins the recording called `name`: a file alone if `out` has the extension of one, else a folder, in which there will be boxes, too.
-    ///
-    /// # Errors
-    /// It cannot be written there, or the folder is not empty.
     pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
         if Format::of_file(out) != Some(format) {
             return Self::in_folder(out, format, name, start);
@@ -129,9 +119,6 @@ impl Writer {
     }
 
     /// Begins the recording called `name` in the folder `out`, in which there will be boxes, too.
-    ///
-    /// # Errors
-    /// It cannot be written there, or the folder is not empty.
     pub fn in_folder(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
         let list = format.toolkit().and_then(|toolkit| toolkit.list(out));
         // Files already there would become part of the recording, or be lost.
@@ -155,9 +142,6 @@ impl Writer {
     }
 
     /// Writes the next frame.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn frame(&mut self, frame: &GrayFrame) -> Result<()> {
         let bytes = match self.format {
             Format::Vot => Toolkit::Vot.encoded(frame)?,
@@ -200,9 +184,6 @@ impl Writer {
 
     /// Ends it. Into a folder go `init.txt` and, where there is ground truth, `gt.txt`, both in TLD form, or else the files of the toolkit: its
     /// boxes are those of `truth`, if that has one for each frame and one in the first, else the box to start from alone.
-    ///
-    /// # Errors
-    /// The disk's.
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);
@@ -256,7 +237,6 @@ impl Writer {
 }
 
 /// True of ground truth that a toolkit can start from and count with.
-#[must_use]
 pub fn is_whole(truth: &[Option<BoundingBox>], frames: usize) -> bool {
     truth.len() == frames && truth.first().is_some_and(Option::is_some)
 }

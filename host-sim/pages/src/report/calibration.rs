@@ -9,7 +9,6 @@ use smr_evaluation::robustness::Bin;
 const AXES: Axes = Axes::DIAGRAM;
 
 /// The diagram: the chance as a line, and as a dashed one how many of all frames are in each bin.
-#[must_use]
 pub fn marks(bins: &[Bin]) -> Vec<Mark> {
     let all = bins.iter().map(|bin| bin.frames).sum::<u64>().max(1) as f64;
     let chances = bins.iter().map(|bin| bin.chance().map(|chance| (bin.middle(), chance)));

@@ -3,8 +3,6 @@
 use crate::colors::Color;
 use crate::encode;
 use anyhow::{Result, ensure};
-use embedded_graphics::Drawable;
-use embedded_graphics::Pixel;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{Dimensions, OriginDimensions, Point, Size};
 use embedded_graphics::mono_font::iso_8859_1::FONT_10X20;
@@ -12,10 +10,10 @@ use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::primitives::{Line, PointsIter, Primitive, PrimitiveStyle, Rectangle};
 use embedded_graphics::text::{Baseline, Text};
+use embedded_graphics::{Drawable, Pixel};
 use smr_recordings::GrayFrame;
 use std::convert::Infallible;
 
-/// The letters of pictures.
 pub const FONT: &MonoFont<'_> = &FONT_10X20;
 
 /// A picture in red, green and blue, row by row. What is outside is not drawn.
@@ -54,7 +52,6 @@ impl Canvas {
         Self { width, height, pixels }
     }
 
-    /// The frame in gray.
     pub fn of(frame: &GrayFrame) -> Self {
         let pixels = frame.pixels.iter().map(|&gray| [gray; 3]).collect();
         Self { width: frame.width.into(), height: frame.height.into(), pixels }
@@ -86,7 +83,6 @@ impl Canvas {
         let Ok(()) = self.fill_solid(area, rgb(color));
     }
 
-    /// Puts `pixels` there.
     pub fn picture(&mut self, left: u32, top: u32, picture: &Self) {
         for (y, x) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (y, x))) {
             self.set(left + x, top + y, picture.at(x, y));
@@ -152,7 +148,6 @@ pub(crate) const fn rgb([r, g, b]: Color) -> Rgb888 {
     Rgb888::new(r, g, b)
 }
 
-/// The width of `text` when it is written.
 pub(super) fn width_of(text: &str) -> u32 {
     (0..).zip(text.chars()).map(|_| FONT.character_size.width).sum()
 }

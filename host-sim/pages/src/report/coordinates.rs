@@ -24,9 +24,6 @@ const FAINT: u8 = 28;
 const OUTLINE: u32 = 2;
 
 /// The `number`th frame with a grid, numbered axes in pixels of the frame, and the outline of `target` around its pixels.
-///
-/// # Errors
-/// The encoder's; no picture is known that it refuses.
 pub fn coordinates(frame: &GrayFrame, number: usize, target: Option<&BoundingBox>) -> Result<Vec<u8>> {
     let size = [frame.width, frame.height].map(u32::from);
     let scale = (SIDE / size[0].max(size[1]).max(1)).clamp(1, MOST_ENLARGED);

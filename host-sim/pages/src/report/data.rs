@@ -12,9 +12,7 @@ use smr_evaluation::{Evidence, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
 /// The JSON, to stand in a page: no text in it can end the element that it is in.
-///
-/// # Errors
-/// The ground truth is not that of so many frames.
+/// Errors: The ground truth is not that of so many frames.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
     let data = json!({ "bar": BAR, "bars": BARS, "truth": TRUTH_LOOK, "recordings": recordings });

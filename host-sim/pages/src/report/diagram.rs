@@ -14,7 +14,6 @@ use std::path::Path;
 /// Width and height of a diagram.
 pub const SIZE: (u32, u32) = (760, 460);
 
-/// How the diagram is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Form {
     Png,
@@ -23,9 +22,6 @@ pub enum Form {
 
 impl Form {
     /// By the name of the file.
-    ///
-    /// # Errors
-    /// It ends in neither.
     pub fn of(file: &Path) -> Result<Self> {
         match file.extension().and_then(|extension| extension.to_str()) {
             Some("svg") => Ok(Self::Svg),
@@ -35,17 +31,11 @@ impl Form {
     }
 
     /// The file's bytes, of a diagram of the usual size.
-    ///
-    /// # Errors
-    /// The encoder's; no diagram is known that it refuses.
     pub fn draw(self, marks: &[Mark]) -> Result<Vec<u8>> {
         self.draw_sized(SIZE, marks)
     }
 
     /// The same of any width and height.
-    ///
-    /// # Errors
-    /// As [`Form::draw`].
     pub fn draw_sized(self, size: (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
         match self {
             Self::Svg => Ok(svg(size, marks)?.into_bytes()),
@@ -53,8 +43,6 @@ impl Form {
         }
     }
 
-    /// What the name of such a file ends in.
-    #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Svg => "svg",
@@ -63,7 +51,6 @@ impl Form {
     }
 }
 
-/// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Stroke {
     Solid,

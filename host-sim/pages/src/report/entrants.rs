@@ -4,7 +4,6 @@ use super::film::Film;
 use super::palette::{look_of_file, look_of_method};
 use smr_recordings::BoundingBox;
 
-/// One of them.
 #[derive(serde::Serialize)]
 pub(super) struct Entrant {
     pub name: String,

@@ -9,7 +9,6 @@ use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Repo
 use smr_recordings::{BoundingBox, FrameRange, GrayFrame, Sequence, Target};
 use std::path::PathBuf;
 
-/// All that a report tells.
 pub struct Film {
     pub name: String,
     /// The first is the one whose states are shown. Of several targets there is each method once for each, under the name of both.
@@ -92,8 +91,6 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// What the first one said.
-    #[must_use]
     pub fn first(&self) -> &Report {
         &self.reports[0]
     }
@@ -116,9 +113,7 @@ impl Still {
 }
 
 /// Runs all `methods` over the sequence, from the box beside it: see [`watch_all`].
-///
-/// # Errors
-/// As [`watch_all`]; no box to start from.
+/// Errors: As [`watch_all`]; no box to start from.
 pub fn watch(
     sequence: Sequence,
     methods: &[Variant],
@@ -136,9 +131,7 @@ pub fn watch(
 /// of `choice` are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
 ///
 /// Ground truth is of one target: of several there is none.
-///
-/// # Errors
-/// No method, a frame that cannot be read or tracked, or a listed frame, or one with a box, that there is not.
+/// Errors: No method, a frame that cannot be read or tracked, or a listed frame, or one with a box, that there is not.
 pub fn watch_all(
     sequence: Sequence,
     targets: Vec<Target>,
@@ -241,23 +234,17 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    /// Numbers of the frames that are shown.
-    #[must_use]
     pub fn shown(&self) -> Vec<usize> {
         self.stills.iter().map(|still| still.index + self.first).collect()
     }
 
     /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
-    #[must_use]
     pub fn pictures(&self) -> Option<Kept> {
         self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
     }
 
     /// Puts the result files of other trackers beside the methods. The files are of the whole recording, the film maybe of a
     /// `part` of it.
-    ///
-    /// # Errors
-    /// A file cannot be read.
     pub fn compare(&mut self, files: &[PathBuf], part: Option<FrameRange>) -> Result<()> {
         for path in files {
             self.files.push(ResultFile::read(path, part, self.moments.len())?);
@@ -266,9 +253,7 @@ impl Film {
     }
 
     /// How well all did, by the protocol of the recordings; `None` without ground truth.
-    ///
-    /// # Errors
-    /// The ground truth is not that of so many frames.
+    /// Errors: The ground truth is not that of so many frames.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {
@@ -301,7 +286,6 @@ impl Film {
         self.padding.min(self.size.0.max(self.size.1) / 4)
     }
 
-    /// What one of the methods answered.
     pub(super) fn trajectory(&self, method: usize) -> Vec<Option<BoundingBox>> {
         self.moments.iter().map(|moment| moment.reports[method].target).collect()
     }

@@ -6,12 +6,10 @@ use smr_core::paper::RunnerUp;
 use smr_core::search::Window;
 use smr_core::unstable::followed;
 use smr_core::{Frame, Image, Rect, Robust, State, Tracker};
-use smr_evaluation::Paper;
-use smr_evaluation::{Method, MethodKind, Report, Variant};
+use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, relit, threshold};
 
-/// What was looked at in a frame.
 pub struct Sight {
     /// The method's box; when lost, the last one that was believed, or the one that is followed meanwhile.
     pub bbox: BoundingBox,
@@ -19,7 +17,6 @@ pub struct Sight {
     pub search: Option<Search>,
 }
 
-/// What was looked for and found.
 pub struct Search {
     /// All that smr's search window covers, of the padding too; of the robust tracker all that it may read where it follows. `None`
     /// from the baselines, whose window is smr's.
@@ -43,7 +40,6 @@ struct Looking<T> {
     sight: Option<Sight>,
 }
 
-/// How a tracker looks.
 trait Looks {
     fn kind(&self) -> MethodKind;
 
@@ -79,9 +75,7 @@ impl<T: Looks> Shown for Looking<T> {
 }
 
 /// A tracker without a target.
-///
-/// # Errors
-/// A number of the configuration that smr-core cannot use.
+/// Errors: A number of the configuration that smr-core cannot use.
 pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
     fn looking(tracker: impl Looks + 'static) -> Box<dyn Shown> {
         Box::new(Looking { tracker, sight: None })
@@ -200,7 +194,6 @@ impl Looks for Box<dyn Method> {
     }
 }
 
-/// A copy of an image.
 struct Pixels {
     size: (u16, u16),
     pixels: Vec<u8>,

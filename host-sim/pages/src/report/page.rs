@@ -34,9 +34,7 @@ const TEMPLATES: [(&str, &str); 13] = [
 /// What the foot of the page says.
 #[derive(Serialize)]
 pub struct About {
-    /// Of the whole page.
     pub title: String,
-    /// As it was typed.
     pub command_line: String,
     /// All that the methods were built with, as JSON.
     pub options: String,
@@ -54,7 +52,6 @@ struct Page<'a> {
     truth: usize,
     recordings: Vec<Recording<'a>>,
     scores: Option<Scores<'a>>,
-    /// What the script reads.
     data: String,
 }
 
@@ -77,10 +74,8 @@ struct Recording<'a> {
 }
 
 /// The page, of at most `budget` bytes: frames get smaller, then fewer, until it is.
-///
-/// # Errors
-/// No film, ground truth that is not of so many frames, a picture that cannot be encoded, or figures alone that take more than
-/// the budget.
+/// Errors: No film, ground truth that is not of so many frames, a picture that cannot be encoded, or figures alone that
+/// take more than the budget.
 pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
     place_files(films);

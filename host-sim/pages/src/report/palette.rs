@@ -37,10 +37,8 @@ const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
 /// The least contrast of a curve with what it is drawn on, as WCAG 2 asks for graphics.
 const CONTRAST: f64 = 3.0;
 
-/// One of them.
 #[derive(Serialize)]
 pub(super) struct Look {
-    /// On a frame.
     color: Color,
     /// The same color as far as it must change to be seen on a page, light or dark.
     on_light: Color,
@@ -48,7 +46,6 @@ pub(super) struct Look {
     dashes: &'static [u8],
 }
 
-/// All looks, in their places.
 pub(super) fn looks() -> Vec<Look> {
     let colors = METHODS.map(color_of_method).into_iter().chain(FILES).chain([TRUTH]);
     let look = |(place, color): (usize, Color)| Look {
@@ -70,7 +67,6 @@ pub(super) const fn look_of_file(index: usize) -> usize {
     METHODS.len() + index % FILES.len()
 }
 
-/// Its color on a frame.
 pub(super) const fn color_of_file(index: usize) -> Color {
     FILES[index % FILES.len()]
 }

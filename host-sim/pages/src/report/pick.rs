@@ -37,7 +37,6 @@ pub struct Choosing {
     pub file: String,
 }
 
-/// A page, and what is in it.
 pub struct Picked {
     pub page: String,
     /// Of the recording.
@@ -60,7 +59,6 @@ struct Page<'a> {
     /// The command that makes this page with another frame.
     again: String,
     version: &'static str,
-    /// What the script reads.
     data: String,
 }
 
@@ -71,7 +69,6 @@ struct Frames {
     kept: Vec<(usize, Vec<u8>)>,
 }
 
-/// The frames of the page.
 pub struct Shots<F> {
     /// In the size of the recording or smaller.
     pub frames: F,
@@ -82,9 +79,7 @@ pub struct Shots<F> {
 }
 
 /// A page of at most `budget` bytes. `least` is the smallest box.
-///
-/// # Errors
-/// No frame with the number to show, or a budget that is too small for it.
+/// Errors: No frame with the number to show, or a budget that is too small for it.
 pub fn pick(
     Shots { frames, size, shown: large }: Shots<impl Iterator<Item = ColorFrame>>,
     choosing: &Choosing,

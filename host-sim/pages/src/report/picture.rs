@@ -20,9 +20,6 @@ const GAP: u32 = 10;
 const LINE: u32 = FONT.character_size.height + GAP;
 
 /// The frames to show, side by side with their boxes and states, as a PNG.
-///
-/// # Errors
-/// The encoder's; no picture is known that it refuses.
 pub fn picture(film: &Film) -> Result<Vec<u8>> {
     let height = fitted(film.size).1;
     let cell = (TILE + GAP, height + LINE + GAP / 2);

@@ -25,7 +25,6 @@ pub(super) struct Pictures {
     pub kept: Vec<Picture>,
 }
 
-/// One frame.
 pub(super) struct Picture {
     index: usize,
     /// The longest side of the frame as it is kept.

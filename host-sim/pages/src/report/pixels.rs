@@ -8,7 +8,6 @@ use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
 use smr_recordings::{GrayFrame, resized};
 
-/// Pixels of a picture.
 pub enum Pixels {
     /// A frame, which may be made smaller or larger.
     Frame(GrayFrame),

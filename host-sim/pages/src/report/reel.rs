@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-/// The frames to show.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// Evenly spaced ones, and those in which the state changes.

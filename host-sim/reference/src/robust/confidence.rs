@@ -3,7 +3,6 @@
 use super::Numbers;
 use super::gaussian::ONE;
 
-/// What the reference decides after a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     Tracking,

@@ -31,7 +31,6 @@ fn gaussian(numbers: &Numbers, deviation: f64, cells: f64) -> f64 {
     if t < numbers.gaussian_end { nearest(ONE * (-t * t / 2.0).exp(), 1.0) } else { 0.0 }
 }
 
-/// The product of both axes.
 pub fn label(across: f64, down: f64) -> f64 {
     nearest(across * down / ONE, 1.0)
 }

@@ -12,7 +12,6 @@ use super::gradients::{CHANNELS, Cells};
 use super::rounding::{divisor, index, nearest, quotient, real};
 use super::sampling::Shape;
 
-/// The weights, cell by cell.
 pub struct Filter {
     pub weights: Vec<f64>,
 }

@@ -37,7 +37,6 @@ use response::{Peak, peak, penalised, responses};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
 use verification::Similarity;
 
-/// All that happened in one frame.
 pub struct Step {
     /// The features of the search window, and the filter's responses to them.
     pub cells: Cells,
@@ -51,11 +50,9 @@ pub struct Step {
     /// The box: left, top, width, height; and its edges rounded, as left, top, width, height.
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
-    /// The filter learned from this frame.
     pub learned: bool,
     /// A window of the sweep was searched.
     pub swept: bool,
-    /// The sweep found the target.
     pub found: bool,
     /// The target was lost and is not any more: the sweep found it, or it came back where it was followed.
     pub found_again: bool,
@@ -92,7 +89,6 @@ pub struct Reference {
     filter: Filter,
     /// A running mean on the grid of 1/256.
     early: Patch,
-    /// The running mean of the evidence.
     mean_evidence: f64,
     /// The scale in the last frame with the decision tracking.
     tracked_scale: f64,
@@ -143,12 +139,10 @@ impl Reference {
         }
     }
 
-    /// The grid's shape.
     pub fn shape(&self) -> Shape {
         self.shape
     }
 
-    /// The filter's weights.
     pub fn weights(&self) -> &[f64] {
         &self.filter.weights
     }
@@ -198,7 +192,6 @@ impl Reference {
         place.window(&self.numbers, &self.shape, reach).region(&self.numbers, self.frame_size)
     }
 
-    /// One frame.
     pub fn update(&mut self, frame: &[u8]) -> Step {
         let frame = Picture { pixels: frame, width: self.frame_size.0, height: self.frame_size.1 };
         let parts = self.numbers.parts;
@@ -282,13 +275,11 @@ impl Reference {
         }
     }
 
-    /// Where the target is expected.
     fn expected(&self) -> Place {
         let part = if self.numbers.parts.velocity { self.numbers.velocity_part } else { 0.0 };
         self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
     }
 
-    /// The sweep's next place.
     fn sweep(&self) -> Place {
         sweep(&self.numbers, &self.shape, self.frame_size, self.tracked_scale, self.next_window)
     }

@@ -90,7 +90,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The place of a crop.
 fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
     let step = |side: f64| down(side * WIDER / real(SIDE), POSITION).max(1.0 / POSITION);
     let middle = |from: f64, side: f64| from + down(side / 2.0, FINE) - 0.5;
@@ -120,7 +119,6 @@ impl Refiner {
         Self { weights, first: crop(numbers, frame, target), centre: [0.0; 2], sides: [1.0; 2] }
     }
 
-    /// The box, corrected.
     pub fn correct(&self, [x, y, width, height]: [f64; 4]) -> [f64; 4] {
         let axis = |from: f64, side: f64, moved: f64, factor: f64| {
             let new = nearest(side * factor, FINE);

@@ -5,7 +5,6 @@
 
 /// Positions and steps, in pixels.
 pub const POSITION: f64 = 4096.0;
-/// Scales.
 pub const SCALE: f64 = 65536.0;
 /// Fractions of what is mixed, means of gray levels, parts of a cell, and the box of an answer.
 pub const FINE: f64 = 256.0;

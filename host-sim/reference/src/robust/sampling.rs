@@ -3,7 +3,6 @@
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, index, nearest, real, whole};
 
-/// A frame's bytes.
 pub struct Picture<'a> {
     pub pixels: &'a [u8],
     pub width: i64,

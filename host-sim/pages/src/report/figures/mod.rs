@@ -23,7 +23,6 @@ pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Sad];
 const SMR: usize = 0;
 const SAD: usize = 1;
 
-/// One of the five.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Figure {
     Boxes,
@@ -36,13 +35,10 @@ pub enum Figure {
 impl Figure {
     pub const ALL: [Self; 5] = [Self::Boxes, Self::Differences, Self::Leaving, Self::Drift, Self::Occlusion];
 
-    /// As it is numbered in the paper's order.
-    #[must_use]
     pub const fn number(self) -> usize {
         self as usize + 1
     }
 
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Boxes => "boxes",
@@ -79,7 +75,6 @@ pub struct Wish {
     pub hidden: Option<FrameRange>,
 }
 
-/// A figure, and what it shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     pub figure: Figure,
@@ -91,9 +86,7 @@ pub struct Plan {
 
 impl Plan {
     /// Chosen by what happened.
-    ///
-    /// # Errors
-    /// What the figure needs is not in the recording, or in its ground truth.
+    /// Errors: What the figure needs is not in the recording, or in its ground truth.
     pub fn new(figure: Figure, film: &Film, wish: &Wish) -> Result<Self> {
         let chosen = match figure {
             Figure::Boxes => boxes::frame(film, wish.frame).map(|frame| (vec![frame], None)),
@@ -110,9 +103,6 @@ impl Plan {
     }
 
     /// Draws it. The film has the frames of the plan as its stills, and maybe others.
-    ///
-    /// # Errors
-    /// The film is not the one that was planned with.
     pub fn draw(&self, film: &Film) -> Result<Sheet> {
         let stills = self.frames.iter().map(|&index| still(film, index)).collect::<Result<Vec<_>>>()?;
         match (self.figure, &stills[..]) {

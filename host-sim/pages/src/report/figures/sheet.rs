@@ -17,7 +17,6 @@ pub(super) const GAP: f64 = 20.0;
 /// From one line of words to the next.
 pub(super) const LINE: f64 = 22.0;
 
-/// A figure.
 pub struct Sheet {
     pub size: (u32, u32),
     marks: Vec<Mark>,
@@ -34,9 +33,6 @@ impl Sheet {
     }
 
     /// The file's bytes.
-    ///
-    /// # Errors
-    /// The encoder's; no figure is known that it refuses.
     pub fn file(&self, form: Form) -> Result<Vec<u8>> {
         form.draw_sized(self.size, &self.marks)
     }
