@@ -53,6 +53,11 @@ impl BoundingBox {
         Self { x: self.x * across, y: self.y * down, width: self.width * across, height: self.height * down }
     }
 
+    /// From here the box goes as far to the left as to the right, and as far up as down.
+    pub fn centre(&self) -> (f64, f64) {
+        (self.x + self.width / 2.0, self.y + self.height / 2.0)
+    }
+
     /// The smallest box that holds all points; `None` of none.
     fn around(points: &[[f64; 2]]) -> Option<Self> {
         let bounds = |axis: usize| {

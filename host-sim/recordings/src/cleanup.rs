@@ -6,6 +6,7 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
@@ -102,6 +103,16 @@ impl Process {
         locked(&self.child).stderr.take()
     }
 
+    /// All that it complains about, when standard error is closed: a child of its own may keep that open.
+    pub fn said(&self) -> Receiver<String> {
+        let (sender, said) = channel();
+        if let Some(complaints) = self.complaints() {
+            // Everything is read, or the writer would block.
+            thread::spawn(move || sender.send(String::from_utf8_lossy(&all_of(complaints)).into_owned()));
+        }
+        said
+    }
+
     /// `None` while it runs.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
         locked(&self.child).try_wait()
@@ -124,18 +135,20 @@ impl Process {
     /// Waits for the end, with all that it has written to what is piped.
     pub fn finish(self) -> io::Result<Output> {
         fn all(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
-            thread::spawn(move || {
-                let mut bytes = Vec::new();
-                // What came before an error is all there is.
-                let _ = stream.map(|mut stream| stream.read_to_end(&mut bytes));
-                bytes
-            })
+            thread::spawn(move || stream.map_or(Vec::new(), all_of))
         }
         let (out, complaints) = (all(self.output()), all(self.complaints()));
         let status = self.wait_while(|_| true)?.ok_or(io::ErrorKind::TimedOut)?;
         let read = |thread: thread::JoinHandle<Vec<u8>>| thread.join().unwrap_or_default();
         Ok(Output { status, stdout: read(out), stderr: read(complaints) })
     }
+}
+
+/// What came before an error is all there is.
+fn all_of(mut stream: impl Read) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let _ = stream.read_to_end(&mut bytes);
+    bytes
 }
 
 impl Drop for Process {

@@ -3,8 +3,8 @@
 //! Gray pictures pass unchanged. Of 16-bit pictures the high byte is taken, alpha is ignored, and colour becomes gray
 //! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
 
-use super::samples::{EXPECTED, MOST_PIXELS, Samples, check_size, damaged};
-use super::{ColorFrame, GrayFrame, has_extension, pnm};
+use super::samples::{EXPECTED, Samples, check_size, damaged};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS, has_extension, pnm};
 use crate::input;
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
@@ -41,20 +41,16 @@ pub fn read_picture(file: &Path) -> Result<GrayFrame> {
 
 /// One picture as the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
-    decode(bytes)
+    samples(bytes).map(Samples::gray)
 }
 
 fn read(file: &Path) -> Result<GrayFrame> {
-    decode(&input::bytes(file, &input::PICTURE)?)
+    decode_picture(&input::bytes(file, &input::PICTURE)?)
 }
 
 /// One picture in its own colors.
 pub(super) fn read_colors(file: &Path) -> Result<ColorFrame> {
     samples(&input::bytes(file, &input::PICTURE)?).map(Samples::colors)
-}
-
-pub(super) fn decode(bytes: &[u8]) -> Result<GrayFrame> {
-    samples(bytes).map(Samples::gray)
 }
 
 fn samples(bytes: &[u8]) -> Result<Samples> {

@@ -72,7 +72,7 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
 
 /// What comes out of a pipe or a device; an empty chunk is the end. Whoever opens a pipe waits for its writer: that is done by a thread that
 /// nobody waits for.
-pub(super) fn chunks<R: Read>(open: impl FnOnce() -> io::Result<R> + Send + 'static) -> Receiver<io::Result<Vec<u8>>> {
+pub fn chunks<R: Read>(open: impl FnOnce() -> io::Result<R> + Send + 'static) -> Receiver<io::Result<Vec<u8>>> {
     let (sender, receiver) = sync_channel(4);
     thread::spawn(move || {
         let mut stream = match open() {

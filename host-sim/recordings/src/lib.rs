@@ -61,6 +61,9 @@ pub struct GrayFrame {
     pub pixels: Vec<u8>,
 }
 
+/// The most pixels of a frame: 16384x16384. Memory is taken for no more.
+const MOST_PIXELS: u64 = 1 << 28;
+
 impl GrayFrame {
     /// A frame of the levels that `level` gives for each place, row after row.
     fn drawn(width: u16, height: u16, mut level: impl FnMut(i32, i32) -> u8) -> Self {

@@ -45,6 +45,12 @@ impl Output {
         self.whole.as_ref().map(|whole| &*whole.path)
     }
 
+    /// Writes all that is left to write, and gives the file its name.
+    pub fn end(mut self, bytes: &[u8]) -> Result<()> {
+        self.write(bytes)?;
+        self.finish()
+    }
+
     pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
         self.file.write_all(bytes).with_context(|| cannot_write(&self.name))
     }
@@ -111,9 +117,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
 }
 
 pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
-    let mut output = Output::create(name)?;
-    output.write(bytes)?;
-    output.finish()
+    Output::create(name)?.end(bytes)
 }
 
 /// A new folder under way, or one that is there and empty. Until [`Folder::finish`] nothing is in it.
@@ -161,9 +165,7 @@ impl Folder {
     }
 
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        let mut output = self.file(name)?;
-        output.write(bytes)?;
-        output.finish()
+        self.file(name)?.end(bytes)
     }
 
     pub fn finish(self) -> Result<()> {

@@ -1,14 +1,11 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
 use super::damage::Damaged;
-use super::{GrayFrame, has_extension};
+use super::{GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
-
-/// The largest frame that memory is taken for: 16384x16384.
-const FRAME_BYTES: u64 = 1 << 28;
 
 pub(super) fn is_raw(file: &Path) -> bool {
     has_extension(file, &["raw", "gray", "bin", "y8"])
@@ -20,7 +17,7 @@ pub(super) fn open(file: &Path, size: (u16, u16)) -> Result<(Frames, Option<usiz
     ensure!(width > 0 && height > 0, "--size {width}x{height}: expected at least 1x1");
     let cannot_open = || format!("cannot open {}", file.display());
     let frame = u64::from(width) * u64::from(height);
-    ensure!(frame <= FRAME_BYTES, "--size {width}x{height}: a frame has {frame} bytes: expected at most {FRAME_BYTES}");
+    ensure!(frame <= MOST_PIXELS, "--size {width}x{height}: a frame has {frame} bytes: expected at most {MOST_PIXELS}");
     let dump = File::open(file).with_context(cannot_open)?;
     let data = dump.metadata().with_context(cannot_open)?;
     let length = data.is_file().then(|| usize::try_from(data.len() / frame).ok()).flatten();

@@ -1,6 +1,6 @@
 //! A recording in another size, with its boxes.
 
-use super::{ColorFrame, GrayFrame, Sequence};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS, Sequence};
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
 use std::fmt;
@@ -56,9 +56,6 @@ impl Resize {
         Ok((new_width.max(1), new_height.max(1)))
     }
 }
-
-/// The most pixels of a frame that is made: 16384x16384.
-const MOST_PIXELS: u64 = 1 << 28;
 
 impl Sequence {
     /// All frames in another size, and the boxes with them. Where they get smaller, pixels are averaged (with the weights of a triangle).

@@ -1,13 +1,10 @@
 //! Decoded samples as a frame in gray or in color, and what may be wrong with a picture.
 
 use super::damage::Damaged;
-use super::{ColorFrame, GrayFrame};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS};
 use anyhow::{Error, Result, anyhow, ensure};
 
 pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
-
-/// The largest picture that memory is taken for, in pixels: 16384x16384.
-pub(super) const MOST_PIXELS: u64 = 1 << 28;
 
 pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);

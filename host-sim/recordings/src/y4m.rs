@@ -3,20 +3,14 @@
 //! What ffmpeg decodes comes through here as well, see [`super::video`].
 
 use super::damage::Damaged;
-use super::{GrayFrame, has_extension};
-use ::y4m::{Decoder, Error, Limits};
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use super::{GrayFrame, MOST_PIXELS, has_extension};
+use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Chain, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// More than a header can be.
-const HEADER_BYTES: u64 = 1024;
-
-/// The largest frame that memory is taken for, all planes: 16384x16384 gray.
-const FRAME_BYTES: usize = 1 << 28;
+/// More than a line can have: the header of the stream, or that of a frame.
+const LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {
     has_extension(file, &["y4m"])
@@ -28,12 +22,9 @@ pub(super) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
     Frames::new(BufReader::new(data), name)
 }
 
-pub(super) struct Frames<R: Read> {
-    decoder: Decoder<Counted<Chain<Cursor<Vec<u8>>, R>>>,
-    /// Bytes that the decoder has read. It takes the end of the stream and a frame cut short for the same thing.
-    count: Arc<AtomicU64>,
-    size: (u16, u16),
-    frame_bytes: u64,
+pub(super) struct Frames<R> {
+    stream: R,
+    header: Header,
     name: String,
     number: u64,
 }
@@ -41,47 +32,45 @@ pub(super) struct Frames<R: Read> {
 impl<R: BufRead> Frames<R> {
     /// Reads the header. `name` is what the stream is called in errors.
     pub(super) fn new(mut stream: R, name: String) -> Result<Self> {
-        let mut line = Vec::new();
-        stream
-            .by_ref()
-            .take(HEADER_BYTES)
-            .read_until(b'\n', &mut line)
-            .with_context(|| format!("cannot read {name}"))?;
+        let line = line(&mut stream).with_context(|| format!("cannot read {name}"))?;
         let header = Header::parse(&line).with_context(|| name.clone())?;
-        let count = Arc::new(AtomicU64::new(0));
-        let stream = Counted { inner: Cursor::new(line).chain(stream), count: Arc::clone(&count) };
-        let decoder = Decoder::new_with_limits(stream, Limits { bytes: FRAME_BYTES }).map_err(|_| {
-            anyhow!("{name}: its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it")
-        })?;
-        let Header { size, frame_bytes } = header;
-        Ok(Self { decoder, count, size, frame_bytes, name, number: 0 })
+        Ok(Self { stream, header, name, number: 0 })
     }
-}
 
-impl<R: Read> Frames<R> {
     fn read(&mut self) -> Result<Option<GrayFrame>> {
-        let before = self.count.load(Ordering::Relaxed);
-        match self.decoder.read_frame() {
-            Ok(frame) => {
-                let (width, height) = self.size;
-                Ok(Some(GrayFrame { width, height, pixels: frame.get_y_plane().to_vec() }))
-            }
-            Err(Error::EOF) => {
-                let found = self.count.load(Ordering::Relaxed) - before;
-                let expected = "FRAME\n".len() as u64 + self.frame_bytes;
-                if found > 0 {
-                    let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
-                    return Err(Damaged::new(why).into());
-                }
-                Ok(None)
-            }
-            Err(Error::IoError(error)) => Err(error.into()),
-            Err(_) => bail!("it does not begin as a frame of YUV4MPEG2 does: expected a line FRAME before its pixels"),
+        let Header { size: (width, height), frame_bytes } = self.header;
+        let line = line(&mut self.stream)?;
+        if line.is_empty() {
+            return Ok(None);
         }
+        let luma = u64::from(width) * u64::from(height);
+        let (mut pixels, mut chroma) = (Vec::new(), 0);
+        if line.ends_with(b"\n") || line.len() as u64 == LINE_BYTES {
+            let is_frame = line.starts_with(b"FRAME\n") || line.starts_with(b"FRAME ") && line.ends_with(b"\n");
+            ensure!(
+                is_frame,
+                "it does not begin as a frame of YUV4MPEG2 does: expected a line FRAME before its pixels"
+            );
+            self.stream.by_ref().take(luma).read_to_end(&mut pixels)?;
+            chroma = io::copy(&mut self.stream.by_ref().take(frame_bytes - luma), &mut io::sink())?;
+        }
+        let read = pixels.len() as u64 + chroma;
+        if read < frame_bytes {
+            let (expected, found) = ("FRAME\n".len() as u64 + frame_bytes, line.len() as u64 + read);
+            let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
+            return Err(Damaged::new(why).into());
+        }
+        Ok(Some(GrayFrame { width, height, pixels }))
     }
 }
 
-impl<R: Read> Iterator for Frames<R> {
+fn line(stream: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut line = Vec::new();
+    stream.take(LINE_BYTES).read_until(b'\n', &mut line)?;
+    Ok(line)
+}
+
+impl<R: BufRead> Iterator for Frames<R> {
     type Item = Result<GrayFrame>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -91,7 +80,6 @@ impl<R: Read> Iterator for Frames<R> {
     }
 }
 
-/// What is checked before the decoder sees it: it multiplies whatever size it is told.
 #[derive(Debug, PartialEq, Eq)]
 struct Header {
     size: (u16, u16),
@@ -113,8 +101,16 @@ impl Header {
         let frame_bytes = frame_bytes(size, field('C').unwrap_or("420"))?;
         let (width, height) = size;
         ensure!(
-            frame_bytes <= FRAME_BYTES as u64,
-            "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {FRAME_BYTES}"
+            frame_bytes <= MOST_PIXELS,
+            "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {MOST_PIXELS}"
+        );
+        // The rate and the shape of a pixel are not used, but tell whether this is such a header.
+        let is_ratio =
+            |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));
+        let ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
+        ensure!(
+            ratios.into_iter().all(is_ratio),
+            "its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it"
         );
         Ok(Self { size, frame_bytes })
     }
@@ -144,19 +140,5 @@ fn unsupported(colour: &str) -> String {
     match family.and_then(|depth| depth.parse::<u8>().ok()) {
         Some(depth) => format!("its pixels have {depth} bits (C{colour}): expected 8"),
         None => format!("its colour space is C{colour}: expected mono, 420, 422 or 444 with 8 bits"),
-    }
-}
-
-/// A reader that says how far it has got.
-struct Counted<R> {
-    inner: R,
-    count: Arc<AtomicU64>,
-}
-
-impl<R: Read> Read for Counted<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let read = self.inner.read(buffer)?;
-        self.count.fetch_add(read as u64, Ordering::Relaxed);
-        Ok(read)
     }
 }
