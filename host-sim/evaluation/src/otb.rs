@@ -119,8 +119,7 @@ impl Counts {
 
 /// The distance of the two centres, in pixels.
 fn centre_error(a: &BoundingBox, b: &BoundingBox) -> f64 {
-    let centre = |of: &BoundingBox| (of.x + of.width / 2.0, of.y + of.height / 2.0);
-    let ((x, y), (to_x, to_y)) = (centre(a), centre(b));
+    let ((x, y), (to_x, to_y)) = (a.centre(), b.centre());
     (to_x - x).hypot(to_y - y)
 }
 

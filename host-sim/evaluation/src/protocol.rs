@@ -204,8 +204,7 @@ fn first_box(boxes: &Trajectory) -> Option<BoundingBox> {
 /// `answer`, moved and scaled as `from` must be to become `to`.
 fn moved(answer: BoundingBox, from: BoundingBox, to: BoundingBox) -> BoundingBox {
     let (width, height) = (answer.width * (to.width / from.width), answer.height * (to.height / from.height));
-    let centre = |of: BoundingBox| (of.x + of.width / 2.0, of.y + of.height / 2.0);
-    let ((x, y), (from_x, from_y), (to_x, to_y)) = (centre(answer), centre(from), centre(to));
+    let ((x, y), (from_x, from_y), (to_x, to_y)) = (answer.centre(), from.centre(), to.centre());
     BoundingBox { x: x + (to_x - from_x) - width / 2.0, y: y + (to_y - from_y) - height / 2.0, width, height }
 }
 

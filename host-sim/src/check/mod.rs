@@ -2,7 +2,6 @@
 
 pub mod paper;
 pub mod robust;
-mod tolerance;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -30,12 +29,12 @@ pub trait Checked: Target {
     }
 
     /// Compares what both have learned from the first frame.
-    fn locked(_core: &Self, _reference: &Self::Reference) -> Option<Mismatch> {
+    fn locked(_core: &Self, _reference: &Self::Reference) -> Option<Violation> {
         None
     }
 
     /// Updates both with one more frame and compares them; `number` is that of the frame.
-    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Mismatch>>;
+    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Violation>>;
 }
 
 /// Both trackers and what was counted of them.
@@ -91,7 +90,7 @@ impl<T: Checked> Check<T> {
         let size = (first.width.into(), first.height.into());
         let box_ = (x.into(), y.into(), width.into(), height.into());
         let (reference, counts) = (T::reference(numbers, &first.pixels, size, box_), T::counts(target));
-        let violation = T::locked(core.target(), &reference).map(|mismatch| mismatch.in_frame(1));
+        let violation = T::locked(core.target(), &reference).map(|found| Violation { frame: 1, ..found });
         let sides = Sides { core, reference, counts, step };
         Ok(Self { name: name.to_owned(), sides, frames: 0, violation })
     }
@@ -109,8 +108,8 @@ impl<T: Checked> Check<T> {
         }
         self.frames += 1;
         let number = self.frames + 1;
-        let mismatch = T::compare(&mut self.sides, frame, number)?;
-        self.violation = mismatch.map(|mismatch| mismatch.in_frame(number));
+        let found = T::compare(&mut self.sides, frame, number)?;
+        self.violation = found.map(|found| Violation { frame: number, ..found });
         Ok(())
     }
 
@@ -131,23 +130,13 @@ pub struct Violation {
     pub reference: String,
 }
 
-/// Something compared, and the two values that differ.
-pub struct Mismatch {
-    what: String,
-    core: String,
-    reference: String,
-}
-
-impl Mismatch {
+impl Violation {
+    /// In a frame that is not said yet.
     fn new(what: String, core: impl ToString, reference: impl ToString) -> Self {
-        Self { what, core: core.to_string(), reference: reference.to_string() }
-    }
-
-    fn in_frame(self, frame: usize) -> Violation {
-        Violation { frame, what: self.what, core: self.core, reference: self.reference }
+        Self { frame: 0, what, core: core.to_string(), reference: reference.to_string() }
     }
 }
 
-fn differs<T: PartialEq + std::fmt::Debug>(what: &str, core: T, reference: T) -> Option<Mismatch> {
-    (core != reference).then(|| Mismatch::new(what.into(), format!("{core:?}"), format!("{reference:?}")))
+fn differs<T: PartialEq + std::fmt::Debug>(what: &str, core: T, reference: T) -> Option<Violation> {
+    (core != reference).then(|| Violation::new(what.into(), format!("{core:?}"), format!("{reference:?}")))
 }

@@ -8,8 +8,7 @@
 //!    1/65535, the rounding of n table entries, and by f64's own rounding. Where the exact sums have another arg max, the
 //!    lead of that offset over core's may not exceed twice the bound.
 
-use super::tolerance::bound;
-use super::{Checked, Mismatch, Sides, differs};
+use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -55,7 +54,7 @@ impl Checked for Paper {
         Counts { bound: bound(target.area()), ..Counts::default() }
     }
 
-    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Mismatch>> {
+    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Violation>> {
         let offsets = sides.core.target().offsets().context("the tracker is locked")?;
         let scores = core_scores(sides.core.target(), &offsets, frame)?;
         let answer = sides.update(&frame.frame())?;
@@ -71,6 +70,14 @@ impl Checked for Paper {
     }
 }
 
+/// The most that a score of `pixels` pixels can differ from the exact sum, in units of 1/65535.
+fn bound(pixels: u32) -> f64 {
+    let n = f64::from(pixels);
+    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each off by 2^-52 of itself, and rounds
+    // each partial sum of at most n * 65535 by another 2^-53 of itself.
+    n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
+}
+
 /// Core's score of every candidate, row by row, each asked for by itself: whatever way the search takes, these are
 /// what it must have found.
 fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<u32>> {
@@ -80,24 +87,24 @@ fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<
 }
 
 impl Counts {
-    fn each_score(&mut self, offsets: &Window, core: &[u32], step: &Step) -> Option<Mismatch> {
+    fn each_score(&mut self, offsets: &Window, core: &[u32], step: &Step) -> Option<Violation> {
         let mut different = None;
         for (((x, y), sums), &score) in step.scores.iter().zip(core) {
             let difference = (f64::from(score) - sums.exact).abs();
             self.largest_difference = self.largest_difference.max(difference);
             if f64::from(score) != sums.rounded && different.is_none() {
-                different = Some(Mismatch::new(format!("score at ({x}, {y})"), score, sums.rounded));
+                different = Some(Violation::new(format!("score at ({x}, {y})"), score, sums.rounded));
             }
         }
         if self.largest_difference > self.bound {
             let what = format!("largest difference from an exact score, window {offsets:?}");
-            different = different.or(Some(Mismatch::new(what, self.largest_difference, self.bound)));
+            different = different.or(Some(Violation::new(what, self.largest_difference, self.bound)));
         }
         different
     }
 
     /// Notes a frame where exact sums would have decided otherwise, and tells whether they may.
-    fn exact_arg_max(&mut self, frame: usize, found: &Found, step: &Step) -> Option<Mismatch> {
+    fn exact_arg_max(&mut self, frame: usize, found: &Found, step: &Step) -> Option<Violation> {
         let peak = (i64::from(found.peak.x), i64::from(found.peak.y));
         if peak == step.exact_peak.0 {
             return None;
@@ -106,19 +113,19 @@ impl Counts {
         let margin = step.exact_peak.1 - of_cores_peak;
         self.other_peaks.push(OtherPeak { frame, margin });
         let most = 2.0 * self.bound;
-        (margin > most).then(|| Mismatch::new("lead of the exact arg max over core's peak".into(), margin, most))
+        (margin > most).then(|| Violation::new("lead of the exact arg max over core's peak".into(), margin, most))
     }
 }
 
-fn template(core: &Paper, reference: &Reference) -> Option<Mismatch> {
+fn template(core: &Paper, reference: &Reference) -> Option<Violation> {
     let template = core.template()?;
     let core = template.rows().flatten().map(|&pixel| f64::from(pixel));
     let first = core.zip(reference.template()).position(|(core, reference)| core != *reference)?;
     let core = template.rows().flatten().nth(first)?;
-    Some(Mismatch::new(format!("template pixel {first}"), core, reference.template()[first]))
+    Some(Violation::new(format!("template pixel {first}"), core, reference.template()[first]))
 }
 
-fn window(core: &Window, step: &Step) -> Option<Mismatch> {
+fn window(core: &Window, step: &Step) -> Option<Violation> {
     let (xs, ys) = (core.xs(), core.ys());
     let ends = [*xs.start(), *xs.end(), *ys.start(), *ys.end()].map(i64::from);
     let scores = &step.scores;
@@ -126,7 +133,7 @@ fn window(core: &Window, step: &Step) -> Option<Mismatch> {
     differs("window (left, right, top, bottom)", ends, expected)
 }
 
-fn decisions(answer: &Answer, found: &Found, step: &Step) -> Option<Mismatch> {
+fn decisions(answer: &Answer, found: &Found, step: &Step) -> Option<Violation> {
     let position = |x: i32, y: i32| (i64::from(x), i64::from(y));
     differs("peak's position", position(found.peak.x, found.peak.y), step.peak.0)
         .or_else(|| differs("peak's score", f64::from(found.peak.score), step.peak.1))

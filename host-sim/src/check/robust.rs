@@ -4,7 +4,7 @@
 //! features of the search window, the filter's responses at all offsets, its weights after it has learned, the early template, the response
 //! and the ratio at the place, the confidence, the state, the scale and the box.
 
-use super::{Checked, Mismatch, Sides, differs};
+use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_core::robust::{CHANNELS, REACH};
@@ -46,11 +46,11 @@ impl Checked for Robust {
         Reference::lock(numbers, unstable::REFINER_WEIGHTS, first, size, target)
     }
 
-    fn locked(core: &Self, reference: &Reference) -> Option<Mismatch> {
+    fn locked(core: &Self, reference: &Reference) -> Option<Violation> {
         learned(core, reference)
     }
 
-    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, _: usize) -> Result<Option<Mismatch>> {
+    fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, _: usize) -> Result<Option<Violation>> {
         let before = before(sides.core.target(), &sides.reference);
         let part = asked_for(&sides.core, frame)?;
         let (target, workspace) = sides.core.parts();
@@ -86,7 +86,7 @@ fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'
 }
 
 /// What is known before a frame is looked at: the grid, and what is asked for.
-fn before(core: &Robust, reference: &Reference) -> Option<Mismatch> {
+fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
     let (grid, shape) = (core.grid()?, reference.shape());
     let of_core = [grid.columns, grid.rows, grid.across, grid.down].map(i64::from);
     let edges = |rect: Rect| [rect.x, rect.y, rect.right(), rect.bottom()].map(i64::from);
@@ -103,16 +103,16 @@ fn window_columns(core: &Robust) -> usize {
 }
 
 /// Number by number; the first that differs is named by its row and its place in it.
-fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -> Option<Mismatch> {
+fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -> Option<Violation> {
     differs(&format!("number of: {what}"), core.len(), reference.len()).or_else(|| {
         let first = core.iter().zip(reference).position(|(core, reference)| core != reference)?;
         let what = format!("{what} {} of row {}", first % columns, first / columns);
-        Some(Mismatch::new(what, core[first], reference[first]))
+        Some(Violation::new(what, core[first], reference[first]))
     })
 }
 
 /// What the next frame will be compared with.
-fn learned(core: &Robust, reference: &Reference) -> Option<Mismatch> {
+fn learned(core: &Robust, reference: &Reference) -> Option<Violation> {
     let shape = reference.shape();
     let weights: Vec<f64> = unstable::weights(core).iter().map(|&weight| weight.into()).collect();
     let early: Vec<f64> = core.early_template().into_iter().flatten().map(f64::from).collect();
@@ -121,7 +121,7 @@ fn learned(core: &Robust, reference: &Reference) -> Option<Mismatch> {
         .or_else(|| numbers_differ("early template: pixel", &early, &reference.early().pixels, columns(shape.columns)))
 }
 
-fn decisions(answer: &Answer, response: i32, step: &Step) -> Option<Mismatch> {
+fn decisions(answer: &Answer, response: i32, step: &Step) -> Option<Violation> {
     let Answer { fine, bbox, .. } = answer;
     let edges = [f64::from(fine.x), f64::from(fine.y), f64::from(fine.width), f64::from(fine.height)];
     let whole = [i64::from(bbox.x), i64::from(bbox.y), i64::from(bbox.width), i64::from(bbox.height)];

@@ -199,9 +199,8 @@ impl Eval {
         let (mut robustness, failed) =
             robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts)?;
         robustness.compare(former.as_ref())?;
-        if let (Some(mut plot), Some(form)) = (plot, form) {
-            plot.write(&form.draw(&calibration::marks(robustness.calibration()))?)?;
-            plot.finish()?;
+        if let (Some(plot), Some(form)) = (plot, form) {
+            plot.end(&form.draw(&calibration::marks(robustness.calibration()))?)?;
         }
         self.print_robustness(&robustness)?;
         end(failed)

@@ -3,7 +3,7 @@
 use super::number::from;
 use super::places::{Places, Taken};
 use super::recording_options::RecordingOptions;
-use super::{Outcome, progress, say};
+use super::{BUDGET, Outcome, progress, say};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use smr_pages::report::{self, Choosing, SIDE, Shots};
@@ -12,9 +12,6 @@ use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, words
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-
-/// A page beyond this has fewer frames.
-const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 const TAKEN: Taken = Taken { endings: &["html", "png"], folder: false };
 
@@ -142,7 +139,7 @@ impl Frame {
             complain(&format!("note: the page ends before damage: {}", words::of(&damage)));
         }
         let picked = picked?;
-        write(output, picked.page.as_bytes())?;
+        output.end(picked.page.as_bytes())?;
         Ok(self.written(choosing.name, picked.page.len(), picked.size, Some(picked.pictures), bbox))
     }
 
@@ -166,11 +163,6 @@ impl Frame {
             inside: bbox.map(|bbox| is_inside(&bbox, width, height)),
         }
     }
-}
-
-fn write(mut output: Output, bytes: &[u8]) -> Result<()> {
-    output.write(bytes)?;
-    output.finish()
 }
 
 /// A path as a shell takes it; one that looks like an option is set apart from those.

@@ -40,6 +40,7 @@ use places::Places;
 use serde::Serialize;
 use smr_recordings::output::print;
 use std::io::{self, Write};
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
@@ -144,6 +145,9 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     /// code is 2.
     Trax(trax::Trax),
 }
+
+/// The most megabytes of a page, if nothing else is said.
+const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 /// Runs the same code with the options of whichever command was given.
 macro_rules! each {

@@ -4,7 +4,7 @@ use super::number::from;
 use super::places::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, progress};
+use super::{BUDGET, Outcome, progress};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
@@ -17,8 +17,6 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
-/// Pictures of a page beyond this are made smaller, then fewer.
-const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 #[derive(Debug, clap::Args)]
 pub struct Report {
@@ -187,9 +185,8 @@ impl File {
         Ok(Self { output: Output::create(&name)?, name })
     }
 
-    fn write(mut self, bytes: &[u8]) -> Result<Written> {
-        self.output.write(bytes)?;
-        self.output.finish()?;
+    fn write(self, bytes: &[u8]) -> Result<Written> {
+        self.output.end(bytes)?;
         Ok(Written { file: self.name, bytes: bytes.len() })
     }
 }

@@ -6,11 +6,10 @@ use crate::emulator::qemu::Qemu;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
 use smr_recordings::input;
-use std::io::{ErrorKind, Read, StdoutLock, Write};
+use std::io::{self, ErrorKind, StdoutLock, Write};
 use std::path::PathBuf;
 use std::process::Stdio;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::thread;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// What every ELF file begins with.
@@ -36,23 +35,9 @@ impl Run {
         // Firmware may write files where it runs: here.
         let mut qemu = Qemu::start(&self.qemu.setup(), &self.elf, ".".as_ref(), Stdio::piped())?;
         let log = qemu.log().context("QEMU's standard output is piped")?;
-        print(&mut qemu, &chunks(log), table.as_ref())?;
+        print(&mut qemu, &input::chunks(|| Ok(log)), table.as_ref())?;
         Ok(if qemu.verdict()? { Outcome::Holds } else { Outcome::CheckFailed })
     }
-}
-
-/// The bytes of `stream` as they come.
-fn chunks(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = channel();
-    thread::spawn(move || {
-        let mut buffer = [0; 4096];
-        while let Ok(length @ 1..) = stream.read(&mut buffer) {
-            if sender.send(buffer[..length].to_vec()).is_err() {
-                break;
-            }
-        }
-    });
-    receiver
 }
 
 /// Where the log goes. That nobody reads it any more (`| head`) does not end the firmware: its verdict is still wanted.
@@ -74,14 +59,14 @@ impl Log {
     }
 }
 
-fn print(qemu: &mut Qemu, log: &Receiver<Vec<u8>>, table: Option<&Table>) -> Result<()> {
+fn print(qemu: &mut Qemu, log: &Receiver<io::Result<Vec<u8>>>, table: Option<&Table>) -> Result<()> {
     let mut decoder = table.map(Table::new_stream_decoder);
-    let mut out = Log { out: std::io::stdout().lock(), is_read: true };
+    let mut out = Log { out: io::stdout().lock(), is_read: true };
     let mut last = Instant::now();
     loop {
         let bytes = match log.recv_timeout(Duration::from_millis(50)) {
-            Ok(bytes) => bytes,
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            Ok(Ok(bytes)) => bytes,
+            Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => return Ok(()),
             Err(RecvTimeoutError::Timeout) => {
                 qemu.check_patience(last, "a word of the firmware")?;
                 continue;

@@ -4,10 +4,10 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 use smr_core::similarity::Backend;
 use smr_recordings::cleanup::Process;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::Receiver;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -85,7 +85,7 @@ pub struct Setup {
 /// A running QEMU. Dropped, it is ended and reaped.
 pub struct Qemu {
     process: Process,
-    last_words: Receiver<String>,
+    said: Receiver<String>,
     setup: Setup,
 }
 
@@ -111,10 +111,8 @@ impl Qemu {
             }
             other => other.with_context(|| format!("cannot start {program}"))?,
         };
-        let complaints = process.complaints().context("QEMU's standard error is piped")?;
-        let (sender, last_words) = channel();
-        thread::spawn(move || sender.send(last_line(complaints)));
-        Ok(Self { process, last_words, setup: setup.clone() })
+        let said = process.said();
+        Ok(Self { process, said, setup: setup.clone() })
     }
 
     /// What the firmware logs, if that was piped.
@@ -141,10 +139,13 @@ impl Qemu {
     }
 
     pub fn check_patience(&self, start: Instant, what: &str) -> Result<()> {
-        let (program, patience) = (&self.setup.program, self.setup.patience);
-        let waited = start.elapsed() > patience;
-        ensure!(!waited, "{program} hangs: {what} has not come within {} s (see --timeout)", patience.as_secs());
+        ensure!(start.elapsed() <= self.setup.patience, self.hangs(what));
         Ok(())
+    }
+
+    fn hangs(&self, what: &str) -> String {
+        let Setup { program, patience, .. } = &self.setup;
+        format!("{program} hangs: {what} has not come within {} s (see --timeout)", patience.as_secs())
     }
 
     /// Waits for the end of firmware that has nothing more to say.
@@ -163,14 +164,8 @@ impl Qemu {
     }
 
     fn exit_status(&mut self) -> Result<ExitStatus> {
-        let start = Instant::now();
-        loop {
-            if let Some(status) = self.process.ended().context("cannot wait for QEMU")? {
-                return Ok(status);
-            }
-            self.check_patience(start, "the end of the firmware")?;
-            thread::sleep(Duration::from_millis(2));
-        }
+        let ended = self.process.wait_while(|waited| waited <= self.setup.patience);
+        ended.context("cannot wait for QEMU")?.with_context(|| self.hangs("the end of the firmware"))
     }
 
     fn ended(&self, status: ExitStatus) -> anyhow::Error {
@@ -183,16 +178,9 @@ impl Qemu {
         format!("{} with {} ended ({status}){reason}", self.setup.program, self.setup.machine.name())
     }
 
-    /// What QEMU said last; it has ended, but a child of its own may keep standard error open.
+    /// The last line of QEMU, which has ended, that is not blank.
     fn last_words(&self) -> String {
-        self.last_words.recv_timeout(Duration::from_secs(1)).unwrap_or_default()
+        let said = self.said.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
+        said.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
     }
-}
-
-/// The last line that is not blank. Everything is read, or the writer would block.
-fn last_line(mut stream: impl Read) -> String {
-    let mut bytes = Vec::new();
-    let _ = stream.read_to_end(&mut bytes);
-    let text = String::from_utf8_lossy(&bytes);
-    text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
 }

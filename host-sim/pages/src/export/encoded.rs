@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail, ensure};
 use smr_recordings::cleanup::Process;
 use smr_recordings::output::Output;
 use smr_recordings::{Moment, ffmpeg_input, silent};
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -122,13 +122,7 @@ impl Ffmpeg {
             }
             other => other.context("cannot start ffmpeg")?,
         };
-        let mut complaints = process.complaints().context("standard error is piped")?;
-        let (sender, said) = channel();
-        thread::spawn(move || {
-            let mut text = Vec::new();
-            let _ = complaints.read_to_end(&mut text);
-            sender.send(String::from_utf8_lossy(&text).into_owned())
-        });
+        let said = process.said();
         let mut pipe = process.input().context("standard input is piped")?;
         let ((frames, to_write), (written, taken)) = (channel::<Vec<u8>>(), channel());
         let chunks = Arc::new(AtomicU64::new(0));

@@ -100,11 +100,11 @@ pub(super) fn draw(film: &Film, still: &Still) -> Result<Sheet> {
 ///
 /// The method may have been started beside the annotator's box; it is put as far beside it here.
 fn at_truth(film: &Film, still: &Still, search: &Search, truth: &BoundingBox) -> Result<Difference> {
-    let centre = |of: &BoundingBox| (of.x + of.width / 2.0, of.y + of.height / 2.0);
-    let start = centre(&film.targets[0].starts[0].1.into());
-    let beside = film.truth_at(0).map_or((0.0, 0.0), |first| (start.0 - centre(&first).0, start.1 - centre(&first).1));
+    let start = BoundingBox::from(film.targets[0].starts[0].1).centre();
+    let beside = |first: BoundingBox| (start.0 - first.centre().0, start.1 - first.centre().1);
+    let beside = film.truth_at(0).map_or((0.0, 0.0), beside);
     let Difference { size: (width, height), template, .. } = &search.difference;
-    let (x, y) = centre(truth);
+    let (x, y) = truth.centre();
     let place = BoundingBox {
         x: x + beside.0 - f64::from(*width) / 2.0,
         y: y + beside.1 - f64::from(*height) / 2.0,
